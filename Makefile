@@ -1,0 +1,51 @@
+# Everything runs in .venv, which these targets make and keep up to date by themselves.
+PYTHON ?= python3
+BIN := .venv/bin
+.DEFAULT_GOAL := help
+
+.PHONY: help demo test test-slow check format bench proto clean
+
+help: ## Show this list.
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
+
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Wildscav needs Python 3.11 or newer; name one with: make PYTHON=python3.12 …"; exit 2; }
+	$(PYTHON) -m venv .venv
+
+.venv/.run: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
+	@touch $@
+
+.venv/.dev: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@touch $@ .venv/.run
+
+demo: .venv/.run ## Evaluate the three baselines on the three tracks (under 5 minutes).
+	$(BIN)/wildscav evaluate submissions/random submissions/homing submissions/hunter \
+		--suite quick --replays first --out out/demo --db out/demo/wildscav.db
+
+test: .venv/.dev ## Run the tests (under 10 minutes).
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+test-slow: .venv/.dev ## Run what is too slow for every day.
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
+
+check: .venv/.dev ## Lint, formatting, types and import contracts.
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: .venv/.dev ## Format the code and mend what can be mended by itself.
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: .venv/.dev ## Run every benchmark; each prints a table.
+	@for file in benchmarks/bench_*.py; do $(BIN)/python $$file || exit 1; done
+
+proto: .venv/.dev ## Generate the Python code of the protocol again.
+	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
+		--grpc_python_out=platform platform/wildscav/proto/*.proto
+
+clean: ## Remove the virtual environment and everything made.
+	rm -rf .venv out

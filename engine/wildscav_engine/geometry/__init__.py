@@ -1,0 +1,1 @@
+"""Shapes of the world, the grid over them, rays and sweeps."""

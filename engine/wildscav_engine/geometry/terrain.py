@@ -1,0 +1,42 @@
+"""The height field: heights, slopes and water at a point."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wildscav_engine.geometry.world import CELL, World, cell_of
+from wildscav_engine.kernel import kernel
+
+
+class Ground(NamedTuple):
+    """The terrain under a point: a plane, ``height + slope_x · dx + slope_z · dz``."""
+
+    height: float  # m
+    slope_x: float  # m up per m east
+    slope_z: float  # m up per m north
+
+
+@kernel
+def ground_at(world: World, x: float, z: float) -> Ground:
+    """Return the terrain triangle's height and slopes at (x, z); outside the map, its edge is continued."""
+    row = cell_of(world.corner[1], z, world.water.shape[0])
+    column = cell_of(world.corner[0], x, world.water.shape[1])
+    east = (x - world.corner[0]) / CELL - column
+    north = (z - world.corner[1]) / CELL - row
+    h00, h01 = world.heights[row, column], world.heights[row, column + 1]
+    h10, h11 = world.heights[row + 1, column], world.heights[row + 1, column + 1]
+    if east >= north:  # the south-eastern triangle
+        slope_east, slope_north = h01 - h00, h11 - h01
+    else:
+        slope_east, slope_north = h11 - h10, h10 - h00
+    height = h00 + slope_east * east + slope_north * north
+    return Ground(height, slope_east / CELL, slope_north / CELL)
+
+
+@kernel
+def water_at(world: World, x: float, z: float) -> float:
+    """Return the height in m of the water surface at (x, z), -inf where dry."""
+    row = cell_of(world.corner[1], z, world.water.shape[0])
+    column = cell_of(world.corner[0], x, world.water.shape[1])
+    surface = world.water[row, column]
+    return surface if surface > ground_at(world, x, z).height else -np.inf

@@ -1,0 +1,201 @@
+"""The static world as arrays: a triangulated height field, convex solids, and one uniform grid over both."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.kernel import kernel
+
+CELL = 2.0  # m, side of a grid cell and of a terrain quad
+BLOCK = 8  # cells along a side of a block, the coarser level of the grid
+
+
+class Kind(IntEnum):
+    """What a thing in the world is."""
+
+    NOTHING = 0
+    TERRAIN = 1
+    WATER = 2
+    WALL = 3
+    FLOOR = 4
+    STAIR = 5
+    ROOF = 6
+    TRUNK = 7
+    CROWN = 8
+    ROCK = 9
+    FURNITURE = 10
+
+
+class World(NamedTuple):
+    """The static world of one map: R rows of cells northwards, C columns eastwards, S solids with F faces.
+
+    The quad of cell (row, column) is split along its diagonal from the south-west to the north-east corner
+    into two triangles. A solid is all points p with ``faces[:, :3] · p <= faces[:, 3]`` for its faces.
+    """
+
+    corner: NDArray[np.float64]  # (2,) m, x and z of the south-west corner
+    heights: NDArray[np.float64]  # (R + 1, C + 1) m, terrain at the cell corners
+    water: NDArray[np.float64]  # (R, C) m, height of the water surface over a cell, -inf where dry
+    cell_top: NDArray[np.float64]  # (R, C) m, highest point of terrain and solids in a cell
+    block_top: NDArray[np.float64]  # (ceil(R / 8), ceil(C / 8)) m, the same for blocks of 8 × 8 cells
+    cell_start: NDArray[np.int32]  # (R * C + 1,) where each cell's solids start in cell_solids
+    cell_solids: NDArray[np.int32]  # indices of solids, cell after cell, row after row
+    solid_low: NDArray[np.float64]  # (S, 3) m, least corner of the box around a solid
+    solid_high: NDArray[np.float64]  # (S, 3) m, greatest corner
+    solid_start: NDArray[np.int32]  # (S + 1,) where each solid's faces start in faces
+    faces: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m
+    solid_kind: NDArray[np.int8]  # (S,) a Kind
+    spawns: NDArray[np.float64]  # (N, 3) m, where an agent may start or come back
+
+
+@dataclass(frozen=True)
+class Solid:
+    """One convex polyhedron."""
+
+    kind: Kind
+    planes: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m
+    low: NDArray[np.float64]  # (3,) m
+    high: NDArray[np.float64]  # (3,) m
+
+
+def convex_solid(kind: Kind, vertices: NDArray[np.float64], faces: Sequence[Sequence[int]]) -> Solid:
+    """Make a solid from its corners and, for each flat face, at least three of its corners' indices.
+
+    Faces may run either way round; normals are turned outwards by the middle of the corners.
+    """
+    middle = vertices[0] * 0.0
+    for vertex in vertices:
+        middle = middle + vertex
+    middle = middle / len(vertices)
+    planes = np.empty((len(faces), 4))
+    for row, face in enumerate(faces):
+        a, b, c = (vertices[index] for index in face[:3])
+        u, v = b - a, c - a
+        x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+        length = np.sqrt(x * x + y * y + z * z)
+        normal = np.array([x / length, y / length, z / length])
+        offset = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2]
+        inward = normal[0] * middle[0] + normal[1] * middle[1] + normal[2] * middle[2] > offset
+        planes[row, :3] = -normal if inward else normal
+        planes[row, 3] = -offset if inward else offset
+    return Solid(kind, planes, vertices.min(axis=0), vertices.max(axis=0))
+
+
+def build_world(
+    corner: tuple[float, float],
+    heights: NDArray[np.float64],
+    water: NDArray[np.float64],
+    solids: Sequence[Solid],
+    spawns: NDArray[np.float64],
+) -> World:
+    """Put terrain and solids into one grid.
+
+    Args:
+        corner: x and z in m of the south-west corner.
+        heights: (R + 1, C + 1) m.
+        water: (R, C) m, -inf where dry.
+        solids: All solids; they may reach beyond the grid, where nothing is found.
+        spawns: (N, 3) m, where an agent may start or come back.
+
+    Returns:
+        The world.
+    """
+    rows, columns = water.shape
+    low = np.array([solid.low for solid in solids], np.float64).reshape(-1, 3)
+    high = np.array([solid.high for solid in solids], np.float64).reshape(-1, 3)
+    face_counts = [0] + [len(solid.planes) for solid in solids]
+    faces = np.concatenate([solid.planes for solid in solids]) if solids else np.zeros((0, 4))
+    corner_array = np.array(corner, np.float64)
+    cell_start, cell_solids = _index_solids(corner_array, rows, columns, low, high)
+    cell_top = _top_of_cells(heights, cell_start, cell_solids, high)
+    return World(
+        corner=corner_array,
+        heights=np.ascontiguousarray(heights, np.float64),
+        water=np.ascontiguousarray(water, np.float64),
+        cell_top=cell_top,
+        block_top=_top_of_blocks(cell_top),
+        cell_start=cell_start,
+        cell_solids=cell_solids,
+        solid_low=low,
+        solid_high=high,
+        solid_start=np.cumsum(face_counts).astype(np.int32),
+        faces=np.ascontiguousarray(faces),
+        solid_kind=np.array([solid.kind for solid in solids], np.int8),
+        spawns=np.ascontiguousarray(spawns, np.float64).reshape(-1, 3),
+    )
+
+
+@kernel
+def cell_of(corner: float, coordinate: float, count: int) -> int:
+    """Return the row or column of a coordinate; outside the map, the nearest one."""
+    return min(count - 1, max(0, int(np.floor((coordinate - corner) / CELL))))
+
+
+@kernel
+def _index_solids(
+    corner: NDArray[np.float64],
+    rows: int,
+    columns: int,
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """List, for each cell, the solids whose boxes touch it (a counting sort)."""
+    start = np.zeros(rows * columns + 1, np.int32)
+    for fill in range(2):
+        if fill == 0:
+            items = np.zeros(0, np.int32)
+        else:
+            for cell in range(rows * columns):
+                start[cell + 1] += start[cell]
+            items = np.empty(start[rows * columns], np.int32)
+            written = start[:-1].copy()
+        for solid in range(low.shape[0]):
+            for row in range(
+                cell_of(corner[1], low[solid, 2], rows), cell_of(corner[1], high[solid, 2], rows) + 1
+            ):
+                for column in range(
+                    cell_of(corner[0], low[solid, 0], columns), cell_of(corner[0], high[solid, 0], columns) + 1
+                ):
+                    cell = row * columns + column
+                    if fill == 0:
+                        start[cell + 1] += 1
+                    else:
+                        items[written[cell]] = solid
+                        written[cell] += 1
+    return start, items
+
+
+@kernel
+def _top_of_cells(
+    heights: NDArray[np.float64],
+    cell_start: NDArray[np.int32],
+    cell_solids: NDArray[np.int32],
+    high: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
+    top = np.empty((rows, columns))
+    for row in range(rows):
+        for column in range(columns):
+            south = max(heights[row, column], heights[row, column + 1])
+            north = max(heights[row + 1, column], heights[row + 1, column + 1])
+            highest = max(south, north)
+            cell = row * columns + column
+            for item in range(cell_start[cell], cell_start[cell + 1]):
+                highest = max(highest, high[cell_solids[item], 1])
+            top[row, column] = highest
+    return top
+
+
+@kernel
+def _top_of_blocks(cell_top: NDArray[np.float64]) -> NDArray[np.float64]:
+    rows, columns = cell_top.shape
+    top = np.full(((rows + BLOCK - 1) // BLOCK, (columns + BLOCK - 1) // BLOCK), -np.inf)
+    for row in range(rows):
+        for column in range(columns):
+            block = (row // BLOCK, column // BLOCK)
+            top[block] = max(top[block], cell_top[row, column])
+    return top

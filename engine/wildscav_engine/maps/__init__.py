@@ -1,0 +1,1 @@
+"""Maps: made from a config and a seed."""

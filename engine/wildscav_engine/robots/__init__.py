@@ -1,0 +1,1 @@
+"""Built-in opponents that play inside the engine."""

@@ -1,0 +1,1 @@
+"""What an agent perceives: one file and one registry line a sensor."""

@@ -1,0 +1,107 @@
+"""The specs: everything that a map and a match are functions of."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from wildscav_engine.rules import FRAMES_PER_SECOND, Rules, RulesField
+
+Seed = Annotated[int, Field(ge=0, lt=2**64)]
+Percent = Annotated[float, Field(ge=0, le=100)]
+
+SUBMISSION = "submission"  # the word for a seat that an agent process fills
+
+
+class Spec(BaseModel):
+    """Base of all specs: frozen, strict about names, equal by value."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class MapConfig(Spec):
+    """What kind of map to make. With a seed, it gives exactly one map."""
+
+    size: Annotated[int, Field(ge=40, le=2000, multiple_of=2)] = 100  # m, of each side
+    houses: Annotated[int, Field(ge=0, le=200)] = 4
+    density: Literal["low", "high"] = "low"  # houses scattered, or close together
+    storeys: tuple[Annotated[int, Field(ge=1, le=4)], Annotated[int, Field(ge=1, le=4)]] = (1, 2)
+    water: Annotated[float, Field(ge=0, le=0.4)] = 0.08  # share of the area under lakes, about
+    vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
+
+    @model_validator(mode="after")
+    def _storeys_ascend(self) -> Self:
+        if self.storeys[0] > self.storeys[1]:
+            raise ValueError(f"storeys is {self.storeys}: the first number must not be above the second")
+        return self
+
+
+class MapSpec(Spec):
+    """One map."""
+
+    config: MapConfig = MapConfig()
+    seed: Seed = 0
+
+
+class SupplyWave(Spec):
+    """Supply boxes that appear at one moment, thickest around a centre."""
+
+    time: Annotated[float, Field(ge=0)] = 0.0  # s; 0 is the start of the match
+    center: tuple[float, float] | None = None  # x, z in m; None: a random indoor location
+    radius: Annotated[float, Field(ge=1, le=1000)] = 50.0  # m, standard deviation of the heat map
+    outdoor_richness: Annotated[float, Field(ge=0, le=50)] = 20.0  # % of outdoor grid points at the center
+    indoor_richness: Percent = 70.0  # % of indoor points
+
+
+class SupplyConfig(Spec):
+    """Where supply boxes lie and what they hold."""
+
+    waves: tuple[SupplyWave, ...] = (SupplyWave(center=(0.0, 0.0)),)
+    spacing: Annotated[float, Field(ge=1, le=100)] = 10.0  # m, of the outdoor grid
+    outdoor_quantity: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(le=1000)]] = (1, 5)
+    indoor_quantity: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(le=1000)]] = (10, 50)
+
+    @model_validator(mode="after")
+    def _quantities_ascend(self) -> Self:
+        for name in ("outdoor_quantity", "indoor_quantity"):
+            low, high = getattr(self, name)
+            if low > high:
+                raise ValueError(f"{name} is {(low, high)}: the first number must not be above the second")
+        return self
+
+
+class MatchSpec(Spec):
+    """One match: with every action of every seat, all that happens in it is a function of this."""
+
+    track: str  # a name in wildscav_engine.tracks.TRACKS
+    map: MapSpec = MapSpec()
+    seed: Seed = 0
+    seats: Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)] = (SUBMISSION,)  # or a robot's name
+    time_limit: Annotated[float, Field(gt=0, le=86_400)] = 120.0  # s of game time
+    frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5
+    start: tuple[float, float, float] | None = None  # m; None: a random outdoor location a seat
+    target: tuple[float, float, float] | None = None  # m; None: a random outdoor location (navigation)
+    supplies: SupplyConfig | None = None  # None: the track's default
+    rules: RulesField = Rules()
+
+    @property
+    def frame_limit(self) -> int:
+        """Frames after which the match is over at the latest."""
+        return max(1, round(self.time_limit * FRAMES_PER_SECOND))
+
+    @property
+    def step_limit(self) -> int:
+        """Steps after which the match is over at the latest."""
+        return -(-self.frame_limit // self.frames_per_action)
+
+    @model_validator(mode="after")
+    def _names_exist(self) -> Self:
+        from wildscav_engine.robots import ROBOTS
+        from wildscav_engine.tracks import TRACKS
+
+        if self.track not in TRACKS:
+            raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(TRACKS)}")
+        for seat, name in enumerate(self.seats):
+            if name != SUBMISSION and name not in ROBOTS:
+                allowed = ", ".join([SUBMISSION, *ROBOTS])
+                raise ValueError(f"seat {seat} is filled by {name!r}; allowed are {allowed}")
+        return self

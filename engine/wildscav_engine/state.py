@@ -1,0 +1,129 @@
+"""The state of a batch of matches: structures of arrays with a leading match axis.
+
+B matches, A seats in the largest of them, S slots for supply boxes in the largest. Kernels work on one
+match's slices, which have the same names and no B axis.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+NOBODY = -1  # in place of a seat
+
+
+class Agents(NamedTuple):
+    """Every fact about the agents."""
+
+    present: NDArray[np.bool_]  # (B, A) whether the match has this seat at all
+    team: NDArray[np.int32]  # (B, A)
+    position: NDArray[np.float64]  # (B, A, 3) m, soles of the feet, y up
+    velocity: NDArray[np.float64]  # (B, A, 3) m/s, as it came out in the last frame
+    yaw: NDArray[np.float64]  # (B, A) degrees in (-180, 180], 0 faces +z, grows clockwise from above
+    pitch: NDArray[np.float64]  # (B, A) degrees in [-90, 90], positive looks down
+    on_ground: NDArray[np.bool_]  # (B, A)
+    in_water: NDArray[np.bool_]  # (B, A)
+    walked: NDArray[np.float64]  # (B, A) m, horizontal way so far
+    health: NDArray[np.int32]  # (B, A) hp, 0 = dead
+    respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent comes back
+    invincible_left: NDArray[np.int32]  # (B, A) frames
+    clip: NDArray[np.int32]  # (B, A) rounds in the weapon
+    spare_ammo: NDArray[np.int32]  # (B, A) rounds carried besides
+    reload_left: NDArray[np.int32]  # (B, A) frames until a reload is done, 0 = not reloading
+    fire_left: NDArray[np.int32]  # (B, A) frames until the weapon can fire again
+    supplies: NDArray[np.int32]  # (B, A) carried
+    picked_up: NDArray[np.int32]  # (B, A) supplies picked up in all
+    kills: NDArray[np.int32]  # (B, A)
+    deaths: NDArray[np.int32]  # (B, A)
+    shots: NDArray[np.int32]  # (B, A)
+    hits: NDArray[np.int32]  # (B, A)
+    # What happened during the current step; cleared when the next begins.
+    fired: NDArray[np.bool_]  # (B, A)
+    shot_end: NDArray[np.float64]  # (B, A, 3) m, where the last shot ended
+    hit_seat: NDArray[np.int32]  # (B, A) whom it hit, or NOBODY
+    hit_by_seat: NDArray[np.int32]  # (B, A) who hit it, or NOBODY
+    gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
+
+
+class Supplies(NamedTuple):
+    """The supply boxes, those of later waves and those dropped at deaths included."""
+
+    position: NDArray[np.float64]  # (B, S, 3) m, on the ground or floor
+    quantity: NDArray[np.int32]  # (B, S) supplies in it, 0 = taken or a free slot
+    appears: NDArray[np.int32]  # (B, S) frame from which it is there
+    serial: NDArray[np.int32]  # (B, S) number of the box in its match, never used twice
+
+
+class Matches(NamedTuple):
+    """What is one number for a whole match."""
+
+    map_index: NDArray[np.int32]  # (B,) in the map bank
+    seed: NDArray[np.uint64]  # (B,)
+    frame: NDArray[np.int32]  # (B,) frames played
+    frame_limit: NDArray[np.int32]  # (B,)
+    step: NDArray[np.int32]  # (B,) steps played
+    over: NDArray[np.bool_]  # (B,)
+    target: NDArray[np.float64]  # (B, 3) m
+    has_target: NDArray[np.bool_]  # (B,) whether reaching the target ends the match
+    reached_by: NDArray[np.int32]  # (B,) the seat that reached it, or NOBODY
+    next_serial: NDArray[np.int32]  # (B,) for the next box dropped
+    digest: NDArray[np.uint64]  # (B,) of all states and actions so far
+
+
+class State(NamedTuple):
+    """All that changes in a batch of matches."""
+
+    agents: Agents
+    supplies: Supplies
+    matches: Matches
+
+
+def allocate_state(matches: int, seats: int, slots: int) -> State:
+    """Return a state with everything zero, nobody present and no boxes."""
+    b, a, s = matches, seats, slots
+    agents = Agents(
+        present=np.zeros((b, a), np.bool_),
+        team=np.zeros((b, a), np.int32),
+        position=np.zeros((b, a, 3)),
+        velocity=np.zeros((b, a, 3)),
+        yaw=np.zeros((b, a)),
+        pitch=np.zeros((b, a)),
+        on_ground=np.zeros((b, a), np.bool_),
+        in_water=np.zeros((b, a), np.bool_),
+        walked=np.zeros((b, a)),
+        **{name: np.zeros((b, a), np.int32) for name in _COUNTS},
+        fired=np.zeros((b, a), np.bool_),
+        shot_end=np.zeros((b, a, 3)),
+        hit_seat=np.full((b, a), NOBODY, np.int32),
+        hit_by_seat=np.full((b, a), NOBODY, np.int32),
+        gained=np.zeros((b, a), np.int32),
+    )
+    supplies = Supplies(
+        position=np.zeros((b, s, 3)),
+        quantity=np.zeros((b, s), np.int32),
+        appears=np.zeros((b, s), np.int32),
+        serial=np.zeros((b, s), np.int32),
+    )
+    return State(agents, supplies, _allocate_matches(b))
+
+
+_COUNTS = (
+    *("health", "respawn_left", "invincible_left", "clip", "spare_ammo", "reload_left", "fire_left"),
+    *("supplies", "picked_up", "kills", "deaths", "shots", "hits"),
+)
+
+
+def _allocate_matches(b: int) -> Matches:
+    return Matches(
+        map_index=np.zeros(b, np.int32),
+        seed=np.zeros(b, np.uint64),
+        frame=np.zeros(b, np.int32),
+        frame_limit=np.zeros(b, np.int32),
+        step=np.zeros(b, np.int32),
+        over=np.zeros(b, np.bool_),
+        target=np.zeros((b, 3)),
+        has_target=np.zeros(b, np.bool_),
+        reached_by=np.full(b, NOBODY, np.int32),
+        next_serial=np.zeros(b, np.int32),
+        digest=np.zeros(b, np.uint64),
+    )

@@ -1,0 +1,1 @@
+"""The systems of the game: motion, weapons, supplies, respawn."""

@@ -1,0 +1,1 @@
+"""The kinds of match: one file and one registry line a track."""

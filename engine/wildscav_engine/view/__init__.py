@@ -1,0 +1,1 @@
+"""Replays: the Rerun scene of a record."""
