@@ -1,6 +1,6 @@
 """Every rule of the game that an organizer may change between matches.
 
-Body and motion limits are not here: they are constants of the engine (``systems/body.py``), because a
+Body and motion limits are not here: they are constants of the engine (``body.py``), because a
 map's reachable places depend on them.
 """
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
 from wildscav_engine.kernel import kernel
 
 CELL = 2.0  # m, side of a grid cell and of a terrain quad
@@ -48,6 +49,7 @@ class World(NamedTuple):
     solid_high: NDArray[np.float64]  # (S, 3) m, greatest corner
     solid_start: NDArray[np.int32]  # (S + 1,) where each solid's faces start in faces
     faces: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m
+    face_reach: NDArray[np.float64]  # (F,) m, how far a body's position must keep from each face
     solid_kind: NDArray[np.int8]  # (S,) a Kind
     spawns: NDArray[np.float64]  # (N, 3) m, where an agent may start or come back
 
@@ -124,9 +126,19 @@ def build_world(
         solid_high=high,
         solid_start=np.cumsum(face_counts).astype(np.int32),
         faces=np.ascontiguousarray(faces),
+        face_reach=_reach_of_body(faces),
         solid_kind=np.array([solid.kind for solid in solids], np.int8),
         spawns=np.ascontiguousarray(spawns, np.float64).reshape(-1, 3),
     )
+
+
+def _reach_of_body(faces: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the distance from each face's plane at which an upright cylinder just touches it.
+
+    The position of a body is the middle of its soles, so a face that looks down is met by the head.
+    """
+    across = np.sqrt(faces[:, 0] * faces[:, 0] + faces[:, 2] * faces[:, 2])
+    return BODY_RADIUS * across + BODY_HEIGHT * np.maximum(0.0, -faces[:, 1])
 
 
 @kernel
