@@ -19,8 +19,8 @@ TOUCH = 1e-6  # m, how far from a plane a corner still lies on it
 class Mesh(NamedTuple):
     """A triangle mesh in the game's frame: V vertices, T triangles.
 
-    The corners a, b, c of a triangle run so that ``(b - a) × (c - a)`` points outwards: counter-clockwise
-    seen from outside where the same three numbers are plotted in a right-handed frame.
+    The corners a, b, c of a triangle run so that the cross product of b - a and c - a points outwards:
+    counter-clockwise seen from outside where the same three numbers are plotted in a right-handed frame.
     """
 
     vertices: NDArray[np.float32]  # (V, 3) m: x east, y up, z north
