@@ -64,27 +64,42 @@ class Solid:
     high: NDArray[np.float64]  # (3,) m
 
 
-def convex_solid(kind: Kind, vertices: NDArray[np.float64], faces: Sequence[Sequence[int]]) -> Solid:
+def convex_solid(
+    kind: Kind, vertices: NDArray[np.float64], faces: Sequence[Sequence[int]] | NDArray[np.int64]
+) -> Solid:
     """Make a solid from its corners and, for each flat face, at least three of its corners' indices.
 
-    Faces may run either way round; normals are turned outwards by the middle of the corners.
+    Faces may run either way round; normals are turned outwards by the middle of the corners. The first
+    three corners of a face must not lie on one line.
     """
-    middle = vertices[0] * 0.0
-    for vertex in vertices:
-        middle = middle + vertex
-    middle = middle / len(vertices)
-    planes = np.empty((len(faces), 4))
-    for row, face in enumerate(faces):
-        a, b, c = (vertices[index] for index in face[:3])
-        u, v = b - a, c - a
-        x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-        length = np.sqrt(x * x + y * y + z * z)
-        normal = np.array([x / length, y / length, z / length])
-        offset = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2]
-        inward = normal[0] * middle[0] + normal[1] * middle[1] + normal[2] * middle[2] > offset
-        planes[row, :3] = -normal if inward else normal
-        planes[row, 3] = -offset if inward else offset
+    triples = faces if isinstance(faces, np.ndarray) else np.array([face[:3] for face in faces], np.int64)
+    planes = _planes_of(vertices, triples)
     return Solid(kind, planes, vertices.min(axis=0), vertices.max(axis=0))
+
+
+@kernel
+def _planes_of(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+    middle_x, middle_y, middle_z = 0.0, 0.0, 0.0
+    for row in range(vertices.shape[0]):
+        middle_x += vertices[row, 0]
+        middle_y += vertices[row, 1]
+        middle_z += vertices[row, 2]
+    middle_x /= vertices.shape[0]
+    middle_y /= vertices.shape[0]
+    middle_z /= vertices.shape[0]
+    planes = np.empty((faces.shape[0], 4))
+    for row in range(faces.shape[0]):
+        a, b, c = vertices[faces[row, 0]], vertices[faces[row, 1]], vertices[faces[row, 2]]
+        ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+        vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        length = np.sqrt(x * x + y * y + z * z)
+        x, y, z = x / length, y / length, z / length
+        offset = x * a[0] + y * a[1] + z * a[2]
+        sign = -1.0 if x * middle_x + y * middle_y + z * middle_z > offset else 1.0
+        planes[row, 0], planes[row, 1], planes[row, 2] = sign * x, sign * y, sign * z
+        planes[row, 3] = sign * offset
+    return planes
 
 
 def build_world(
@@ -170,7 +185,8 @@ def _index_solids(
                 cell_of(corner[1], low[solid, 2], rows), cell_of(corner[1], high[solid, 2], rows) + 1
             ):
                 for column in range(
-                    cell_of(corner[0], low[solid, 0], columns), cell_of(corner[0], high[solid, 0], columns) + 1
+                    cell_of(corner[0], low[solid, 0], columns),
+                    cell_of(corner[0], high[solid, 0], columns) + 1,
                 ):
                     cell = row * columns + column
                     if fill == 0:

@@ -1,0 +1,130 @@
+"""The convex solids that houses, trees and rocks are made of."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import Kind, Solid, convex_solid
+from wildscav_engine.trig import cosine, sine
+
+Corner = tuple[float, float, float]  # m: across, up, along
+
+# The corners of a box are numbered by the bits (along, up, across): 0 = low, 1 = high.
+BOX_FACES = np.array([[0, 1, 4], [2, 3, 6], [0, 1, 2], [4, 5, 6], [0, 2, 4], [1, 3, 5]])
+# The same for a roof's eaves; corners 8 and 9 are the ends of its ridge.
+ROOF_FACES = np.array([[0, 1, 4], [0, 2, 4], [1, 3, 5], [0, 1, 2], [4, 5, 6], [2, 6, 8], [3, 7, 8]])
+
+
+class Pose(NamedTuple):
+    """Where a thing stands and how it is turned: its own axes are *across* (to its right) and *along*."""
+
+    x: float  # m
+    z: float  # m
+    sine: float  # of its yaw
+    cosine: float
+
+    def outside(self, across: float, along: float) -> tuple[float, float]:
+        """Return x and z of a point given in the thing's own axes."""
+        return (
+            self.x + across * self.cosine + along * self.sine,
+            self.z - across * self.sine + along * self.cosine,
+        )
+
+    def inside(self, x: float, z: float) -> tuple[float, float]:
+        """Return a point of the map in the thing's own axes."""
+        east, north = x - self.x, z - self.z
+        return east * self.cosine - north * self.sine, east * self.sine + north * self.cosine
+
+
+def pose(x: float, z: float, yaw: float) -> Pose:
+    """Return the pose at (x, z) in m that looks along a yaw in degrees."""
+    return Pose(x, z, sine(yaw), cosine(yaw))
+
+
+def box(kind: Kind, where: Pose, low: Corner, high: Corner) -> Solid:
+    """Make a box from two opposite corners in the axes of a pose; up is the height on the map."""
+    return convex_solid(kind, _box_corners(where, low, high), BOX_FACES)
+
+
+def gable_roof(kind: Kind, where: Pose, low: Corner, high: Corner, eaves: float) -> Solid:
+    """Make a pitched roof whose ridge runs along the pose.
+
+    Args:
+        kind: What it is.
+        where: Where it stands.
+        low: Its least corner, in the axes of the pose.
+        high: Its greatest; the ridge is at this height.
+        eaves: m, height of the upright band at the eaves. A body that is pushed off the faces would be
+            kept far away from a roof that ends in a sharp edge.
+    """
+    corners = np.empty((10, 3))
+    corners[:8] = _box_corners(where, low, (high[0], low[1] + eaves, high[2]))
+    middle = (low[0] + high[0]) * 0.5
+    for row, along in ((8, low[2]), (9, high[2])):
+        x, z = where.outside(middle, along)
+        corners[row] = (x, high[1], z)
+    return convex_solid(kind, corners, ROOF_FACES)
+
+
+def _box_corners(where: Pose, low: Corner, high: Corner) -> NDArray[np.float64]:
+    corners = []
+    for along in (low[2], high[2]):
+        plan = [where.outside(across, along) for across in (low[0], high[0])]
+        corners += [(x, up, z) for up in (low[1], high[1]) for x, z in plan]
+    return np.array(corners)
+
+
+def polygon(sides: int, turn: float) -> NDArray[np.float64]:
+    """Return the corners (sides, 2) in m of a regular polygon of radius 1, its first at a yaw in degrees."""
+    return rounded_polygon([turn + corner * 360.0 / sides for corner in range(sides)])
+
+
+def rounded_polygon(yaws: Sequence[float], across: float = 1.0) -> NDArray[np.float64]:
+    """Return corners (N, 2) in m on a circle of radius 1 at ascending yaws, then widened across (x)."""
+    return np.array([(across * sine(yaw), cosine(yaw)) for yaw in yaws])
+
+
+def stack(
+    kind: Kind,
+    x: float,
+    z: float,
+    outline: NDArray[np.float64],
+    rings: Sequence[tuple[float, float]],
+) -> Solid:
+    """Make a solid of rings of one outline above each other: a prism, frustum, pyramid or spindle.
+
+    Args:
+        kind: What it is.
+        x: m, of its axis.
+        z: m.
+        outline: (N, 2) corners of a convex polygon around (0, 0).
+        rings: Height in m and scale of the outline for each ring, upwards. The scales must bulge outwards
+            (each at least as wide as the straight line between its neighbours); the first and the last
+            may be 0, a tip.
+    """
+    sides, levels = len(outline), np.array(rings)
+    corners = np.empty((len(rings), sides, 3))
+    corners[:, :, 0] = x + outline[None, :, 0] * levels[:, 1, None]
+    corners[:, :, 1] = levels[:, 0, None]
+    corners[:, :, 2] = z + outline[None, :, 1] * levels[:, 1, None]
+    faces = _stack_faces(sides, tuple(scale == 0.0 for _, scale in rings))
+    return convex_solid(kind, corners.reshape(-1, 3), faces)
+
+
+@lru_cache(maxsize=64)
+def _stack_faces(sides: int, tips: tuple[bool, ...]) -> NDArray[np.int64]:
+    faces = []
+    for ring in range(len(tips) - 1):
+        lower, upper = ring * sides, (ring + 1) * sides
+        for corner in range(sides):
+            following = (corner + 1) % sides
+            if tips[ring]:
+                faces.append((lower, upper + corner, upper + following))
+            else:
+                faces.append((lower + corner, lower + following, upper + corner))
+    last = (len(tips) - 1) * sides
+    faces += [(end, end + 1, end + 2) for end, tip in ((0, tips[0]), (last, tips[-1])) if not tip]
+    return np.array(faces)
