@@ -1,0 +1,65 @@
+"""Every error that Wildscav raises for its users to read."""
+
+from pathlib import Path
+
+
+class WildscavError(Exception):
+    """Base of all errors of Wildscav: one clear line each."""
+
+
+class UserError(WildscavError):
+    """What the user asked for cannot be done. The command prints the line and exits.
+
+    Args:
+        message: One line: what, where, and what to do about it.
+        exit_code: 2 for a usage error (a wrong argument or file), 1 for a failure.
+    """
+
+    def __init__(self, message: str, exit_code: int = 1) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+class AgentError(WildscavError):
+    """The agent's own code broke the rules of the SDK."""
+
+
+class ServerUnreachableError(WildscavError):
+    """No match server answers, or it closed the connection before the match was over."""
+
+
+class RefusedError(WildscavError):
+    """The match server refused the seat.
+
+    Args:
+        reason: The reason in the server's status, such as ``SEAT_TOKEN_UNKNOWN``.
+        message: The server's explanation.
+    """
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(f"{message} ({reason})" if reason else message)
+        self.reason = reason
+
+
+class AddressInUseError(WildscavError):
+    """Something else listens on the address already, or the address cannot be had.
+
+    Args:
+        address: The address that was asked for.
+    """
+
+    def __init__(self, address: str, reason: str = "it is in use already") -> None:
+        super().__init__(f"cannot listen on {address}: {reason}; choose another address")
+        self.address = address
+
+
+class SensorError(WildscavError, ValueError):
+    """A seat asks for a sensor that does not exist, or with options that it does not take."""
+
+
+def describe(error: OSError) -> str:
+    """Return one line that says what went wrong with which file."""
+    reason = error.strerror or str(error) or type(error).__name__
+    if error.filename is None:
+        return reason
+    return f"{Path(str(error.filename))}: {reason}"

@@ -1,0 +1,95 @@
+"""Start an agent: ``python -m wildscav.sdk agent:Homing``, in the submission's folder.
+
+Or ``python -m wildscav.sdk FOLDER``: the entry point stands in the folder's submission.toml. Exit codes:
+0 the match was played, 2 usage, 3 the agent's code failed, 4 the server cannot be reached or refuses.
+"""
+
+import importlib
+import os
+import sys
+import tomllib
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+
+import wildscav
+from wildscav.errors import RefusedError, ServerUnreachableError, UserError
+from wildscav.sdk.agent import Agent
+from wildscav.sdk.run import run
+
+PLAYED, USAGE, AGENT_FAILED, NO_SERVER = 0, 2, 3, 4
+
+
+def main(arguments: list[str]) -> int:
+    """Play one match and return the exit code."""
+    if len(arguments) != 1 or arguments[0].startswith("-"):
+        return _fail(USAGE, "usage: python -m wildscav.sdk MODULE:CLASS  (or FOLDER with a submission.toml)")
+    try:
+        entry_point = _enter(arguments[0])
+        run(_load(entry_point))
+    except UserError as error:
+        return _fail(error.exit_code, str(error))
+    except (ServerUnreachableError, RefusedError) as error:
+        return _fail(NO_SERVER, str(error))
+    except KeyboardInterrupt:
+        return 130
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever an agent's code raises
+        _print_own_code(error)
+        return AGENT_FAILED
+    return PLAYED
+
+
+def _fail(code: int, message: str) -> int:
+    print(f"wildscav: {message}", file=sys.stderr)  # noqa: T201 - the SDK comes without rich
+    return code
+
+
+def _enter(target: str) -> str:
+    """Go to the submission's folder, put it first on the path, and return the entry point."""
+    if ":" not in target and Path(target).is_dir():
+        entry_point = _entry_point(Path(target) / "submission.toml")
+        os.chdir(target)
+    else:
+        entry_point = target
+    sys.path.insert(0, str(Path.cwd()))
+    return entry_point
+
+
+def _entry_point(path: Path) -> str:
+    try:
+        return str(tomllib.loads(path.read_text("utf-8"))["entry_point"])
+    except OSError as error:
+        raise UserError(f"cannot read {path}: {error.strerror}", USAGE) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError) as error:
+        raise UserError(f"{path} has no readable entry_point: {error}", USAGE) from None
+
+
+def _load(entry_point: str) -> Callable[[], Agent]:
+    """Import the agent's class; what its module raises is passed on."""
+    module_name, _, class_name = entry_point.partition(":")
+    if not module_name or not class_name:
+        raise UserError(f"entry point is {entry_point!r}, must be MODULE:CLASS, such as agent:MyAgent", USAGE)
+    module = importlib.import_module(module_name)
+    factory: object = getattr(module, class_name, None)
+    if not callable(factory):
+        raise UserError(f"module {module_name} ({module.__file__}) has no class {class_name}", AGENT_FAILED)
+    return factory
+
+
+def _print_own_code(error: BaseException) -> None:
+    """Print a traceback without the frames of the SDK at its beginning."""
+    own = str(Path(wildscav.__file__).parent)
+    trace: TracebackType | None = error.__traceback__
+    while trace is not None and _is_foreign_to_agent(trace, own):
+        trace = trace.tb_next
+    traceback.print_exception(type(error), error, trace, file=sys.stderr)
+
+
+def _is_foreign_to_agent(trace: TracebackType, own: str) -> bool:
+    name = trace.tb_frame.f_code.co_filename
+    return name.startswith((own, "<frozen importlib")) or name == importlib.__file__
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

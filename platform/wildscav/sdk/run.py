@@ -1,0 +1,68 @@
+"""Play one match with an agent."""
+
+import os
+from collections.abc import Callable
+
+from wildscav.errors import AgentError, UserError
+from wildscav.proto.match_pb2 import MatchOver
+from wildscav.sdk.agent import Agent, check_action
+from wildscav.sdk.connection import Connection
+
+ADDRESS_VARIABLE = "WILDSCAV_ADDRESS"
+TOKEN_VARIABLE = "WILDSCAV_TOKEN"  # noqa: S105 - the name of a variable, no secret
+
+
+def run(agent_class_or_factory: Callable[[], Agent]) -> None:
+    """Play one match, and return when it is over.
+
+    The server's address and the seat's token come from the environment: ``WILDSCAV_ADDRESS`` (``host:port``
+    or ``unix:/path``) and ``WILDSCAV_TOKEN``.
+
+    Args:
+        agent_class_or_factory: A subclass of ``Agent``, or anything that makes an agent when called.
+
+    Raises:
+        UserError: Address or token is missing.
+        AgentError: The agent answers with something else than an action.
+        ServerUnreachableError: No server answers, or the connection was lost.
+        RefusedError: The server does not give the seat.
+    """
+    address, token = _from_environment(ADDRESS_VARIABLE), _from_environment(TOKEN_VARIABLE)
+    # The agent is made before the seat is taken: what cannot be made cannot play.
+    agent = make_agent(agent_class_or_factory)
+    play(agent, address, token)
+
+
+def _from_environment(name: str) -> str:
+    value = os.environ.get(name, "")
+    if not value:
+        raise UserError(
+            f"{name} is not set: an agent is started by a match's host, for instance `wildscav play FOLDER`",
+            exit_code=2,
+        )
+    return value
+
+
+def make_agent(factory: Callable[[], Agent]) -> Agent:
+    """Make an agent.
+
+    Raises:
+        AgentError: What comes out has no ``act`` or no ``reset``.
+    """
+    agent = factory()
+    for method in ("reset", "act"):
+        if not callable(getattr(agent, method, None)):
+            name = getattr(factory, "__name__", repr(factory))
+            raise AgentError(f"{name} has no method {method}(): an agent is a subclass of wildscav.Agent")
+    return agent
+
+
+def play(agent: Agent, address: str, token: str) -> MatchOver:
+    """Play one match with an agent that has been made, and return how it ended."""
+    from wildscav import __version__
+
+    with Connection(address, token, __version__) as connection:
+        agent.reset(connection.match)
+        while not isinstance(message := connection.next(), MatchOver):
+            connection.answer(message.step, check_action(agent, agent.act(message)))
+        return message

@@ -1,0 +1,68 @@
+"""Actions: from the SDK into messages, and from messages into rows of numbers."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from wildscav.proto.match_pb2 import Action as ActionMessage
+from wildscav.proto.match_pb2 import ClientMessage
+from wildscav.sdk.agent import Action
+
+# The order of the columns in the engine's action rows; also the names in the protocol and the SDK.
+ACTION_FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")
+MAX_WALK_SPEED = 10.0  # m/s
+
+
+def encode_action(step: int, action: Action) -> ClientMessage:
+    """Return the message that answers the observation of a step."""
+    return ClientMessage(
+        action=ActionMessage(
+            step=step,
+            walk_direction=action.walk_direction,
+            walk_speed=action.walk_speed,
+            turn=action.turn,
+            look=action.look,
+            jump=action.jump,
+            pick_up=action.pick_up,
+            shoot=action.shoot,
+            reload=action.reload,
+        )
+    )
+
+
+class DecodedAction(NamedTuple):
+    """What a message asks for, checked."""
+
+    row: list[float] | None  # one number for each of ACTION_FIELDS; None: a number was out of its range
+    ignored: int  # fields set that the track does not have
+
+
+INVALID = DecodedAction(None, 0)
+
+
+def decode_action(message: ActionMessage, outside: Sequence[int]) -> DecodedAction:
+    """Check a message and return the row in it.
+
+    Args:
+        message: What the agent sent.
+        outside: The columns that are not in the track's action set; they come back as zero.
+    """
+    row = [
+        message.walk_direction,
+        message.walk_speed,
+        message.turn,
+        message.look,
+        float(message.jump),
+        float(message.pick_up),
+        float(message.shoot),
+        float(message.reload),
+    ]
+    # Written so that NaN fails too. A number too large for 32 bits has become infinite on the way.
+    if not (0.0 <= row[1] <= MAX_WALK_SPEED and math.isfinite(row[0] + row[2] + row[3])):
+        return INVALID
+    ignored = 0
+    for column in outside:
+        if row[column]:
+            row[column] = 0.0
+            ignored += 1
+    return DecodedAction(row, ignored)

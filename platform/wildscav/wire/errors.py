@@ -1,0 +1,60 @@
+"""Refusals: a google.rpc.Status with an ErrorInfo in one direction, the SDK's exceptions in the other."""
+
+from typing import Any
+
+import grpc
+from google.protobuf.any_pb2 import Any as AnyMessage
+from google.rpc.error_details_pb2 import ErrorInfo
+from google.rpc.status_pb2 import Status
+from grpc_status import rpc_status
+
+from wildscav.errors import RefusedError, ServerUnreachableError, WildscavError
+
+DOMAIN = "wildscav"
+
+
+class RefusalError(WildscavError):
+    """What the server answers to a call that it does not serve.
+
+    Args:
+        code: The gRPC status code.
+        reason: One of the reasons listed at the top of ``match.proto``.
+        message: One line for the person behind the client.
+    """
+
+    def __init__(self, code: grpc.StatusCode, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.code, self.reason = code, reason
+
+
+def encode_refusal(refusal: RefusalError) -> grpc.Status:
+    """Return a refusal as a status with typed details."""
+    detail = AnyMessage()
+    detail.Pack(ErrorInfo(reason=refusal.reason, domain=DOMAIN))
+    code: int = refusal.code.value[0]
+    status: grpc.Status = rpc_status.to_status(Status(code=code, message=str(refusal), details=[detail]))
+    return status
+
+
+def decode_error(error: grpc.RpcError, address: str) -> WildscavError:
+    """Return the exception that a failed call means to a user of the SDK."""
+    call: Any = error  # what a call raises is the call itself, of a class that gRPC does not publish
+    reason = reason_of(error)
+    if reason:
+        return RefusedError(reason, call.details() or "the server refused")
+    return ServerUnreachableError(
+        f"no match server answers at {address}, or it went away: {call.details()} ({call.code().name})"
+    )
+
+
+def reason_of(error: grpc.RpcError) -> str:
+    """Return the reason in a failed call's typed details, "" if it has none."""
+    try:
+        status = rpc_status.from_call(error)
+    except ValueError:  # the details contradict the status: not written by our server
+        return ""
+    for detail in status.details if status else ():
+        info = ErrorInfo()
+        if detail.Unpack(info) and info.domain == DOMAIN:
+            return info.reason
+    return ""

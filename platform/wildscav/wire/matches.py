@@ -1,0 +1,71 @@
+"""What is said once a match: joining, the match info, results."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from wildscav.proto import PROTOCOL_VERSION
+from wildscav.proto.match_pb2 import ClientMessage, Join, SeatResult, ServerMessage
+from wildscav.proto.match_pb2 import MatchInfo as MatchInfoMessage
+from wildscav.proto.match_pb2 import SupplyWave as SupplyWaveMessage
+from wildscav.proto.match_pb2 import Vector as VectorMessage
+from wildscav.sdk.agent import MatchInfo, SupplyWave, Vector
+from wildscav.wire.observations import decode_vector
+
+
+def encode_join(token: str, sdk_name: str, sdk_version: str) -> ClientMessage:
+    """Return the message that takes a seat."""
+    join = Join(token=token, protocol_version=PROTOCOL_VERSION, sdk_name=sdk_name, sdk_version=sdk_version)
+    return ClientMessage(join=join)
+
+
+def encode_match_info(info: MatchInfo) -> ServerMessage:
+    """Return the message that tells a seat about its match."""
+    message = MatchInfoMessage(
+        protocol_version=PROTOCOL_VERSION,
+        start=_vector(info.start),
+        target=None if info.target is None else _vector(info.target),
+        supply_waves=[
+            SupplyWaveMessage(
+                time=wave.time, center_x=wave.center[0], center_z=wave.center[1], radius=wave.radius
+            )
+            for wave in info.supply_waves
+        ],
+        **{name: getattr(info, name) for name in _SAME},
+    )
+    return ServerMessage(match_info=message)
+
+
+# Fields with one name and one meaning in the message and in the SDK.
+_SAME = (
+    *("track", "seat", "seats", "team", "time_limit", "frames_per_action", "frames_per_second", "map_size"),
+    *("seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight"),
+    *("clip_size", "start_health"),
+)
+
+
+def _vector(value: Vector) -> VectorMessage:
+    return VectorMessage(x=value[0], y=value[1], z=value[2])
+
+
+def decode_match_info(message: MatchInfoMessage) -> MatchInfo:
+    """Return the match info as the SDK shows it."""
+    same: dict[str, Any] = {name: getattr(message, name) for name in _SAME}
+    return MatchInfo(
+        start=decode_vector(message.start),
+        target=decode_vector(message.target) if message.HasField("target") else None,
+        supply_waves=tuple(
+            SupplyWave(wave.time, (wave.center_x, wave.center_z), wave.radius)
+            for wave in message.supply_waves
+        ),
+        **same,
+    )
+
+
+def encode_seat_result(values: Mapping[str, Any], name: str) -> SeatResult:
+    """Return a seat's result as a message.
+
+    Args:
+        values: The fields of the engine's ``SeatResult`` by name.
+        name: Display name of the seat.
+    """
+    return SeatResult(name=name, **values)
