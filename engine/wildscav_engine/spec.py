@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from wildscav_engine.rules import FRAMES_PER_SECOND, Rules, RulesField
 
@@ -10,6 +10,17 @@ Seed = Annotated[int, Field(ge=0, lt=2**64)]
 Percent = Annotated[float, Field(ge=0, le=100)]
 
 SUBMISSION = "submission"  # the word for a seat that an agent process fills
+
+
+def one_line(error: ValidationError) -> str:
+    """Say in one line what is wrong with a value: each field with its fault and what was given."""
+    parts = []
+    for fault in error.errors():
+        field = ".".join(str(part) for part in fault["loc"])
+        given = "" if fault["type"] in {"missing", "extra_forbidden"} else f", not {fault['input']!r}"
+        message = fault["msg"].removeprefix("Value error, ")
+        parts.append(f"{field}: {message}{given}" if field else message)
+    return "; ".join(parts)
 
 
 class Spec(BaseModel):

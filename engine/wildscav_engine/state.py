@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 NOBODY = -1  # in place of a seat
+MEMORY = 8  # numbers that a robot can remember
 
 
 class Agents(NamedTuple):
@@ -17,6 +18,8 @@ class Agents(NamedTuple):
 
     present: NDArray[np.bool_]  # (B, A) whether the match has this seat at all
     team: NDArray[np.int32]  # (B, A)
+    robot: NDArray[np.int32]  # (B, A) the number of the robot that fills the seat, 0 for none
+    memory: NDArray[np.float64]  # (B, A, 8) what a robot remembers
     position: NDArray[np.float64]  # (B, A, 3) m, soles of the feet, y up
     velocity: NDArray[np.float64]  # (B, A, 3) m/s, as it came out in the last frame
     yaw: NDArray[np.float64]  # (B, A) degrees in (-180, 180], 0 faces +z, grows clockwise from above
@@ -84,6 +87,8 @@ def allocate_state(matches: int, seats: int, slots: int) -> State:
     agents = Agents(
         present=np.zeros((b, a), np.bool_),
         team=np.zeros((b, a), np.int32),
+        robot=np.zeros((b, a), np.int32),
+        memory=np.zeros((b, a, MEMORY)),
         position=np.zeros((b, a, 3)),
         velocity=np.zeros((b, a, 3)),
         yaw=np.zeros((b, a)),

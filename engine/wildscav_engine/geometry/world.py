@@ -43,11 +43,11 @@ class World(NamedTuple):
     water: NDArray[np.float64]  # (R, C) m, height of the water surface over a cell, -inf where dry
     cell_top: NDArray[np.float64]  # (R, C) m, highest point of terrain and solids in a cell
     block_top: NDArray[np.float64]  # (ceil(R / 8), ceil(C / 8)) m, the same for blocks of 8 × 8 cells
-    cell_start: NDArray[np.int32]  # (R * C + 1,) where each cell's solids start in cell_solids
-    cell_solids: NDArray[np.int32]  # indices of solids, cell after cell, row after row
+    cell_start: NDArray[np.int64]  # (R * C + 1,) where each cell's solids start in cell_solids
+    cell_solids: NDArray[np.int64]  # indices of solids, cell after cell, row after row
     solid_low: NDArray[np.float64]  # (S, 3) m, least corner of the box around a solid
     solid_high: NDArray[np.float64]  # (S, 3) m, greatest corner
-    solid_start: NDArray[np.int32]  # (S + 1,) where each solid's faces start in faces
+    solid_start: NDArray[np.int64]  # (S + 1,) where each solid's faces start in faces
     faces: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m
     face_reach: NDArray[np.float64]  # (F,) m, how far a body's position must keep from each face
     solid_kind: NDArray[np.int8]  # (S,) a Kind
@@ -139,7 +139,7 @@ def build_world(
         cell_solids=cell_solids,
         solid_low=low,
         solid_high=high,
-        solid_start=np.cumsum(face_counts).astype(np.int32),
+        solid_start=np.cumsum(face_counts).astype(np.int64),
         faces=np.ascontiguousarray(faces),
         face_reach=_reach_of_body(faces),
         solid_kind=np.array([solid.kind for solid in solids], np.int8),
@@ -169,16 +169,16 @@ def _index_solids(
     columns: int,
     low: NDArray[np.float64],
     high: NDArray[np.float64],
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """List, for each cell, the solids whose boxes touch it (a counting sort)."""
-    start = np.zeros(rows * columns + 1, np.int32)
+    start = np.zeros(rows * columns + 1, np.int64)
     for fill in range(2):
         if fill == 0:
-            items = np.zeros(0, np.int32)
+            items = np.zeros(0, np.int64)
         else:
             for cell in range(rows * columns):
                 start[cell + 1] += start[cell]
-            items = np.empty(start[rows * columns], np.int32)
+            items = np.empty(start[rows * columns], np.int64)
             written = start[:-1].copy()
         for solid in range(low.shape[0]):
             for row in range(
@@ -200,8 +200,8 @@ def _index_solids(
 @kernel
 def _top_of_cells(
     heights: NDArray[np.float64],
-    cell_start: NDArray[np.int32],
-    cell_solids: NDArray[np.int32],
+    cell_start: NDArray[np.int64],
+    cell_solids: NDArray[np.int64],
     high: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     rows, columns = heights.shape[0] - 1, heights.shape[1] - 1

@@ -1,0 +1,199 @@
+"""A batch: many matches played as one, serially or over threads. A single match is a batch of one."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.actions import FIELDS, Field
+from wildscav_engine.kernel import kernel, parallel_kernel
+from wildscav_engine.maps import map_of
+from wildscav_engine.maps.bank import MapBank, build_bank, world_of
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rules import Rules
+from wildscav_engine.sensors.visibility import Seen, allocate_seen, look_around
+from wildscav_engine.set_up import MatchSetupError, Setup, plan_match, place_match
+from wildscav_engine.spec import MatchSpec
+from wildscav_engine.state import Agents, State, Supplies, allocate_state
+from wildscav_engine.step import play_step
+from wildscav_engine.systems.damage import equip
+from wildscav_engine.tracks import TRACKS
+
+
+class Batch:
+    """Matches of one track under the same rules; their maps, seeds, targets and time limits may differ."""
+
+    def __init__(self, specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None) -> None:
+        """Set the matches up.
+
+        Args:
+            specs: One for each match.
+            maps: One for each match, where they are at hand; else they are made.
+
+        Raises:
+            MatchSetupError: A match cannot be set up, or the specs cannot share a batch.
+        """
+        self.specs = tuple(specs)
+        self.maps = tuple(maps) if maps is not None else tuple(map_of(spec.map) for spec in specs)
+        first = _shared(self.specs)
+        self.track = TRACKS[first.track]
+        self.rules = first.rules
+        self.frames_per_action = first.frames_per_action
+        self.allowed = np.array([field in self.track.fields for field in Field])
+        self.setups: tuple[Setup, ...] = tuple(
+            plan_match(spec, game_map) for spec, game_map in zip(self.specs, self.maps, strict=True)
+        )
+        seats = max(len(spec.seats) for spec in self.specs)
+        slots = max(setup.slots for setup in self.setups)
+        self.state = allocate_state(len(self.specs), seats, slots)
+        self.seen = allocate_seen(len(self.specs), seats)
+        worlds = {id(game_map): game_map.world for game_map in self.maps}
+        places = {key: index for index, key in enumerate(worlds)}
+        self.bank = build_bank(tuple(worlds.values()))
+        for index, setup in enumerate(self.setups):
+            self.state.matches.map_index[index] = places[id(self.maps[index])]
+            place_match(self.state, index, setup)
+        open_batch(self.bank, self.state, self.rules, self.seen)
+
+    def step(self, actions: NDArray[np.float32], *, threads: int = 1) -> NDArray[np.float32]:
+        """Play one step of every match that is not over.
+
+        Args:
+            actions: (B, A, FIELDS). Rows of robots are replaced by their own choices, fields outside the
+                track's action set count as zero, and a row with a number that is not finite or a walk speed
+                outside 0–10 m/s does nothing.
+            threads: How many threads play. The outcome is the same, bit for bit.
+
+        Returns:
+            (B, A, FIELDS), the actions as they were played.
+        """
+        played = np.array(actions, np.float32).reshape(len(self.specs), -1, FIELDS)
+        arguments: tuple[Any, ...] = (self.bank, self.state, self.seen, played, self.allowed)
+        if threads == 1:
+            play_batch(*arguments, self.frames_per_action, self.rules)
+        else:
+            numba.set_num_threads(threads)
+            play_batch_in_threads(*arguments, self.frames_per_action, self.rules)
+        return played
+
+
+def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
+    """Return the first spec, having checked that the others can share a batch with it.
+
+    Raises:
+        MatchSetupError: They cannot, or there is none.
+    """
+    if not specs:
+        raise MatchSetupError("a batch needs at least one match")
+    for field in ("track", "rules", "frames_per_action"):
+        values = {getattr(spec, field) for spec in specs}
+        if len(values) > 1:
+            raise MatchSetupError(f"the matches of a batch must have the same {field}, not {values}")
+    return specs[0]
+
+
+@kernel
+def agents_of(agents: Agents, match: int) -> Agents:
+    """Return one match's agents as views."""
+    return Agents(
+        agents.present[match],
+        agents.team[match],
+        agents.robot[match],
+        agents.memory[match],
+        agents.position[match],
+        agents.velocity[match],
+        agents.yaw[match],
+        agents.pitch[match],
+        agents.on_ground[match],
+        agents.in_water[match],
+        agents.walked[match],
+        agents.health[match],
+        agents.respawn_left[match],
+        agents.invincible_left[match],
+        agents.clip[match],
+        agents.spare_ammo[match],
+        agents.reload_left[match],
+        agents.fire_left[match],
+        agents.supplies[match],
+        agents.picked_up[match],
+        agents.kills[match],
+        agents.deaths[match],
+        agents.shots[match],
+        agents.hits[match],
+        agents.fired[match],
+        agents.shot_end[match],
+        agents.hit_seat[match],
+        agents.hit_by_seat[match],
+        agents.gained[match],
+    )
+
+
+@kernel
+def supplies_of(supplies: Supplies, match: int) -> Supplies:
+    """Return one match's boxes as views."""
+    return Supplies(
+        supplies.position[match], supplies.quantity[match], supplies.appears[match], supplies.serial[match]
+    )
+
+
+@kernel
+def seen_of(seen: Seen, match: int) -> Seen:
+    """Return what one match's agents see as views."""
+    return Seen(
+        seen.agents[match],
+        seen.agent_count[match],
+        seen.supplies[match],
+        seen.supply_count[match],
+        seen.can_pick_up[match],
+    )
+
+
+def _play_batch(
+    bank: MapBank,
+    state: State,
+    seen: Seen,
+    actions: NDArray[np.float32],
+    allowed: NDArray[np.bool_],
+    frames_per_action: int,
+    rules: Rules,
+) -> None:
+    """Play one step of every match that is not over; the actions become what was played."""
+    agents, supplies, matches = state
+    for match in numba.prange(actions.shape[0]):
+        if not matches.over[match]:
+            play_step(
+                world_of(bank, matches.map_index[match]),
+                agents_of(agents, match),
+                supplies_of(supplies, match),
+                matches,
+                match,
+                seen_of(seen, match),
+                actions[match],
+                allowed,
+                frames_per_action,
+                rules,
+            )
+
+
+play_batch = kernel(_play_batch)
+play_batch_in_threads = parallel_kernel(_play_batch)
+
+
+@kernel
+def open_batch(bank: MapBank, state: State, rules: Rules, seen: Seen) -> None:
+    """Equip everybody and let them look around, before the first step."""
+    agents, supplies, matches = state
+    for match in range(matches.over.shape[0]):
+        for seat in range(agents.present.shape[1]):
+            if agents.present[match, seat]:
+                equip(agents_of(agents, match), seat, rules)
+        look_around(
+            world_of(bank, matches.map_index[match]),
+            agents_of(agents, match),
+            supplies_of(supplies, match),
+            matches.frame[match],
+            rules,
+            seen_of(seen, match),
+        )

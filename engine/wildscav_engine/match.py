@@ -1,0 +1,145 @@
+"""One match: what the server, re-simulation and tests play."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.actions import FIELDS, no_actions
+from wildscav_engine.batch import Batch
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.result import MatchResult, SeatResult
+from wildscav_engine.sensors.visibility import Seen
+from wildscav_engine.set_up import MatchSetupError, WaveInfo, seed_of_seat
+from wildscav_engine.spec import SUBMISSION, MatchSpec
+from wildscav_engine.state import State
+from wildscav_engine.tracks import Track
+
+__all__ = ["Match", "MatchSetupError", "StartInfo", "WaveInfo"]
+
+
+class StartInfo(NamedTuple):
+    """What a seat is told before the first step."""
+
+    position: tuple[float, float, float]  # m
+    target: tuple[float, float, float] | None  # m
+    team: int
+    seed: int  # private, 63 bits
+    waves: tuple[WaveInfo, ...]  # of supplies, known in advance
+
+
+class Match:
+    """One match, from its first state to its result."""
+
+    def __init__(self, spec: MatchSpec, game_map: GameMap | None = None) -> None:
+        """Set a match up.
+
+        Args:
+            spec: The match.
+            game_map: Its map, where it is at hand; else it is made.
+
+        Raises:
+            MatchSetupError: The match cannot be set up; the message says why.
+        """
+        self._batch = Batch([spec], None if game_map is None else [game_map])
+        self.spec = spec
+        self.game_map = self._batch.maps[0]
+        self.actions_played: list[NDArray[np.float32]] = []
+        self.digests: list[int] = []
+
+    @property
+    def track(self) -> Track:
+        """The kind of match."""
+        return self._batch.track
+
+    @property
+    def state(self) -> State:
+        """The state, with a leading axis of length one."""
+        return self._batch.state
+
+    @property
+    def seen(self) -> Seen:
+        """What every agent sees now, with a leading axis of length one."""
+        return self._batch.seen
+
+    @property
+    def seats(self) -> int:
+        """How many seats there are."""
+        return len(self.spec.seats)
+
+    @property
+    def robots(self) -> dict[int, str]:
+        """The seats that robots fill, and which."""
+        return {seat: name for seat, name in enumerate(self.spec.seats) if name != SUBMISSION}
+
+    @property
+    def over(self) -> bool:
+        """Whether the match has ended."""
+        return bool(self.state.matches.over[0])
+
+    @property
+    def frame(self) -> int:
+        """Frames played so far."""
+        return int(self.state.matches.frame[0])
+
+    @property
+    def step_number(self) -> int:
+        """Steps played so far."""
+        return int(self.state.matches.step[0])
+
+    @property
+    def digest(self) -> int:
+        """The 64-bit digest of all states and actions so far."""
+        return int(self.state.matches.digest[0])
+
+    def start_info(self, seat: int) -> StartInfo:
+        """Return what a seat is told before the first step."""
+        setup = self._batch.setups[0]
+        target = None if setup.target is None else _triple(setup.target)
+        return StartInfo(_triple(setup.starts[seat]), target, seat, seed_of_seat(self.spec, seat), setup.waves)
+
+    def step(self, actions: NDArray[np.float32] | None = None) -> None:
+        """Play one step; nothing happens once the match is over.
+
+        Args:
+            actions: (A, FIELDS), as ``Batch.step`` takes them; None for no action of anyone.
+        """
+        if self.over:
+            return
+        rows = no_actions(self.seats) if actions is None else actions
+        self.actions_played.append(self._batch.step(rows.reshape(1, self.seats, FIELDS))[0])
+        self.digests.append(self.digest)
+
+    def play_out(self) -> None:
+        """Play the rest of the match with no action of the submissions."""
+        while not self.over:
+            self.step()
+
+    def result(self) -> MatchResult:
+        """Return the result, from the state as it stands."""
+        return MatchResult(
+            track=self.track.name,
+            frames=self.frame,
+            steps=self.step_number,
+            seats=tuple(self._seat_result(seat) for seat in range(self.seats)),
+        )
+
+    def _seat_result(self, seat: int) -> SeatResult:
+        agents = self.state.agents
+        return SeatResult(
+            seat=seat,
+            filled_by=self.spec.seats[seat],
+            team=int(agents.team[0, seat]),
+            supplies=int(agents.supplies[0, seat]),
+            kills=int(agents.kills[0, seat]),
+            deaths=int(agents.deaths[0, seat]),
+            shots=int(agents.shots[0, seat]),
+            hits=int(agents.hits[0, seat]),
+            walked=float(agents.walked[0, seat]),
+            metrics=dict(self.track.measure(self, seat)),
+        )
+
+
+def _triple(place: Sequence[float] | NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(place[0]), float(place[1]), float(place[2])

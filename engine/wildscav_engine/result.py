@@ -1,0 +1,27 @@
+"""The result of a match, from engine state alone."""
+
+from wildscav_engine.spec import Spec
+
+
+class SeatResult(Spec):
+    """What one seat achieved."""
+
+    seat: int
+    filled_by: str  # "submission" or a robot's name
+    team: int
+    supplies: int  # carried at the end
+    kills: int
+    deaths: int
+    shots: int
+    hits: int
+    walked: float  # m
+    metrics: dict[str, float]  # by the names of Track.metrics
+
+
+class MatchResult(Spec):
+    """What came out of a match."""
+
+    track: str
+    frames: int
+    steps: int
+    seats: tuple[SeatResult, ...]

@@ -1,0 +1,118 @@
+"""What robots share: how they see themselves, turn, walk, and get free where they are stuck.
+
+A robot is a kernel that reads what its seat may know and writes one action row. It draws from the match's seed
+and remembers a few numbers in ``Agents.memory``.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.actions import Field
+from wildscav_engine.kernel import kernel
+from wildscav_engine.rng import Stream, uniform_in
+from wildscav_engine.sensors.visibility import Seen
+from wildscav_engine.state import Agents, Supplies
+from wildscav_engine.trig import arctangent, wrap
+
+STUCK_SPEED = 0.3  # of the speed wanted; slower is stuck
+PATIENCE = 3.0  # steps stuck before a way round is tried
+DETOUR = 12.0  # steps that a way round is kept
+
+
+class Memory(IntEnum):
+    """What the numbers of a robot's memory are."""
+
+    HEADING = 0  # degrees, where it wanders
+    WANDER_LEFT = 1  # steps until it chooses another heading
+    WANTED_SPEED = 2  # m/s of its last action
+    STUCK = 3  # steps in a row that it got nowhere
+    DETOUR_LEFT = 4  # steps left on a way round
+    DETOUR_HEADING = 5  # degrees
+
+
+class Situation(NamedTuple):
+    """What a robot knows when it chooses: one match's slices and its own seat."""
+
+    agents: Agents
+    supplies: Supplies
+    seen: Seen
+    seat: int
+    seed: int
+    frame: int
+    frames_per_action: int
+
+
+class Robot(NamedTuple):
+    """A built-in opponent."""
+
+    name: str
+    title: str
+    number: int  # in Agents.robot; never changes, because records name it through the spec
+
+
+@kernel
+def random_in(now: Situation, low: float, high: float, draw: int) -> float:
+    """Return a random number in [low, high) for this robot and frame."""
+    return uniform_in(low, high, now.seed, Stream.ROBOT, now.frame, now.seat, draw)
+
+
+@kernel
+def turn_toward(now: Situation, yaw: float, pitch: float, limit: float, action: NDArray[np.float32]) -> None:
+    """Turn the view towards a direction, by at most ``limit`` degrees in this step."""
+    turn = wrap(yaw - now.agents.yaw[now.seat])
+    look = pitch - now.agents.pitch[now.seat]
+    action[Field.TURN] = min(limit, max(-limit, turn)) / now.frames_per_action
+    action[Field.LOOK] = min(limit, max(-limit, look)) / now.frames_per_action
+
+
+@kernel
+def walk_toward(now: Situation, heading: float, speed: float, action: NDArray[np.float32]) -> None:
+    """Walk, and where that gets nowhere jump, then try a way round."""
+    memory = now.agents.memory[now.seat]
+    velocity = now.agents.velocity[now.seat]
+    pace = np.sqrt(velocity[0] * velocity[0] + velocity[2] * velocity[2])
+    if pace < STUCK_SPEED * memory[Memory.WANTED_SPEED]:
+        memory[Memory.STUCK] += 1.0
+        action[Field.JUMP] = 1.0
+    else:
+        memory[Memory.STUCK] = 0.0
+    if memory[Memory.STUCK] > PATIENCE:
+        memory[Memory.STUCK] = 0.0
+        memory[Memory.DETOUR_LEFT] = DETOUR
+        memory[Memory.DETOUR_HEADING] = heading + random_in(now, 60.0, 300.0, 1)
+    if memory[Memory.DETOUR_LEFT] > 0.0:
+        memory[Memory.DETOUR_LEFT] -= 1.0
+        heading = memory[Memory.DETOUR_HEADING]
+    memory[Memory.WANTED_SPEED] = speed
+    action[Field.WALK_DIRECTION] = wrap(heading)
+    action[Field.WALK_SPEED] = speed
+
+
+@kernel
+def wander(now: Situation, action: NDArray[np.float32]) -> None:
+    """Walk in a direction for a while, then in another, looking ahead."""
+    memory = now.agents.memory[now.seat]
+    memory[Memory.WANDER_LEFT] -= 1.0
+    if memory[Memory.WANDER_LEFT] <= 0.0 or memory[Memory.STUCK] > PATIENCE - 1.0:
+        memory[Memory.WANDER_LEFT] = random_in(now, 20.0, 80.0, 2)
+        memory[Memory.HEADING] = random_in(now, 0.0, 360.0, 3)
+    heading = memory[Memory.HEADING]
+    walk_toward(now, heading, 6.0, action)
+    turn_toward(now, heading, 0.0, 30.0, action)
+
+
+@kernel
+def gather(now: Situation, action: NDArray[np.float32]) -> bool:
+    """Walk to the nearest box in sight and pick it up; return False if none is in sight."""
+    action[Field.PICK_UP] = 1.0
+    if now.seen.supply_count[now.seat] == 0:
+        return False
+    box = now.supplies.position[now.seen.supplies[now.seat, 0]]
+    here = now.agents.position[now.seat]
+    heading = arctangent(box[0] - here[0], box[2] - here[2])
+    walk_toward(now, heading, 8.0, action)
+    turn_toward(now, heading, 0.0, 30.0, action)
+    return True

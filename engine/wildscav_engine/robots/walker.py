@@ -1,0 +1,15 @@
+"""The walker wanders about and does nothing else."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.kernel import kernel
+from wildscav_engine.robots.base import Robot, Situation, wander
+
+WALKER = Robot("walker", "wanders about", 1)
+
+
+@kernel
+def walk(now: Situation, action: NDArray[np.float32]) -> None:
+    """Wander."""
+    wander(now, action)

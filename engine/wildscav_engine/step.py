@@ -1,0 +1,180 @@
+"""The step: the rulebook in its order."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.actions import FIELDS, MAX_WALK_SPEED, Field
+from wildscav_engine.digest import digest_step
+from wildscav_engine.geometry.terrain import water_at
+from wildscav_engine.geometry.world import World
+from wildscav_engine.kernel import kernel
+from wildscav_engine.robots.base import Situation
+from wildscav_engine.robots.decide import decide
+from wildscav_engine.rules import FRAME, Rules
+from wildscav_engine.sensors.visibility import Seen, look_around
+from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
+from wildscav_engine.systems.damage import apply_damage, bring_back
+from wildscav_engine.systems.motion import Bodies, move
+from wildscav_engine.systems.supplies import pick_up
+from wildscav_engine.systems.weapons import handle_weapon, shoot
+from wildscav_engine.trig import wrap
+
+
+@kernel
+def play_step(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seen: Seen,
+    actions: NDArray[np.float32],
+    allowed: NDArray[np.bool_],
+    frames_per_action: int,
+    rules: Rules,
+) -> None:
+    """Play one step of one match, in place: one action of every agent, held for some frames.
+
+    Args:
+        world: The static world.
+        agents: The agents of the match.
+        supplies: Its boxes.
+        matches: All matches.
+        match: Which one it is.
+        seen: What the agents see; robots decide by it, and it is brought up to date at the end.
+        actions: (A, FIELDS); becomes what was really played (robots decide, invalid rows do nothing).
+        allowed: (FIELDS,) the track's action set.
+        frames_per_action: How many frames the actions are held.
+        rules: The rules.
+    """
+    _clear_step_facts(agents)
+    for seat in range(actions.shape[0]):
+        _settle_action(agents, supplies, matches, match, seen, seat, frames_per_action, allowed, actions[seat])
+    for _ in range(frames_per_action):
+        if not matches.over[match]:
+            play_frame(world, agents, supplies, matches, match, actions, rules)
+    matches.step[match] += 1
+    matches.digest[match] = digest_step(matches.digest[match], agents, supplies, actions, matches.frame[match])
+    look_around(world, agents, supplies, matches.frame[match], rules, seen)
+
+
+@kernel
+def play_frame(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    actions: NDArray[np.float32],
+    rules: Rules,
+) -> None:
+    """Play one frame, in place. The order below is the rulebook."""
+    seats = actions.shape[0]
+    alive = agents.health > 0
+    for turn in range(seats):
+        # Who moves first rotates, so that no seat always wins a doorway.
+        _turn_and_move(world, agents, alive, (turn + matches.frame[match]) % seats, actions, rules)
+    matches.frame[match] += 1
+    # The target is tested every frame, so that nobody runs through it between two steps.
+    _test_target(agents, matches, match, rules)
+    pick_up(agents, supplies, actions, matches.frame[match], rules)
+    damage = np.zeros(seats, np.int32)
+    for seat in range(seats):
+        if agents.health[seat] > 0:
+            handle_weapon(agents, seat, actions[seat, Field.RELOAD] != 0.0, rules)
+    # Everyone has moved before anyone shoots, so no agent gains by coming first.
+    shoot(world, agents, actions, rules, damage)
+    # Damage lands after the last shot: two agents can kill each other in one frame.
+    apply_damage(agents, supplies, matches, match, damage, rules)
+    bring_back(world, agents, matches, match, rules)
+    if matches.frame[match] >= matches.frame_limit[match]:
+        matches.over[match] = True
+
+
+@kernel
+def _clear_step_facts(agents: Agents) -> None:
+    agents.fired[:] = False
+    agents.hit_seat[:] = NOBODY
+    agents.hit_by_seat[:] = NOBODY
+    agents.gained[:] = 0
+
+
+@kernel
+def _settle_action(
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seen: Seen,
+    seat: int,
+    frames_per_action: int,
+    allowed: NDArray[np.bool_],
+    action: NDArray[np.float32],
+) -> None:
+    """Turn an action row into what counts: a robot's choice, or what was sent as far as it is valid."""
+    if agents.robot[seat] != 0:
+        action[:] = 0.0
+        if agents.health[seat] > 0:
+            frame, seed = matches.frame[match], matches.seed[match]
+            decide(Situation(agents, supplies, seen, seat, seed, frame, frames_per_action), action)
+    valid = agents.present[seat]
+    for field in range(FIELDS):
+        if not allowed[field]:
+            action[field] = 0.0
+        valid = valid and np.isfinite(action[field])
+    speed = action[Field.WALK_SPEED]
+    if not (valid and 0.0 <= speed <= MAX_WALK_SPEED):
+        action[:] = 0.0
+
+
+@kernel
+def _turn_and_move(
+    world: World,
+    agents: Agents,
+    alive: NDArray[np.bool_],
+    seat: int,
+    actions: NDArray[np.float32],
+    rules: Rules,
+) -> None:
+    """Turn the view of one agent, then move its body."""
+    if not alive[seat]:
+        return
+    action = actions[seat]
+    agents.yaw[seat] = wrap(agents.yaw[seat] + np.float64(action[Field.TURN]))
+    pitch = agents.pitch[seat] + np.float64(action[Field.LOOK])
+    agents.pitch[seat] = min(90.0, max(-90.0, pitch))
+    place = agents.position[seat]
+    moved = move(
+        world,
+        Bodies(agents.position, alive, seat),
+        agents.velocity[seat, 1],
+        agents.on_ground[seat],
+        np.float64(action[Field.WALK_DIRECTION]),
+        np.float64(action[Field.WALK_SPEED]),
+        action[Field.JUMP] != 0.0,
+        rules.water_speed_factor,
+    )
+    way_x, way_z = moved.x - place[0], moved.z - place[2]
+    agents.walked[seat] += np.sqrt(way_x * way_x + way_z * way_z)
+    agents.velocity[seat, 0] = way_x / FRAME
+    agents.velocity[seat, 1] = moved.rise
+    agents.velocity[seat, 2] = way_z / FRAME
+    place[0], place[1], place[2] = moved.x, moved.y, moved.z
+    agents.on_ground[seat] = moved.on_ground
+    agents.in_water[seat] = moved.y < water_at(world, moved.x, moved.z)
+
+
+@kernel
+def _test_target(agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
+    """End the match when the first agent is at the target (3D, from the soles)."""
+    if not matches.has_target[match]:
+        return
+    target, reach = matches.target[match], rules.target_distance
+    for seat in range(agents.health.shape[0]):
+        dx = agents.position[seat, 0] - target[0]
+        dy = agents.position[seat, 1] - target[1]
+        dz = agents.position[seat, 2] - target[2]
+        near = dx * dx + dy * dy + dz * dz <= reach * reach
+        if near and agents.health[seat] > 0 and matches.reached_by[match] == NOBODY:
+            matches.reached_by[match] = seat
+            matches.over[match] = True

@@ -1,0 +1,39 @@
+"""Supply battle: gather in competition with others, who can be shot for what they carry."""
+
+from typing import TYPE_CHECKING
+
+from wildscav_engine.actions import Field
+from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.tracks.base import Metric
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+
+
+class Battle:
+    """The supplies that a seat carries at the end; the dead come back after a while."""
+
+    name = "battle"
+    title = "Supply battle"
+    fields = frozenset(Field)
+    has_target = False
+    metrics = (
+        Metric("supplies", "supplies", "", lower_is_better=False),
+        Metric("kills", "kills", "", lower_is_better=False),
+        Metric("deaths", "deaths", "", lower_is_better=True),
+    )
+
+    def supplies(self, spec: MatchSpec) -> SupplyConfig:
+        """Return the spec's supplies, or the competition's first wave over the whole map."""
+        return spec.supplies or SupplyConfig(
+            waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0
+        )
+
+    def measure(self, match: "Match", seat: int) -> dict[str, float]:
+        """Return the supplies carried, kills and deaths."""
+        agents = match.state.agents
+        return {
+            "supplies": float(agents.supplies[0, seat]),
+            "kills": float(agents.kills[0, seat]),
+            "deaths": float(agents.deaths[0, seat]),
+        }

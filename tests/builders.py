@@ -1,0 +1,66 @@
+"""Small worlds and matches for tests, made by hand."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.actions import FIELDS, Field
+from wildscav_engine.geometry.world import CELL, Kind, Solid, World, build_world, convex_solid
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.match import Match
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+
+BOX_FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+
+
+def box(low: Sequence[float], high: Sequence[float], kind: Kind = Kind.WALL) -> Solid:
+    """An upright box from its least to its greatest corner."""
+    (x0, y0, z0), (x1, y1, z1) = low, high
+    bottom = [(x0, y0, z0), (x1, y0, z0), (x1, y0, z1), (x0, y0, z1)]
+    top = [(x, y1, z) for x, _, z in bottom]
+    return convex_solid(kind, np.array(bottom + top, float), BOX_FACES)
+
+
+def flat_world(size: int = 40, solids: Sequence[Solid] = (), slope: float = 0.0, water: float = -np.inf) -> World:
+    """A square world about the origin, level or rising eastwards, with solids on it."""
+    cells = int(size / CELL)
+    east = np.arange(cells + 1) * CELL - size / 2
+    heights = np.tile(east * slope, (cells + 1, 1))
+    spots = np.array([[x, x * slope, z] for x in range(-15, 16, 6) for z in range(-15, 16, 6)], float)
+    surface = np.full((cells, cells), water)
+    return build_world((-size / 2, -size / 2), heights, surface, solids, spots)
+
+
+def map_from(world: World, indoor: Sequence[Sequence[float]] = ()) -> GameMap:
+    """A map around a world made by hand."""
+    size = round(-2 * world.corner[0])
+    spec = MapSpec(config=MapConfig(size=size, houses=0))
+    inside = np.array(indoor, float).reshape(-1, 3)
+    houses = np.full(len(world.solid_kind), -1, np.int16)
+    return GameMap(spec, world, (), inside, world.spawns.copy(), houses)
+
+
+def make_match(track: str = "battle", world: World | None = None, seats: int = 1, **spec: Any) -> Match:
+    """A match on a small flat map."""
+    return Match(
+        MatchSpec(track=track, seats=("submission",) * seats, **spec), map_from(world or flat_world())
+    )
+
+
+def place(match: Match, seat: int, position: Sequence[float], yaw: float = 0.0, pitch: float = 0.0) -> None:
+    """Put an agent somewhere, looking somewhere."""
+    agents = match.state.agents
+    agents.position[0, seat] = position
+    agents.yaw[0, seat], agents.pitch[0, seat] = yaw, pitch
+
+
+def act(match: Match, steps: int = 1, **seats: dict[str, float]) -> None:
+    """Play steps in which the named seats (``seat_0={"walk_speed": 5}``) do the same again and again."""
+    rows: NDArray[np.float32] = np.zeros((match.seats, FIELDS), np.float32)
+    for name, fields in seats.items():
+        for field, value in fields.items():
+            rows[int(name.removeprefix("seat_")), Field[field.upper()]] = value
+    for _ in range(steps):
+        match.step(rows)
