@@ -1,0 +1,39 @@
+"""The agent that goes straight to what it wants."""
+
+from steering import Boxes, Search, Steering, Vector, effort
+from wildscav import Action, Agent, MatchInfo, Observation
+from wildscav.geometry import turn_to
+
+FULL_SPEED = 10.0  # m/s
+MAX_TURN = 4.0  # degrees a frame
+
+
+class Homing(Agent):
+    """Walks to the target, or to the nearest supply box in sight, or searches for one."""
+
+    def reset(self, match: MatchInfo) -> None:
+        """Remember the target and the waves of supplies."""
+        self.match = match
+        self.steering = Steering(match.seed)
+        self.search = Search(match)
+        self.boxes = Boxes(effort)
+
+    def act(self, observation: Observation) -> Action:
+        """Walk on at full speed, facing where it goes, and pick up what is within reach."""
+        goal = self.goal(observation)
+        direction, jump = self.steering.toward(observation, goal)
+        turn = turn_to(observation.yaw, direction) / self.match.frames_per_action
+        return Action(
+            walk_direction=direction,
+            walk_speed=FULL_SPEED,
+            turn=max(-MAX_TURN, min(MAX_TURN, turn)),
+            look=-observation.pitch / self.match.frames_per_action,
+            jump=jump,
+            pick_up=observation.can_pick_up,
+        )
+
+    def goal(self, observation: Observation) -> Vector:
+        """Return where to go now."""
+        if self.match.target is not None:
+            return self.match.target
+        return self.boxes.choose(observation) or self.search.next_place(observation)

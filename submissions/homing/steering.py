@@ -1,0 +1,151 @@
+"""Walking to a goal and round what stands in the way, without looking; and where to search."""
+
+import math
+import random
+from collections import deque
+from collections.abc import Callable
+
+from wildscav import MatchInfo, Observation, SupplyBox
+from wildscav.geometry import direction_to, flat_distance
+
+Vector = tuple[float, float, float]
+
+PATIENCE = 6  # steps over which an agent that walks should get somewhere
+STUCK_WAY = 1.2  # m, less than this in so many steps is stuck
+JUMPS = 4  # steps of jumping before a detour
+PROGRESS = 2.0  # m nearer to the goal than ever: the last obstacle is behind
+
+
+class Steering:
+    """Walks towards goals: straight, then jumping, then round about."""
+
+    def __init__(self, seed: int) -> None:
+        self.random = random.Random(seed)  # noqa: S311 (a game, not a secret)
+        self.trail: deque[Vector] = deque(maxlen=PATIENCE)
+        self.goal: Vector | None = None
+        self.nearest = math.inf  # m, to the goal so far
+        self.jumps_left = 0
+        self.detours = 0  # around the present obstacle
+        self.detour_left = 0  # steps
+        self.offset = 0.0  # degrees off the straight way, during a detour
+
+    def toward(self, observation: Observation, goal: Vector) -> tuple[float, bool]:
+        """Return the compass direction to walk in (degrees), and whether to jump."""
+        self._notice_progress(observation.position, goal)
+        self._notice_obstacle(observation)
+        direction = direction_to(observation.position, goal)
+        if self.detour_left > 0:
+            self.detour_left -= 1
+            # A low step may be what stops the detour, so hop now and then.
+            return direction + self.offset, self.detour_left % 8 == 0
+        if self.jumps_left > 0:
+            self.jumps_left -= 1
+            return direction, True
+        return direction, False
+
+    def _notice_progress(self, position: Vector, goal: Vector) -> None:
+        if self.goal is None or flat_distance(self.goal, goal) > 1.0:
+            self.goal, self.nearest = goal, math.inf
+            self.detours = self.detour_left = self.jumps_left = 0
+        left = flat_distance(position, goal)
+        if left < self.nearest - PROGRESS:
+            self.nearest, self.detours = left, 0
+
+    def _notice_obstacle(self, observation: Observation) -> None:
+        position = observation.position
+        self.trail.append(position)
+        if len(self.trail) < PATIENCE or flat_distance(self.trail[0], position) > self._slow(observation):
+            return
+        self.trail.clear()
+        if self.detour_left == 0 and self.detours == 0 and self.jumps_left == 0:
+            self.jumps_left = JUMPS
+            self.detours = 1
+            return
+        # Keep to one side for a while, as one hand on a wall; then try the other, further out.
+        if self.detours == 1:
+            self.offset = self.random.choice((-1.0, 1.0)) * 60.0
+        elif self.detours % 3 == 0:
+            self.offset = -self.offset
+        else:
+            self.offset = math.copysign(self.random.uniform(70.0, 150.0), self.offset)
+        self.detours += 1
+        self.jumps_left = 0
+        self.detour_left = min(8 + 5 * self.detours, 60)
+
+    @staticmethod
+    def _slow(observation: Observation) -> float:
+        return STUCK_WAY * (0.5 if observation.in_water else 1.0)
+
+
+class Search:
+    """Places to look for supplies: a spiral around the middle of the wave that came last."""
+
+    def __init__(self, match: MatchInfo) -> None:
+        self.waves = match.supply_waves
+        self.spacing = max(match.supply_sight, 5.0)  # m between the spiral's arms
+        self.limit = match.map_size / 2.0 - 3.0  # m from the middle of the map
+        self.wave = -1
+        self.angle = 0.0  # radians along the spiral
+        self.patience = 0  # steps left for the present place
+        self.place: Vector = match.start
+
+    def next_place(self, observation: Observation) -> Vector:
+        """Return where to walk to with nothing in sight."""
+        current = sum(wave.time <= observation.time for wave in self.waves) - 1
+        if current != self.wave:
+            self.wave, self.angle, self.patience = current, 0.0, 0
+        self.patience -= 1
+        if self.patience < 0 or flat_distance(observation.position, self.place) < 3.0:
+            self.place = self._advance(observation.position)
+            self.patience = 20 + round(flat_distance(observation.position, self.place) * 2.0)
+        return self.place
+
+    def _advance(self, position: Vector) -> Vector:
+        """Return the spiral's next place inside the map."""
+        middle = self.waves[self.wave].center if self.wave >= 0 else (0.0, 0.0)
+        for _ in range(1000):
+            radius = self.spacing * self.angle / math.tau
+            if radius > 2.0 * self.limit:
+                self.angle = 0.0
+                continue
+            place = (
+                middle[0] + radius * math.sin(self.angle),
+                position[1],
+                middle[1] + radius * math.cos(self.angle),
+            )
+            # Steps of about 10 m, wider turns near the middle.
+            self.angle += min(1.5, 10.0 / max(radius, 1.0))
+            if max(abs(place[0]), abs(place[2])) < self.limit:
+                return place
+        return (0.0, position[1], 0.0)
+
+
+class Boxes:
+    """Which supply box to go for. One that cannot be had in time is left alone for a while."""
+
+    PATIENCE = 6.0  # s beyond the time that the straight way takes
+    LEFT_ALONE = 25.0  # s
+
+    def __init__(self, cost: Callable[[Vector, SupplyBox], float]) -> None:
+        self.cost = cost  # of fetching a box from where one is: the lowest is chosen
+        self.wanted: int | None = None
+        self.give_up_at = 0.0  # s of game time
+        self.left_alone: dict[int, float] = {}  # box → time from which it may be tried again
+
+    def choose(self, observation: Observation) -> Vector | None:
+        """Return the position of the best box that is worth trying, or nothing."""
+        now, here = observation.time, observation.position
+        if self.wanted is not None and now > self.give_up_at:
+            self.left_alone[self.wanted] = now + self.LEFT_ALONE
+            self.wanted = None
+        boxes = {box.id: box for box in observation.supply_boxes if self.left_alone.get(box.id, 0.0) <= now}
+        if self.wanted not in boxes:
+            self.wanted = min(boxes, key=lambda box: self.cost(here, boxes[box]), default=None)
+            if self.wanted is not None:
+                self.give_up_at = now + self.PATIENCE + flat_distance(here, boxes[self.wanted].position) / 5.0
+        return None if self.wanted is None else boxes[self.wanted].position
+
+
+def effort(here: Vector, box: SupplyBox) -> float:
+    """Return about how far a box is, m: on another floor it is further than it looks."""
+    return flat_distance(here, box.position) + 4.0 * abs(box.position[1] - here[1])
