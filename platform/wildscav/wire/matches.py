@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from wildscav.proto import PROTOCOL_VERSION
-from wildscav.proto.match_pb2 import ClientMessage, Join, SeatResult, ServerMessage
+from wildscav.proto.match_pb2 import ClientMessage, Join, SeatConduct, SeatResult, ServerMessage
 from wildscav.proto.match_pb2 import MatchInfo as MatchInfoMessage
 from wildscav.proto.match_pb2 import SupplyWave as SupplyWaveMessage
 from wildscav.proto.match_pb2 import Vector as VectorMessage
@@ -69,3 +69,12 @@ def encode_seat_result(values: Mapping[str, Any], name: str) -> SeatResult:
         name: Display name of the seat.
     """
     return SeatResult(name=name, **values)
+
+
+def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
+    """Return how a seat behaved as a message.
+
+    Args:
+        values: The fields of the server's ``Conduct`` by name.
+    """
+    return SeatConduct(**values)

@@ -1,0 +1,17 @@
+"""The match server: many matches at once in one event loop, one stream a seat."""
+
+from wildscav.server.deadlines import Clock
+from wildscav.server.reports import MatchOutcome, SeatReport, SeatStatus, ThinkTime
+from wildscav.server.server import MatchServer
+from wildscav.server.session import HostedMatch, MatchCancelledError
+
+__all__ = [
+    "Clock",
+    "HostedMatch",
+    "MatchCancelledError",
+    "MatchOutcome",
+    "MatchServer",
+    "SeatReport",
+    "SeatStatus",
+    "ThinkTime",
+]

@@ -1,0 +1,79 @@
+"""What the server reports of a match: how each seat's process behaved."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+
+
+class SeatStatus(StrEnum):
+    """How a seat's part in the match ended."""
+
+    FINISHED = "finished"
+    NEVER_JOINED = "never_joined"
+    LEFT = "left"  # its stream ended, or its launcher gave it up; no action from then on
+    TIMED_OUT = "timed_out"  # its time bank was used up; late steps were played with no action
+    PROTOCOL_ERROR = "protocol_error"  # it sent what no agent may send; no action from then on
+
+
+class ThinkTime(NamedTuple):
+    """Time from sending an observation to receiving its answer, s, measured at the engine."""
+
+    total: float = 0.0
+    p50: float = 0.0
+    p99: float = 0.0
+    max: float = 0.0
+
+    @classmethod
+    def of(cls, times: Sequence[float]) -> "ThinkTime":
+        """Sum up the times of all steps."""
+        if not times:
+            return cls()
+        p50, p99 = np.percentile(np.asarray(times), (50, 99)).tolist()
+        return cls(float(sum(times)), p50, p99, float(max(times)))
+
+
+NO_TIME = ThinkTime()
+
+
+@dataclass(slots=True)
+class Conduct:
+    """What is counted of a seat's behaviour while it plays."""
+
+    status: SeatStatus = SeatStatus.FINISHED
+    detail: str = ""
+    steps_played: int = 0
+    late_steps: int = 0
+    dropped_actions: int = 0
+    invalid_actions: int = 0
+    ignored_fields: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class SeatReport:
+    """How one seat's process behaved."""
+
+    seat: int
+    status: SeatStatus
+    detail: str = ""  # why, in a line
+    steps_played: int = 0  # with an answer in time
+    late_steps: int = 0  # without one, while the seat was still in the match
+    dropped_actions: int = 0  # answers to steps that were over
+    invalid_actions: int = 0  # with a number out of its range, played as no action
+    ignored_fields: int = 0  # set outside the track's action set, in all actions together
+    think_time: ThinkTime = NO_TIME
+
+
+@dataclass(frozen=True, slots=True)
+class MatchOutcome:
+    """A finished match and how its seats behaved."""
+
+    match: "Match"
+    seats: dict[int, SeatReport] = field(default_factory=dict)  # of the submission seats
+    cut_at: int | None = None  # the step at which the wall clock ran out; the rest was played with no action
+    seconds: float = 0.0  # wall time of the steps

@@ -1,0 +1,113 @@
+"""One submission seat of a hosted match: its rights, its mailbox and its conduct."""
+
+import asyncio
+from array import array
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from wildscav.errors import SensorError
+from wildscav.proto.match_pb2 import ServerMessage
+from wildscav.server.deadlines import TimeBank
+from wildscav.server.reports import Conduct, SeatReport, SeatStatus, ThinkTime
+from wildscav.wire.errors import RefusalError
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+    from wildscav_engine.sensors import Sensor
+    from wildscav_engine.sensors.base import SensorConfig
+
+
+class Seat:
+    """A seat that an agent process fills.
+
+    Args:
+        number: Of the seat in its match.
+        token: The secret that takes it.
+        bank: Its time.
+        sensors: What its observations carry besides, by name.
+    """
+
+    def __init__(
+        self, number: int, token: str, bank: TimeBank, sensors: dict[str, tuple["Sensor", "SensorConfig"]]
+    ) -> None:
+        self.number = number
+        self.token = token
+        self.bank = bank
+        self._sensors = sensors
+        self.stream: asyncio.Task[Any] | None = None  # serves its connection
+        self.gone = False  # plays no action for the rest of the match
+        self.asked = -1  # step of the last observation that it was handed
+        self.conduct = Conduct()
+        self.times = array("d")  # s, of each step
+        self._waiter: asyncio.Future[ServerMessage] | None = None  # done when its next message is there
+
+    @property
+    def present(self) -> bool:
+        """Whether it has joined and not gone."""
+        return self.stream is not None and not self.gone
+
+    @property
+    def waits(self) -> bool:
+        """Whether its stream waits for a message; if not, it owes an answer."""
+        return self._waiter is not None and not self._waiter.done()
+
+    async def message(self) -> ServerMessage:
+        """Wait for the message that ``hand_over`` brings, or for the end that ``dismiss`` makes."""
+        self._waiter = asyncio.get_running_loop().create_future()
+        try:
+            return await self._waiter
+        finally:
+            self._waiter = None
+
+    def hand_over(self, message: ServerMessage) -> None:
+        """Give a message to the stream that waits for it."""
+        if self._waiter is not None:
+            self._waiter.set_result(message)
+
+    def dismiss(self, refusal: RefusalError) -> None:
+        """End the seat's stream, if it has one: with a reason if it listens, by force if it does not."""
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_exception(refusal)
+        elif self.stream is not None:
+            self.stream.cancel()
+
+    def sense(self, match: "Match") -> dict[str, NDArray[Any]]:
+        """Read the seat's sensors."""
+        return {
+            name: sensor.read(match, [self.number], config)[0]
+            for name, (sensor, config) in self._sensors.items()
+        }
+
+    def mark(self, status: SeatStatus, detail: str) -> None:
+        """Say how the seat's part in the match ended, and why."""
+        self.conduct.status = status
+        self.conduct.detail = detail
+
+    def report(self) -> SeatReport:
+        """Return its conduct so far."""
+        return SeatReport(seat=self.number, think_time=ThinkTime.of(self.times), **asdict(self.conduct))
+
+
+def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple["Sensor", "SensorConfig"]]:
+    """Check the sensors that a seat asks for.
+
+    Args:
+        wanted: The options of each sensor by its name.
+
+    Raises:
+        SensorError: There is no such sensor, or it has no such option.
+    """
+    from wildscav_engine.sensors import SENSORS
+
+    parsed = {}
+    for name, options in wanted.items():
+        if name not in SENSORS:
+            raise SensorError(f"there is no sensor {name!r}; the sensors are {', '.join(SENSORS)}")
+        try:
+            parsed[name] = (SENSORS[name], SENSORS[name].parse(options))
+        except ValueError as error:
+            raise SensorError(str(error)) from None
+    return parsed
