@@ -11,7 +11,7 @@ from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan, draw_plan
 from wildscav_engine.maps.houses import FLOOR_LIFT, build_house, doorsteps
 from wildscav_engine.maps.locations import NODE, indoor_places, outdoor_places, reachable_ground
 from wildscav_engine.maps.sites import Site, footprints_of, place_houses
-from wildscav_engine.maps.terrain import level_ground, make_terrain, water_of_cells
+from wildscav_engine.maps.terrain import Terrain, level_ground, make_terrain, water_of_cells
 from wildscav_engine.maps.vegetation import plant
 from wildscav_engine.spec import MapConfig, MapSpec
 
@@ -38,13 +38,7 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
     """
     spec = MapSpec(config=config, seed=seed)
     terrain = make_terrain(config, seed)
-    plans = [draw_plan(seed, number, config.storeys) for number in range(config.houses)]
-    sites = place_houses(config, seed, terrain, [plan.size for plan in plans])
-    if len(sites) < len(plans):
-        raise MapError(
-            f"houses is {config.houses}: the map of {config.size} m with seed {seed} "
-            f"has room for 0 to {len(sites)}"
-        )
+    plans, sites = _settle(config, seed, terrain)
     footprints = footprints_of(sites)
     level_ground(
         terrain.corner, footprints, np.array([site.ground for site in sites], np.float64), terrain.heights
@@ -68,10 +62,30 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
     )
 
 
+def plans_and_sites(config: MapConfig, seed: int) -> tuple[list[HousePlan], list[Site]]:
+    """Return what the houses of a map are like inside, and where they stand."""
+    return _settle(config, seed, make_terrain(config, seed))
+
+
 @lru_cache(maxsize=8)
 def map_of(spec: MapSpec) -> GameMap:
     """Return the map of a spec; the last few are remembered."""
     return generate_map(spec.config, spec.seed)
+
+
+def _settle(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[HousePlan], list[Site]]:
+    """Draw the houses and find their places; where they have no room, draw smaller ones."""
+    for small in (False, True):
+        plans = [draw_plan(seed, number, config.storeys, small=small) for number in range(config.houses)]
+        sites = place_houses(config, seed, terrain, [plan.size for plan in plans])
+        if len(sites) == len(plans):
+            break
+    else:
+        raise MapError(
+            f"houses is {config.houses}: a map of {config.size} m with seed {seed} and water {config.water} "
+            f"has room for 0 to {len(sites)}"
+        )
+    return plans, sites
 
 
 def _build_houses(plans: list[HousePlan], sites: list[Site]) -> tuple[list[Solid], list[int]]:

@@ -89,19 +89,21 @@ class HousePlan(NamedTuple):
         return Rectangle(-across, -along, across, along)
 
 
-def draw_plan(seed: int, number: int, storeys: tuple[int, int]) -> HousePlan:
+def draw_plan(seed: int, number: int, storeys: tuple[int, int], *, small: bool = False) -> HousePlan:
     """Draw one house of a map.
 
     Args:
         seed: Of the map.
         number: Of the house, which keys its random numbers.
         storeys: Fewest and most.
+        small: Whether it shall take little room.
 
     Returns:
         The plan.
     """
     dice = Dice(seed, Stream.HOUSES, agent=1000 + number)
-    size = (dice.uniform(8.0, 14.0), dice.uniform(7.0, 12.0))
+    widest, deepest = (9.0, 8.0) if small else (14.0, 12.0)
+    size = (dice.uniform(8.0, widest), dice.uniform(7.0, deepest))
     count = dice.integer(*storeys)
     plan = HousePlan(size, (), gable=dice.uniform() < 0.6)
     side = 1 if dice.uniform() < 0.5 else -1
@@ -136,7 +138,7 @@ def hole_over(flight: Flight) -> Rectangle:
 def _inner_walls(
     dice: Dice, room: Rectangle, partition: float, up: Flight | None, hole: Rectangle | None
 ) -> tuple[Wall, ...]:
-    """Part a storey in a left and a right half, and parts of those that have no stairs in a front and a back."""
+    """Part a storey in a left and a right half, and halves without stairs in a front and a back."""
     half = INNER_WALL / 2.0
     cuts = []
     for left, right in ((room.left, partition - half), (partition + half, room.right)):
@@ -207,19 +209,17 @@ def _outer_walls(
 def _door_spans(room: Rectangle, partition: float, up: Flight | None) -> list[tuple[float, float]]:
     """Return where a doorway may be in the front or back wall: clear of stairs and of the inner wall."""
     margin = DOOR_WIDTH / 2.0 + 0.15
-    spans = []
-    for left, right in ((room.left, partition), (partition, room.right)):
-        if up and left <= up.outline.left and up.outline.right <= right:
-            left, right = (
-                (up.outline.right, right) if up.outline.left == room.left else (left, up.outline.left)
-            )
-        if right - left > 2.0 * margin:
-            spans.append((left + margin, right - margin))
-    return spans
+    left, right = room.left, room.right
+    if up and up.outline.left == room.left:
+        left = up.outline.right
+    elif up:
+        right = up.outline.left
+    halves = ((left, partition), (partition, right))
+    return [(start + margin, end - margin) for start, end in halves if end - start > 2.0 * margin]
 
 
 def _wall(outline: Rectangle, is_across: bool, doorways: list[Opening], joints: list[float]) -> Wall:
-    """Return an outer wall with as many windows as have room between doorways and where inner walls meet it."""
+    """Return an outer wall with windows wherever no doorway is and no inner wall meets it."""
     start, end = (outline.left, outline.right) if is_across else (outline.back, outline.front)
     start, end = start + OUTER_WALL, end - OUTER_WALL
     bays = max(1, int((end - start) / WINDOW_BAY))

@@ -16,6 +16,8 @@ from wildscav_engine.spec import MapConfig
 EDGE_MARGIN = 3.0  # m between a house and the edge of the map
 SHORE_MARGIN = 0.25  # m that the natural ground under a house lies above the water
 STEEPEST_GROUND = 4.5  # m, greatest difference of natural heights under a house
+STEEPEST_JOIN = 0.3  # m up per m between the levels of two houses
+TOWN_CHOICES = 12
 SCATTERED_GAP, CLOSE_GAP = 9.0, 4.0  # m between houses
 STREET_WIDTH, STREET_SPACING = 8.0, 40.0  # m
 DARTS = 300  # places tried at random before all places are tried in order
@@ -100,14 +102,12 @@ def _along_streets(
     config: MapConfig, dice: Dice, terrain: Terrain, sizes: list[tuple[float, float]]
 ) -> list[Site]:
     """Place houses on both sides of parallel streets, nearest to the middle first, fronts to the street."""
-    near = 0.15 * config.size
-    yaw = dice.uniform(-180.0, 180.0)
-    town = pose(dice.uniform(-near, near), dice.uniform(-near, near), yaw)
-    reach = min(float(config.size), 12.0 * len(sizes) + 20.0)
-    streets = range(-(len(sizes) // 8), len(sizes) // 8 + 1)
+    town, yaw = _town(config, dice, terrain, len(sizes))
+    reach = min(0.75 * config.size, 12.0 * len(sizes) + 20.0)
+    most = min(len(sizes) // 8, int(0.75 * config.size / STREET_SPACING))
     slots = sorted(
         (max(abs(t * 2.0), abs(street) * 30.0), street, t, side)
-        for street in streets
+        for street in range(-most, most + 1)
         for t in range(int(-reach / 2.0), int(reach / 2.0) + 1)
         for side in (-1, 1)
     )
@@ -123,6 +123,21 @@ def _along_streets(
         if site:
             sites.append(site)
     return sites
+
+
+def _town(config: MapConfig, dice: Dice, terrain: Terrain, houses: int) -> tuple[Pose, float]:
+    """Choose the middle and the yaw of the main street: of a few places, the most level one that is dry."""
+    near, length = 0.25 * config.size, 4.0 * houses + 8.0
+    best, best_score = (pose(0.0, 0.0, 0.0), 0.0), np.inf
+    for _ in range(TOWN_CHOICES):
+        yaw = dice.uniform(-180.0, 180.0)
+        town = pose(dice.uniform(-near, near), dice.uniform(-near, near), yaw)
+        ground = np.array((*town, 16.0, length))
+        lowest, highest, _ = heights_under(terrain.corner, terrain.heights, ground)
+        score = highest - lowest + (100.0 if lowest < terrain.water_level else 0.0)
+        if score < best_score:
+            best, best_score = (town, yaw), score
+    return best
 
 
 def _site(
@@ -164,7 +179,7 @@ def _ground_for(
     for other in range(others.shape[0]):
         if gap_between(footprint, others[other]) < gap:
             return -np.inf
-    lowest, highest, mean = _heights_under(corner, heights, footprint)
+    lowest, highest, mean = heights_under(corner, heights, footprint)
     if lowest < water_level + SHORE_MARGIN or highest - lowest > STEEPEST_GROUND:
         return -np.inf
     ground = mean
@@ -176,7 +191,7 @@ def _ground_for(
         return -np.inf
     for other in range(others.shape[0]):
         apart = gap_between(footprint, others[other]) - 2.0 * LEVEL_MARGIN
-        if abs(ground - grounds[other]) > 0.5 * max(0.0, apart):
+        if abs(ground - grounds[other]) > STEEPEST_JOIN * max(0.0, apart):
             return -np.inf
     return ground
 
@@ -202,7 +217,7 @@ def _reaches_edge(corner: tuple[float, float], footprint: NDArray[np.float64]) -
 
 @kernel
 def gap_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Return the distance in m between two footprints; where they cross, less than half of the longer side."""
+    """Return the distance in m between two footprints; where two like ours cross, less than 4 m."""
     nearest = min(
         distance_to_footprint(one, other[0], other[1]), distance_to_footprint(other, one[0], one[1])
     )
@@ -215,7 +230,7 @@ def gap_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 @kernel
-def _heights_under(
+def heights_under(
     corner: tuple[float, float], heights: NDArray[np.float64], footprint: NDArray[np.float64]
 ) -> tuple[float, float, float]:
     """Return the lowest, highest and mean height in m of the ground under a house and around it."""

@@ -151,7 +151,7 @@ def _scatter(
 
 @kernel
 def _woods(seed: np.uint64, x: float, z: float) -> float:
-    """Return how wooded a place is, 0.05–1: random values on a coarse grid, blended."""
+    """Return how wooded a place is, 0.05 to 1: random values on a coarse grid, blended."""
     column, row = int(x / WOODS), int(z / WOODS)
     east, north = x / WOODS - column, z / WOODS - row
     east, north = east * east * (3.0 - 2.0 * east), north * north * (3.0 - 2.0 * north)
