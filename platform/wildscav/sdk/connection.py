@@ -41,6 +41,7 @@ class Connection:
     """
 
     match: MatchInfo
+    over: MatchOver  # there once the match has ended
 
     def __init__(self, address: str, token: str, sdk_version: str) -> None:
         self._address = address
@@ -75,13 +76,14 @@ class Connection:
         except grpc.RpcError as error:
             raise decode_error(error, self._address) from None
 
-    def next(self) -> Observation | MatchOver:
-        """Wait for the next observation, or for the end of the match."""
+    def next(self) -> Observation | None:
+        """Wait for the next observation; None is the end of the match, told in ``over``."""
         message = self._receive()
         if message is None:
             raise ServerUnreachableError(f"{self._address} closed the connection before the match was over")
         if message.HasField("match_over"):
-            return message.match_over
+            self.over = message.match_over
+            return None
         return decode_observation(message.observation, self.match.frames_per_second)
 
     def answer(self, step: int, action: Action) -> None:

@@ -2,11 +2,13 @@
 
 import os
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from wildscav.errors import AgentError, UserError
-from wildscav.proto.match_pb2 import MatchOver
 from wildscav.sdk.agent import Agent, check_action
-from wildscav.sdk.connection import Connection
+
+if TYPE_CHECKING:
+    from wildscav.proto.match_pb2 import MatchOver
 
 ADDRESS_VARIABLE = "WILDSCAV_ADDRESS"
 TOKEN_VARIABLE = "WILDSCAV_TOKEN"  # noqa: S105 - the name of a variable, no secret
@@ -57,12 +59,14 @@ def make_agent(factory: Callable[[], Agent]) -> Agent:
     return agent
 
 
-def play(agent: Agent, address: str, token: str) -> MatchOver:
+def play(agent: Agent, address: str, token: str) -> "MatchOver":
     """Play one match with an agent that has been made, and return how it ended."""
+    # Imported here because the command line, which imports this package, should start quickly.
     from wildscav import __version__
+    from wildscav.sdk.connection import Connection
 
     with Connection(address, token, __version__) as connection:
         agent.reset(connection.match)
-        while not isinstance(message := connection.next(), MatchOver):
-            connection.answer(message.step, check_action(agent, agent.act(message)))
-        return message
+        while (observation := connection.next()) is not None:
+            connection.answer(observation.step, check_action(agent, agent.act(observation)))
+        return connection.over

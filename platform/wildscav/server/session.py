@@ -97,11 +97,16 @@ class HostedMatch:
         return self._task
 
     def give_up(self, seat: int, reason: str) -> None:
-        """Play a seat with no action from now on: its launcher knows that nobody is there any more."""
-        self.leave(self._seats[seat], SeatStatus.LEFT, reason)
-        self._seats[seat].dismiss(
-            RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", f"given up: {reason}")
-        )
+        """Play a seat with no action from now on: its launcher knows that nobody is there any more.
+
+        Does nothing if the seat is gone already or the match is over.
+        """
+        given_up = self._seats[seat]
+        if not given_up.gone and not self.match.over:
+            self.leave(given_up, SeatStatus.LEFT, reason)
+            given_up.dismiss(
+                RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", f"given up: {reason}")
+            )
 
     def cancel(self) -> None:
         """End the match at once, without a result."""

@@ -1,0 +1,145 @@
+"""The ``wildscav`` command: its own commands, and those that other packages plug in.
+
+A command is a plain function with Typer's annotations. Ours stand in ``OWN``; other packages name theirs in
+the entry-point group ``wildscav.commands``. Either is imported only when it is run, or for the list of help.
+"""
+
+import importlib
+import os
+import sys
+from collections.abc import Callable
+from importlib.metadata import EntryPoint, entry_points
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from wildscav import __version__
+from wildscav.errors import UserError, WildscavError, describe
+
+GROUP = "wildscav.commands"
+OWN = {
+    "init": "wildscav.cli.init:init",
+    "verify": "wildscav.cli.verify:verify",
+    "replay": "wildscav.cli.replay:replay",
+    "serve": "wildscav.cli.serve:serve",
+}
+# What a missing module is installed with.
+EXTRAS = {
+    "grpc_health": "engine",
+    "numba": "engine",
+    "pydantic": "engine",
+    "rerun": "view",
+    "sqlalchemy": "leaderboard",
+}
+
+
+class Commands(TyperGroup):
+    """The commands by name, each imported when it is needed."""
+
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - Typer's signature
+        """Return the names, in the order of help: what a newcomer needs first."""
+        names = [*OWN, *_plug_ins()]
+        first = ("init", "play", "evaluate", "leaderboard", "replay", "verify", "serve")
+        return sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
+        """Return a command, None if there is none of that name."""
+        try:
+            if cmd_name in OWN:
+                module, _, function = OWN[cmd_name].partition(":")
+                return _command(cmd_name, getattr(importlib.import_module(module), function))
+            plug_in = _plug_ins().get(cmd_name)
+            return plug_in and _command(cmd_name, plug_in.load())
+        except Exception as error:  # noqa: BLE001 - a broken plug-in must not break the others
+            return _command(cmd_name, _unavailable(cmd_name, error), options=False)
+
+
+def _plug_ins() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=GROUP)}
+
+
+def _command(name: str, function: Callable[..., None], *, options: bool = True) -> TyperCommand:
+    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="rich")
+    settings = {} if options else {"allow_extra_args": True, "ignore_unknown_options": True}
+    app.command(name, context_settings=settings)(function)
+    command = typer.main.get_command(app)
+    if not isinstance(command, TyperCommand):
+        raise TypeError(f"{name} is no single command")
+    return command
+
+
+def _unavailable(name: str, error: Exception) -> Callable[[], None]:
+    """Return a command in place of one that cannot be imported."""
+    why = _remedy(error) or f"{type(error).__name__}: {error}"
+
+    def explain() -> None:
+        raise UserError(f"{name} is not available: {why}", exit_code=1)
+
+    explain.__doc__ = f"(Not available: {why})"
+    return explain
+
+
+def _remedy(error: BaseException) -> str | None:
+    """Return what to install if an error comes from an extra that is not there."""
+    if not isinstance(error, ModuleNotFoundError):
+        return None
+    missing = (error.name or "").partition(".")[0]
+    extra = EXTRAS.get(missing)
+    return extra and f"it needs the module {missing}; install it with: pip install 'wildscav[{extra}]'"
+
+
+app = typer.Typer(
+    cls=Commands,
+    name="wildscav",
+    help="An open arena for game-playing agents: try an agent, evaluate it, watch it play.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"wildscav {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """An open arena for game-playing agents: try an agent, evaluate it, watch it play."""
+
+
+def main() -> None:
+    """Run the command line; errors that a user can do something about are one line on stderr."""
+    try:
+        app()
+    except UserError as error:
+        _fail(str(error), error.exit_code)
+    except WildscavError as error:
+        _fail(str(error), 1)
+    except BrokenPipeError:
+        # Whoever read our output has gone; the interpreter would complain once more at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        _fail(describe(error), 1)
+    except ModuleNotFoundError as error:
+        remedy = _remedy(error)
+        if remedy is None:
+            raise
+        _fail(f"this command is not available: {remedy}", 1)
+
+
+def _fail(message: str, exit_code: int) -> None:
+    typer.echo(f"wildscav: {' '.join(message.split())}", err=True)
+    sys.exit(exit_code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,40 @@
+"""``wildscav replay``: render a record as a Rerun recording."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.errors import UserError
+
+
+def replay(
+    record: Annotated[Path, typer.Argument(help="Record file.", metavar="RECORD", show_default=False)],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write. Default: the record's name with .rrd."),
+    ] = None,
+    follow: Annotated[
+        int | None, typer.Option(help="Seat that the cameras follow. Default: the first submission.", min=0)
+    ] = None,
+    depth: Annotated[bool, typer.Option(help="Draw the followed agent's depth map.")] = True,
+) -> None:
+    """Render a record as a replay that can be watched in 3D."""
+    from wildscav_engine.record import RecordError, read_record
+    from wildscav_engine.view import write_replay
+
+    from wildscav.console import console, error_console
+
+    try:
+        played = read_record(record)
+    except RecordError as error:
+        raise UserError(str(error)) from None
+    if follow is not None and follow >= len(played.names):
+        raise UserError(
+            f"--follow is {follow}; the match has seats 0 to {len(played.names) - 1}", exit_code=2
+        )
+    path = output or record.with_suffix(".rrd")
+    with error_console.status(f"rendering {path.name}"):
+        write_replay(played, path, follow=follow, depth=depth)
+    console.print(f"{path}: {path.stat().st_size / 1e6:.1f} MB. Open it with:", highlight=False)
+    console.print(f"  rerun {path}", highlight=False, soft_wrap=True)

@@ -1,0 +1,52 @@
+"""``wildscav serve``: a match server that others share."""
+
+import asyncio
+import signal
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.errors import UserError
+
+SHORTEST_TOKEN = 16  # characters
+
+
+def serve(
+    listen: Annotated[
+        list[str] | None,
+        typer.Option(help="HOST:PORT or unix:/PATH to listen on; may be repeated.", show_default=False),
+    ] = None,
+    organizer_token_file: Annotated[
+        Path | None,
+        typer.Option(help="File with the secret that opening a match asks for. Needed beyond this machine."),
+    ] = None,
+) -> None:
+    """Run a match server (default 127.0.0.1:50051) until it is interrupted."""
+    token = None if organizer_token_file is None else _read_token(organizer_token_file)
+    asyncio.run(_serve(listen or ["127.0.0.1:50051"], token))
+
+
+def _read_token(path: Path) -> str:
+    token = path.read_text("utf-8").strip()
+    if len(token) < SHORTEST_TOKEN or not token.isascii() or not token.isprintable():
+        raise UserError(
+            f"{path} must hold a token of {SHORTEST_TOKEN} or more printable ASCII characters", exit_code=2
+        )
+    return token
+
+
+async def _serve(addresses: list[str], token: str | None) -> None:
+    from wildscav.console import console
+    from wildscav.server import MatchServer
+
+    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stopped.set)
+    server = MatchServer(arena=True, organizer_token=token)
+    for address in await server.start(addresses):
+        console.print(f"listening on {address}", highlight=False)
+    await stopped.wait()
+    console.print("stopping", highlight=False)
+    await server.stop()

@@ -1,0 +1,75 @@
+"""An agent to start from. It plays all three tracks: change `act` and see what comes of it."""
+
+import random
+
+from wildscav import Action, Agent, MatchInfo, Observation, Vector, VisibleAgent
+from wildscav.geometry import BODY_HEIGHT, direction_to, flat_distance, pitch_to, turn_to
+
+STUCK_SPEED = 1.0  # m/s: slower than this while walking means that something is in the way
+
+
+class MyAgent(Agent):
+    """Walks to the target or to the nearest supplies; shoots at whom it sees on the way."""
+
+    def reset(self, match: MatchInfo) -> None:
+        """Get ready for a match: this runs once, before the first step."""
+        self.match = match
+        self.random = random.Random(match.seed)  # the same match, the same choices
+        self.detour = 0  # steps left of a way around an obstacle
+        self.detour_direction = 0.0
+        self.goal = match.start  # where to look for supplies
+
+    def act(self, observation: Observation) -> Action:
+        """Return what to do in this step, after one look at what is known."""
+        goal = self.choose_goal(observation)
+        direction = self.walk_around(observation, direction_to(observation.position, goal))
+        enemy = observation.agents[0] if observation.agents else None
+        turn, look = self.aim(observation, direction, enemy)
+        return Action(
+            walk_direction=direction,
+            walk_speed=10.0,
+            turn=turn,
+            look=look,
+            jump=self.detour > 0,
+            # These two are ignored in tracks that do not have them.
+            pick_up=observation.can_pick_up,
+            shoot=enemy is not None and abs(turn) < 1.0 and abs(look) < 1.0,
+            reload=observation.clip == 0,
+        )
+
+    def choose_goal(self, observation: Observation) -> Vector:
+        """The target if there is one; else the nearest supplies; else somewhere they may be."""
+        if self.match.target is not None:
+            return self.match.target
+        if observation.supply_boxes:
+            return observation.supply_boxes[0].position
+        if flat_distance(observation.position, self.goal) < 3.0 or self.detour == 1:
+            wave = self.random.choice(self.match.supply_waves)
+            edge = self.match.map_size / 2 - 2.0
+            x, z = (self.random.gauss(middle, wave.radius) for middle in wave.center)
+            self.goal = (max(-edge, min(edge, x)), 0.0, max(-edge, min(edge, z)))
+        return self.goal
+
+    def walk_around(self, observation: Observation, direction: float) -> float:
+        """Turn aside for a second when something is in the way."""
+        speed = flat_distance((0.0, 0.0, 0.0), observation.velocity)
+        if self.detour > 0:
+            self.detour -= 1
+            return self.detour_direction
+        if observation.step > 0 and observation.alive and speed < STUCK_SPEED:
+            self.detour = 10
+            self.detour_direction = direction + self.random.choice((-110.0, -70.0, 70.0, 110.0))
+        return direction
+
+    def aim(
+        self, observation: Observation, direction: float, enemy: VisibleAgent | None
+    ) -> tuple[float, float]:
+        """Return how far to turn and to look down in each frame: at the enemy, else straight ahead."""
+        pitch = 0.0
+        if enemy is not None:
+            x, y, z = enemy.position
+            direction = direction_to(observation.position, enemy.position)
+            pitch = pitch_to(observation.position, (x, y + BODY_HEIGHT / 2, z))
+        # An action is held for some frames, and a turn is per frame.
+        frames = self.match.frames_per_action
+        return turn_to(observation.yaw, direction) / frames, (pitch - observation.pitch) / frames
