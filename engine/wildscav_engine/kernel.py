@@ -1,80 +1,136 @@
 """The one decorator of every compiled function.
 
-Kernels are compiled by Numba for exactness first: no ``fastmath`` (replays must match bit for bit), no
-GIL (the server and batches run them in threads), and cached on disk.
+Kernels are compiled by Numba for exactness first: no ``fastmath`` (replays must match bit for bit), divisions as
+IEEE 754 has them, no GIL (the server and batches run kernels in threads), and cached on disk.
 
-Numba's cache notices edits only in a kernel's own file: after an edit of a helper or of a constant that
-stands elsewhere, it would silently keep the old code. So the cache folder is named after a digest of every
-source file of the engine; an edit anywhere starts a new folder.
+Numba's cache notices edits only in a kernel's own file: after an edit of a helper or of a constant that stands
+elsewhere, it would silently keep the old code. So a kernel's cache folder is named after a digest of its file
+and of every file of the engine that this one imports, directly or not; an edit of any of them starts a new folder.
 """
 
-import hashlib
+import ast
+import functools
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.extending import typeof_impl
 
 Params = ParamSpec("Params")
 Returned = TypeVar("Returned")
 
-# The newest few folders are kept, so that going back and forth between versions stays fast.
-KEPT_FOLDERS = 8
+PACKAGE = Path(__file__).parent
+# As many folders are kept as a few versions of the engine need, so that going back and forth stays fast.
+KEPT_FOLDERS = 200
 
 
-def source_digest() -> str:
-    """Return a digest of the engine's sources and of the versions that compile them."""
-    package = Path(__file__).parent
-    digest = hashlib.blake2b(f"numba {numba.__version__} numpy {np.__version__}".encode(), digest_size=8)
-    for path in sorted(package.rglob("*.py")):
-        digest.update(str(path.relative_to(package)).encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
+class Kernel:
+    """A compiled function, compiled apart for calls from kernels and for calls from Python.
+
+    Most kernels are only ever called by others. What converts their arguments from Python takes longer to
+    compile than many of them, so it is left out until Python calls.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.inner = _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+        self._outer = _compile(function, no_cfunc_wrapper=True)
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the kernel from Python."""
+        return self._outer(*arguments)
 
 
-def cache_folder() -> Path:
-    """Return the folder for compiled code, made if need be; a temporary one if none can be written."""
-    home = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
-    root = Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / "kernels"
-    folder = root / source_digest()
+@typeof_impl.register(Kernel)
+def _type_for_other_kernels(value: Kernel, context: Any) -> Any:
+    return typeof_impl(value.inner, context)
+
+
+def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
+    """Compile a function with the flags that every kernel of the engine shares."""
+    if numba.config.DISABLE_JIT:
+        return function
+    return cast(Callable[Params, Returned], Kernel(function))
+
+
+def parallel_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
+    """Compile a function whose ``prange`` loops run over threads. Only vector environments use these."""
+    return cast(Callable[Params, Returned], _compile(function, parallel=True))
+
+
+def _compile(function: Callable[..., Any], **options: bool) -> Any:
+    # Numba chooses a function's cache folder while decorating it, from its global configuration.
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(cache_folder(Path(function.__code__.co_filename)))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        return numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy", **options)(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def cache_root() -> Path:
+    """Return the folder of all compiled code: WILDSCAV_CACHE_DIR, or the user's cache folder."""
+    home = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
+    return Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / "kernels"
+
+
+@functools.cache
+def cache_folder(file: Path) -> Path:
+    """Return the cache folder for a file's kernels, made if need be; a temporary one if none can be written."""
+    folder = cache_root() / sources_digest(file)
+    try:
+        if not folder.exists():
+            folder.mkdir(parents=True)
+            _remove_oldest_folders(folder.parent)
         folder.touch()
-        _remove_old_folders(root)
     except OSError:
-        return Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
+        return _temporary_folder()
     return folder
 
 
-def _remove_old_folders(root: Path) -> None:
-    import shutil
+@functools.cache
+def _temporary_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
 
+
+def _remove_oldest_folders(root: Path) -> None:
     folders = sorted(root.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
     for folder in folders[KEPT_FOLDERS:]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-CACHE_FOLDER = cache_folder()
+def sources_digest(file: Path) -> str:
+    """Return a digest of a file, of all engine files it depends on, and of the compiler's version."""
+    digest = blake2b(f"numba {numba.__version__} numpy {np.__version__}".encode(), digest_size=8)
+    for path in sorted(_closure(file)):
+        digest.update(str(path).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
-def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
-    """Compile a function with the flags that every kernel of the engine shares."""
-    return _compile(function, parallel=False)
+def _closure(file: Path) -> set[Path]:
+    """Return a file and every engine file that it imports, directly or not."""
+    found: set[Path] = set()
+    waiting = [file]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting.extend(_imported_files(path))
+    return found
 
 
-def parallel_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
-    """Compile a function whose ``prange`` loops run over threads. Only vector environments use these."""
-    return _compile(function, parallel=True)
-
-
-def _compile(function: Callable[Params, Returned], *, parallel: bool) -> Callable[Params, Returned]:
-    # Numba chooses a function's cache folder while decorating it, from its global configuration.
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(CACHE_FOLDER)
-    try:
-        compiled: Any = numba.njit(cache=True, fastmath=False, nogil=True, parallel=parallel)(function)
-    finally:
-        numba.config.CACHE_DIR = before
-    return cast(Callable[Params, Returned], compiled)
+@functools.cache
+def _imported_files(file: Path) -> tuple[Path, ...]:
+    """Return the engine files that a file imports at its top level."""
+    paths = []
+    for node in ast.parse(file.read_bytes()).body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{PACKAGE.name}"):
+            path = PACKAGE.joinpath(*(node.module or "").split(".")[1:])
+            paths.append(path / "__init__.py" if path.is_dir() else path.with_suffix(".py"))
+    return tuple(paths)

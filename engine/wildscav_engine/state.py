@@ -60,16 +60,16 @@ class Supplies(NamedTuple):
 class Matches(NamedTuple):
     """What is one number for a whole match."""
 
-    map_index: NDArray[np.int32]  # (B,) in the map bank
+    map_index: NDArray[np.int64]  # (B,) in the map bank
     seed: NDArray[np.uint64]  # (B,)
-    frame: NDArray[np.int32]  # (B,) frames played
-    frame_limit: NDArray[np.int32]  # (B,)
-    step: NDArray[np.int32]  # (B,) steps played
+    frame: NDArray[np.int64]  # (B,) frames played
+    frame_limit: NDArray[np.int64]  # (B,)
+    step: NDArray[np.int64]  # (B,) steps played
     over: NDArray[np.bool_]  # (B,)
     target: NDArray[np.float64]  # (B, 3) m
     has_target: NDArray[np.bool_]  # (B,) whether reaching the target ends the match
-    reached_by: NDArray[np.int32]  # (B,) the seat that reached it, or NOBODY
-    next_serial: NDArray[np.int32]  # (B,) for the next box dropped
+    reached_by: NDArray[np.int64]  # (B,) the seat that reached it, or NOBODY
+    next_serial: NDArray[np.int64]  # (B,) for the next box dropped
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
 
 
@@ -120,15 +120,15 @@ _COUNTS = (
 
 def _allocate_matches(b: int) -> Matches:
     return Matches(
-        map_index=np.zeros(b, np.int32),
+        map_index=np.zeros(b, np.int64),
         seed=np.zeros(b, np.uint64),
-        frame=np.zeros(b, np.int32),
-        frame_limit=np.zeros(b, np.int32),
-        step=np.zeros(b, np.int32),
+        frame=np.zeros(b, np.int64),
+        frame_limit=np.zeros(b, np.int64),
+        step=np.zeros(b, np.int64),
         over=np.zeros(b, np.bool_),
         target=np.zeros((b, 3)),
         has_target=np.zeros(b, np.bool_),
-        reached_by=np.full(b, NOBODY, np.int32),
-        next_serial=np.zeros(b, np.int32),
+        reached_by=np.full(b, NOBODY, np.int64),
+        next_serial=np.zeros(b, np.int64),
         digest=np.zeros(b, np.uint64),
     )
