@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
 from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.geometry.world import CELL, Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps.game_map import GameMap
@@ -23,7 +22,9 @@ def box(low: Sequence[float], high: Sequence[float], kind: Kind = Kind.WALL) -> 
     return convex_solid(kind, np.array(bottom + top, float), BOX_FACES)
 
 
-def flat_world(size: int = 40, solids: Sequence[Solid] = (), slope: float = 0.0, water: float = -np.inf) -> World:
+def flat_world(
+    size: int = 40, solids: Sequence[Solid] = (), slope: float = 0.0, water: float = -np.inf
+) -> World:
     """A square world about the origin, level or rising eastwards, with solids on it."""
     cells = int(size / CELL)
     east = np.arange(cells + 1) * CELL - size / 2

@@ -1,7 +1,6 @@
 """A batch: many matches played as one, serially or over threads. A single match is a batch of one."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numba
 import numpy as np
@@ -14,7 +13,7 @@ from wildscav_engine.maps.bank import MapBank, build_bank, world_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rules import Rules
 from wildscav_engine.sensors.visibility import Seen, allocate_seen, look_around
-from wildscav_engine.set_up import MatchSetupError, Setup, plan_match, place_match
+from wildscav_engine.set_up import MatchSetupError, Setup, place_match, plan_match
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.state import Agents, State, Supplies, allocate_state
 from wildscav_engine.step import play_step
@@ -70,12 +69,11 @@ class Batch:
             (B, A, FIELDS), the actions as they were played.
         """
         played = np.array(actions, np.float32).reshape(len(self.specs), -1, FIELDS)
-        arguments: tuple[Any, ...] = (self.bank, self.state, self.seen, played, self.allowed)
-        if threads == 1:
-            play_batch(*arguments, self.frames_per_action, self.rules)
-        else:
+        play = play_batch
+        if threads > 1:
             numba.set_num_threads(threads)
-            play_batch_in_threads(*arguments, self.frames_per_action, self.rules)
+            play = play_batch_in_threads
+        play(self.bank, self.state, self.seen, played, self.allowed, self.frames_per_action, self.rules)
         return played
 
 

@@ -1,13 +1,14 @@
 """A 64-bit digest of a match's state: two simulations are the same exactly if their digests are.
 
-Every word of the state goes through the mixing step of MurmurHash3 (Appleby 2011), chained from step to step, the
-actions included, so that a change is noticed even where it has no effect at once.
+Every word of the state goes through the mixing step of MurmurHash3 (Appleby 2011), chained from step to
+step, the actions included, so that a change is noticed even where it has no effect at once.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
+from wildscav_engine.rng import Word
 from wildscav_engine.state import Agents, Supplies
 
 FIRST_FACTOR, SECOND_FACTOR = np.uint64(0xFF51AFD7ED558CCD), np.uint64(0xC4CEB9FE1A85EC53)
@@ -15,7 +16,7 @@ SHIFT = np.uint64(33)
 
 
 @kernel
-def mix(digest: int, word: int) -> int:
+def mix(digest: Word, word: Word) -> Word:
     """Return a digest with one more 64-bit word in it."""
     mixed = (np.uint64(digest) ^ np.uint64(word)) * FIRST_FACTOR
     mixed ^= mixed >> SHIFT
@@ -24,21 +25,21 @@ def mix(digest: int, word: int) -> int:
 
 
 @kernel
-def _mix_floats(digest: int, values: NDArray[np.float64]) -> int:
+def _mix_floats(digest: Word, values: NDArray[np.float64]) -> Word:
     for word in values.reshape(-1).view(np.uint64):
         digest = mix(digest, word)
     return digest
 
 
 @kernel
-def _mix_counts(digest: int, values: NDArray[np.int32]) -> int:
+def _mix_counts(digest: Word, values: NDArray[np.int32]) -> Word:
     for value in values:
         digest = mix(digest, np.uint64(np.int64(value)))
     return digest
 
 
 @kernel
-def _mix_flags(digest: int, values: NDArray[np.bool_]) -> int:
+def _mix_flags(digest: Word, values: NDArray[np.bool_]) -> Word:
     for value in values:
         digest = mix(digest, np.uint64(1) if value else np.uint64(0))
     return digest
@@ -46,8 +47,8 @@ def _mix_flags(digest: int, values: NDArray[np.bool_]) -> int:
 
 @kernel
 def digest_step(
-    digest: int, agents: Agents, supplies: Supplies, actions: NDArray[np.float32], frame: int
-) -> int:
+    digest: Word, agents: Agents, supplies: Supplies, actions: NDArray[np.float32], frame: int
+) -> Word:
     """Return the digest after a step.
 
     Args:
@@ -67,9 +68,15 @@ def digest_step(
         digest = _mix_floats(digest, reals)
     for reals in (agents.yaw, agents.pitch, agents.walked):
         digest = _mix_floats(digest, reals)
-    for counts in (agents.health, agents.respawn_left, agents.invincible_left, agents.clip, agents.spare_ammo):
+    for counts in (agents.health, agents.respawn_left, agents.invincible_left, agents.clip):
         digest = _mix_counts(digest, counts)
-    for counts in (agents.reload_left, agents.fire_left, agents.supplies, agents.picked_up):
+    for counts in (
+        agents.spare_ammo,
+        agents.reload_left,
+        agents.fire_left,
+        agents.supplies,
+        agents.picked_up,
+    ):
         digest = _mix_counts(digest, counts)
     for counts in (agents.kills, agents.deaths, agents.shots, agents.hits):
         digest = _mix_counts(digest, counts)

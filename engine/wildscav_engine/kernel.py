@@ -1,11 +1,12 @@
 """The one decorator of every compiled function.
 
-Kernels are compiled by Numba for exactness first: no ``fastmath`` (replays must match bit for bit), divisions as
-IEEE 754 has them, no GIL (the server and batches run kernels in threads), and cached on disk.
+Kernels are compiled by Numba for exactness first: no ``fastmath`` (replays must match bit for bit),
+divisions as IEEE 754 has them, no GIL (the server and batches run kernels in threads), cached on disk.
 
-Numba's cache notices edits only in a kernel's own file: after an edit of a helper or of a constant that stands
-elsewhere, it would silently keep the old code. So a kernel's cache folder is named after a digest of its file
-and of every file of the engine that this one imports, directly or not; an edit of any of them starts a new folder.
+Numba's cache notices edits only in a kernel's own file: after an edit of a helper or of a constant that
+stands elsewhere, it would silently keep the old code. So a kernel's cache folder is named after a digest of
+its file and of every file of the engine that this one imports, directly or not; an edit of any of them
+starts a new folder.
 """
 
 import ast
@@ -24,6 +25,10 @@ from numba.extending import typeof_impl
 
 Params = ParamSpec("Params")
 Returned = TypeVar("Returned")
+
+# Typed here, because Numba adds settings and options that its type stubs do not know.
+config: Any = numba.config
+njit: Any = numba.njit
 
 PACKAGE = Path(__file__).parent
 # As many folders are kept as a few versions of the engine need, so that going back and forth stays fast.
@@ -54,7 +59,7 @@ def _type_for_other_kernels(value: Kernel, context: Any) -> Any:
 
 def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     """Compile a function with the flags that every kernel of the engine shares."""
-    if numba.config.DISABLE_JIT:
+    if config.DISABLE_JIT:
         return function
     return cast(Callable[Params, Returned], Kernel(function))
 
@@ -66,12 +71,12 @@ def parallel_kernel(function: Callable[Params, Returned]) -> Callable[Params, Re
 
 def _compile(function: Callable[..., Any], **options: bool) -> Any:
     # Numba chooses a function's cache folder while decorating it, from its global configuration.
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder(Path(function.__code__.co_filename)))
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(cache_folder(Path(function.__code__.co_filename)))
     try:
-        return numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy", **options)(function)
+        return njit(cache=True, fastmath=False, nogil=True, error_model="numpy", **options)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
 def cache_root() -> Path:
@@ -82,7 +87,7 @@ def cache_root() -> Path:
 
 @functools.cache
 def cache_folder(file: Path) -> Path:
-    """Return the cache folder for a file's kernels, made if need be; a temporary one if none can be written."""
+    """Return the cache folder for a file's kernels, made if need be; a temporary one where that fails."""
     folder = cache_root() / sources_digest(file)
     try:
         if not folder.exists():

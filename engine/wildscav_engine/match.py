@@ -97,7 +97,8 @@ class Match:
         """Return what a seat is told before the first step."""
         setup = self._batch.setups[0]
         target = None if setup.target is None else _triple(setup.target)
-        return StartInfo(_triple(setup.starts[seat]), target, seat, seed_of_seat(self.spec, seat), setup.waves)
+        seed = seed_of_seat(self.spec, seat)
+        return StartInfo(_triple(setup.starts[seat]), target, seat, seed, setup.waves)
 
     def step(self, actions: NDArray[np.float32] | None = None) -> None:
         """Play one step; nothing happens once the match is over.

@@ -5,6 +5,7 @@ the counter is (stream, frame, agent, draw). So no draw depends on how many came
 the order of agents, on threads or on batches.
 """
 
+import math
 from enum import IntEnum
 
 import numpy as np
@@ -17,6 +18,8 @@ WEYL_0, WEYL_1 = np.uint64(0x9E3779B9), np.uint64(0xBB67AE85)
 LOW_32, SHIFT_32 = np.uint64(0xFFFFFFFF), np.uint64(32)
 SHIFT_11 = np.uint64(11)
 TO_UNIT = 2.0**-53
+
+Word = np.uint64 | int  # 64 bits; in kernels always np.uint64
 
 
 class Stream(IntEnum):
@@ -37,7 +40,7 @@ class Stream(IntEnum):
 
 
 @kernel
-def philox(seed: int, stream: int, frame: int, agent: int, draw: int) -> tuple[int, int]:
+def philox(seed: Word, stream: int, frame: int, agent: int, draw: int) -> tuple[Word, Word]:
     """Return 128 random bits as two unsigned 64-bit words. Only the low 32 bits of each counter count."""
     key = np.uint64(seed)
     k0, k1 = key & LOW_32, key >> SHIFT_32
@@ -56,31 +59,32 @@ def philox(seed: int, stream: int, frame: int, agent: int, draw: int) -> tuple[i
 
 
 @kernel
-def uniform(seed: int, stream: int, frame: int, agent: int, draw: int) -> float:
+def uniform(seed: Word, stream: int, frame: int, agent: int, draw: int) -> float:
     """Return a random number in [0, 1)."""
-    return np.float64(philox(seed, stream, frame, agent, draw)[0] >> SHIFT_11) * TO_UNIT
+    word = np.uint64(philox(seed, stream, frame, agent, draw)[0])
+    return np.float64(word >> SHIFT_11) * TO_UNIT
 
 
 @kernel
-def uniform_in(low: float, high: float, seed: int, stream: int, frame: int, agent: int, draw: int) -> float:
+def uniform_in(low: float, high: float, seed: Word, stream: int, frame: int, agent: int, draw: int) -> float:
     """Return a random number in [low, high)."""
     return low + (high - low) * uniform(seed, stream, frame, agent, draw)
 
 
 @kernel
-def integer_in(low: int, high: int, seed: int, stream: int, frame: int, agent: int, draw: int) -> int:
+def integer_in(low: int, high: int, seed: Word, stream: int, frame: int, agent: int, draw: int) -> int:
     """Return a random whole number from low to high, both included."""
     span = high - low + 1
     return low + min(span - 1, int(uniform(seed, stream, frame, agent, draw) * span))
 
 
 @kernel
-def normal(seed: int, stream: int, frame: int, agent: int, draw: int) -> float:
+def normal(seed: Word, stream: int, frame: int, agent: int, draw: int) -> float:
     """Return a standard normal random number (Box & Muller 1958)."""
     first, second = philox(seed, stream, frame, agent, draw)
-    radius_draw = (np.float64(first >> SHIFT_11) + 1.0) * TO_UNIT
-    angle = np.float64(second >> SHIFT_11) * TO_UNIT * 360.0
-    return np.sqrt(-2.0 * logarithm(radius_draw)) * cosine(angle)
+    radius_draw = (np.float64(np.uint64(first) >> SHIFT_11) + 1.0) * TO_UNIT
+    angle = np.float64(np.uint64(second) >> SHIFT_11) * TO_UNIT * 360.0
+    return math.sqrt(-2.0 * logarithm(radius_draw)) * cosine(angle)
 
 
 class Dice:

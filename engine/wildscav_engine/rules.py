@@ -45,7 +45,8 @@ def _from_mapping(value: Any) -> Any:
     if isinstance(value, dict):
         unknown = sorted(set(value) - set(Rules._fields))
         if unknown:
-            raise ValueError(f"no rule is called {', '.join(unknown)}; the rules are {', '.join(Rules._fields)}")
+            rules = ", ".join(Rules._fields)
+            raise ValueError(f"no rule is called {', '.join(unknown)}; the rules are {rules}")
         return Rules(**value)
     return value
 

@@ -107,9 +107,7 @@ def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     return float(np.sqrt(dx * dx + dz * dz))
 
 
-def _standing_place(
-    place: tuple[float, float, float], game_map: GameMap, name: str
-) -> NDArray[np.float64]:
+def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: str) -> NDArray[np.float64]:
     """Return a place of the spec, lifted onto the ground.
 
     Raises:

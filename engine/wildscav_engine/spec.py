@@ -86,7 +86,8 @@ class MatchSpec(Spec):
     track: str  # a name in wildscav_engine.tracks.TRACKS
     map: MapSpec = MapSpec()
     seed: Seed = 0
-    seats: Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)] = (SUBMISSION,)  # or a robot's name
+    # Who fills each seat: "submission" or a robot's name.
+    seats: Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)] = (SUBMISSION,)
     time_limit: Annotated[float, Field(gt=0, le=86_400)] = 120.0  # s of game time
     frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5
     start: tuple[float, float, float] | None = None  # m; None: a random outdoor location a seat

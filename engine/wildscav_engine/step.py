@@ -49,13 +49,15 @@ def play_step(
     """
     _clear_step_facts(agents)
     for seat in range(actions.shape[0]):
-        _settle_action(agents, supplies, matches, match, seen, seat, frames_per_action, allowed, actions[seat])
+        action = actions[seat]
+        _settle_action(agents, supplies, matches, match, seen, seat, frames_per_action, allowed, action)
     for _ in range(frames_per_action):
         if not matches.over[match]:
             play_frame(world, agents, supplies, matches, match, actions, rules)
     matches.step[match] += 1
-    matches.digest[match] = digest_step(matches.digest[match], agents, supplies, actions, matches.frame[match])
-    look_around(world, agents, supplies, matches.frame[match], rules, seen)
+    frame = matches.frame[match]
+    matches.digest[match] = digest_step(matches.digest[match], agents, supplies, actions, frame)
+    look_around(world, agents, supplies, frame, rules, seen)
 
 
 @kernel

@@ -24,9 +24,7 @@ class Hit(NamedTuple):
 
 
 @kernel
-def cast_ray(
-    world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float, far: float
-) -> Hit:
+def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float, far: float) -> Hit:
     """Return the nearest hit of a ray.
 
     Args:
@@ -74,8 +72,11 @@ def cast_ray(
             and row // BLOCK == block_row
             and column // BLOCK == block_column
         ):
-            next_east = (column + (1 if d_east > 0.0 else 0) - east) * inverse_east if d_east != 0.0 else np.inf
-            next_north = (row + (1 if d_north > 0.0 else 0) - north) * inverse_north if d_north != 0.0 else np.inf
+            next_east, next_north = np.inf, np.inf
+            if d_east != 0.0:
+                next_east = (column + (1 if d_east > 0.0 else 0) - east) * inverse_east
+            if d_north != 0.0:
+                next_north = (row + (1 if d_north > 0.0 else 0) - north) * inverse_north
             leave = min(next_east, next_north, far)
             if min(y + dy * at, y + dy * leave) <= world.cell_top[row, column]:
                 best = _nearer_in_cell(world, row, column, x, y, z, dx, dy, dz, at, leave, best)
@@ -141,7 +142,7 @@ def _meet_terrain(
     """Return where a ray goes below the two triangles of a cell, and which; inf if it does not."""
     h00, h01 = world.heights[row, column], world.heights[row, column + 1]
     h10, h11 = world.heights[row + 1, column], world.heights[row + 1, column + 1]
-    if min(y + dy * at, y + dy * leave) > max(max(h00, h01), max(h10, h11)):
+    if min(y + dy * at, y + dy * leave) > max(h00, h01, h10, h11):
         return np.inf, 0
     east, north = (x - world.corner[0]) / CELL - column, (z - world.corner[1]) / CELL - row
     d_east, d_north = dx / CELL, dz / CELL
@@ -207,15 +208,14 @@ def meet_solid(
 
 
 @kernel
-def sight_is_clear(
-    world: World, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
-) -> bool:
+def sight_is_clear(world: World, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float) -> bool:
     """Return whether nothing of the static world stands between two points."""
     dx, dy, dz = to_x - x, to_y - y, to_z - z
     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
     if distance == 0.0:
         return True
-    return cast_ray(world, x, y, z, dx / distance, dy / distance, dz / distance, distance).solid == NOTHING_HIT
+    hit = cast_ray(world, x, y, z, dx / distance, dy / distance, dz / distance, distance)
+    return hit.solid == NOTHING_HIT
 
 
 @kernel

@@ -2,8 +2,8 @@
 
 The body is an upright cylinder. Sweeping it against a convex solid is sweeping a point (the middle of its
 soles) against the solid with its faces pushed out by the body. So no speed is too great: a path is cut
-where it enters, never sampled. At sharp edges the pushed-out faces meet beyond the true outline; the pushed-out
-bounding box of the solid cuts that short.
+where it enters, never sampled. At sharp edges the pushed-out faces meet beyond the true outline; the
+pushed-out bounding box of the solid cuts that short.
 """
 
 from typing import NamedTuple

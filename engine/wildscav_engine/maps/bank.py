@@ -1,4 +1,4 @@
-"""The map bank: the worlds of several maps as flat arrays, so that matches on different maps share a batch."""
+"""The map bank: worlds of several maps as flat arrays, so that matches on different maps share a batch."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

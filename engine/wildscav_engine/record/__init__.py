@@ -1,1 +1,25 @@
-"""Records: write, read and verify."""
+"""Records: write, read, play again and verify."""
+
+from wildscav_engine.record.format import (
+    SUFFIX,
+    Record,
+    RecordError,
+    read_record,
+    record_of,
+    save,
+    write_record,
+)
+from wildscav_engine.record.verify import Verification, resimulate, verify_record
+
+__all__ = [
+    "SUFFIX",
+    "Record",
+    "RecordError",
+    "Verification",
+    "read_record",
+    "record_of",
+    "resimulate",
+    "save",
+    "verify_record",
+    "write_record",
+]

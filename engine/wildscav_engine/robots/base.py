@@ -1,7 +1,7 @@
 """What robots share: how they see themselves, turn, walk, and get free where they are stuck.
 
-A robot is a kernel that reads what its seat may know and writes one action row. It draws from the match's seed
-and remembers a few numbers in ``Agents.memory``.
+A robot is a kernel that reads what its seat may know and writes one action row. It draws from the match's
+seed and remembers a few numbers in ``Agents.memory``.
 """
 
 from enum import IntEnum

@@ -1,8 +1,9 @@
 """The depth camera: planar depth of the static world through a pinhole.
 
 Depth is measured along the view axis, not along the ray: a wall seen straight on reads the same in every
-pixel. What lies farther than ``far`` along its ray reads ``far``. Horizontal field of view 60°, square pixels,
-rays through pixel centres, row 0 at the top, column 0 at the left. Agents and supply boxes are not in it.
+pixel. What lies farther than ``far`` along its ray reads ``far``. Horizontal field of view 60°, square
+pixels, rays through pixel centres, row 0 at the top, column 0 at the left. Agents and supply boxes are not
+in it.
 """
 
 from collections.abc import Mapping, Sequence

@@ -42,7 +42,9 @@ def allocate_seen(matches: int, seats: int) -> Seen:
 
 
 @kernel
-def look_around(world: World, agents: Agents, supplies: Supplies, frame: int, rules: Rules, seen: Seen) -> None:
+def look_around(
+    world: World, agents: Agents, supplies: Supplies, frame: int, rules: Rules, seen: Seen
+) -> None:
     """Find out what every agent of one match sees.
 
     Args:

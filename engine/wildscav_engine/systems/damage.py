@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.body import BODY_RADIUS
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel
-from wildscav_engine.rng import Stream, integer_in
+from wildscav_engine.rng import Stream, Word, integer_in
 from wildscav_engine.rules import Rules, frames
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.systems.supplies import drop_supplies
@@ -73,7 +73,7 @@ def equip(agents: Agents, seat: int, rules: Rules) -> None:
 
 
 @kernel
-def free_spawn(world: World, agents: Agents, seat: int, seed: int, stream: int, frame: int) -> int:
+def free_spawn(world: World, agents: Agents, seat: int, seed: Word, stream: int, frame: int) -> int:
     """Return the index of a random spawn that keeps away from the living, if one is found in some tries."""
     place = 0
     for attempt in range(RESPAWN_TRIES):

@@ -1,8 +1,8 @@
 """Supply boxes: where they are put, how they are picked up, and what a dead agent leaves behind.
 
 An outdoor wave looks at a square grid over the map. A grid point on open ground gets a box with probability
-richness · exp(-d² / 2r²), d being its distance from the wave's center and r the heat map's radius. Each indoor
-point gets one with probability indoor richness, wherever it is.
+richness · exp(-d² / 2r²), d being its distance from the wave's center and r the heat map's radius. Each
+indoor point gets one with probability indoor richness, wherever it is.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.actions import Field
 from wildscav_engine.kernel import kernel
-from wildscav_engine.rng import Stream, integer_in, uniform
+from wildscav_engine.rng import Stream, Word, integer_in, uniform
 from wildscav_engine.rules import Rules
 from wildscav_engine.state import Agents, Matches, Supplies
 from wildscav_engine.trig import exponential
@@ -24,7 +24,7 @@ def choose_outdoor(
     center_z: float,
     radius: float,
     richness: float,
-    seed: int,
+    seed: Word,
     wave: int,
 ) -> NDArray[np.int64]:
     """Return which outdoor locations get a box in a wave.
@@ -63,7 +63,7 @@ def choose_outdoor(
 
 
 @kernel
-def choose_indoor(places: int, richness: float, seed: int, wave: int) -> NDArray[np.int64]:
+def choose_indoor(places: int, richness: float, seed: Word, wave: int) -> NDArray[np.int64]:
     """Return (N,) the indices of the indoor locations that get a box in a wave, ascending."""
     chosen = np.empty(places, np.int64)
     count = 0
@@ -80,7 +80,7 @@ def fill_boxes(
     low: int,
     high: int,
     appears: int,
-    seed: int,
+    seed: Word,
     first: int,
     position: NDArray[np.float64],
     quantity: NDArray[np.int32],
@@ -112,7 +112,7 @@ def fill_boxes(
 @kernel
 def is_there(supplies: Supplies, slot: int, frame: int) -> bool:
     """Return whether a slot holds a box in this frame."""
-    return supplies.quantity[slot] > 0 and supplies.appears[slot] <= frame
+    return bool(supplies.quantity[slot] > 0 and supplies.appears[slot] <= frame)
 
 
 @kernel

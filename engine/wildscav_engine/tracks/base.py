@@ -24,11 +24,30 @@ class Metric(NamedTuple):
 class Track(Protocol):
     """A kind of match."""
 
-    name: str
-    title: str
-    fields: frozenset[Field]  # the action set; other fields of an action are ignored
-    metrics: tuple[Metric, ...]  # the first is the score
-    has_target: bool  # whether reaching the target ends the match
+    @property
+    def name(self) -> str:
+        """The word for it in specs, commands and files."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """What a person reads."""
+        ...
+
+    @property
+    def fields(self) -> frozenset[Field]:
+        """The action set; other fields of an action are ignored."""
+        ...
+
+    @property
+    def metrics(self) -> tuple[Metric, ...]:
+        """What is measured; the first is the score."""
+        ...
+
+    @property
+    def has_target(self) -> bool:
+        """Whether reaching the target ends the match."""
+        ...
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig | None:
         """Return where supplies lie, None for a track without any."""

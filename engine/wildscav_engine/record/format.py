@@ -1,0 +1,183 @@
+"""The record of a match: its spec and every action, small and exact.
+
+Layout, little-endian:
+
+    8 bytes   magic "WILDSCAV"
+    2 bytes   format version
+    4 bytes   length of the header
+    …         header: canonical JSON (sorted keys, no spaces, UTF-8)
+    …         zlib: actions, (T, A, FIELDS) float32, then digests, (T,) uint64
+    32 bytes  BLAKE2b of everything before
+
+The checksum finds damage, not forgery: that takes ``verify_record``, which plays the match again.
+"""
+
+import json
+import os
+import struct
+import tempfile
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from wildscav_engine import ENGINE_VERSION
+from wildscav_engine.actions import FIELDS
+from wildscav_engine.match import Match
+from wildscav_engine.result import MatchResult
+from wildscav_engine.spec import MatchSpec, one_line
+
+MAGIC = b"WILDSCAV"
+FORMAT_VERSION = 1
+PREAMBLE = struct.Struct("<8sHI")
+CHECKSUM_SIZE = 32  # bytes
+SUFFIX = ".wsr"
+
+
+class RecordError(Exception):
+    """A record cannot be read; the message says which file, what is wrong and where."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One match as it was played."""
+
+    spec: MatchSpec
+    map_digest: str
+    engine_version: str
+    names: tuple[str, ...]  # what the seats are called, one for each
+    result: MatchResult
+    actions: NDArray[np.float32]  # (T, A, FIELDS) as played, robots' included
+    digests: NDArray[np.uint64]  # (T,) of the state after each step
+
+    @property
+    def steps(self) -> int:
+        """Steps played."""
+        return len(self.digests)
+
+
+def record_of(match: Match, names: Sequence[str]) -> Record:
+    """Return the record of a match as it stands.
+
+    Args:
+        match: The match.
+        names: What its seats are called, one for each.
+    """
+    return Record(
+        spec=match.spec,
+        map_digest=match.game_map.digest,
+        engine_version=ENGINE_VERSION,
+        names=tuple(names),
+        result=match.result(),
+        actions=np.array(match.actions_played, np.float32).reshape(-1, match.seats, FIELDS),
+        digests=np.array(match.digests, np.uint64),
+    )
+
+
+def write_record(path: Path, match: Match, names: Sequence[str]) -> None:
+    """Write the record of a match; the file appears whole or not at all.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    save(record_of(match, names), path)
+
+
+def save(record: Record, path: Path) -> None:
+    """Write a record; the file appears whole or not at all.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    data = encode(record)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def encode(record: Record) -> bytes:
+    """Return a record as bytes; the same record gives the same bytes."""
+    header = {
+        "spec": record.spec.model_dump(mode="json"),
+        "map_digest": record.map_digest,
+        "engine_version": record.engine_version,
+        "names": list(record.names),
+        "result": record.result.model_dump(mode="json"),
+        "steps": record.steps,
+    }
+    text = json.dumps(header, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
+    arrays = record.actions.astype("<f4").tobytes() + record.digests.astype("<u8").tobytes()
+    body = PREAMBLE.pack(MAGIC, FORMAT_VERSION, len(text)) + text + zlib.compress(arrays, 6)
+    return body + blake2b(body, digest_size=CHECKSUM_SIZE).digest()
+
+
+def read_record(path: Path) -> Record:
+    """Read a record.
+
+    Raises:
+        RecordError: The file is missing, no record, of another format version, cut short or damaged.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise RecordError(f"{path}: cannot be read: {error.strerror}") from None
+    try:
+        return decode(data)
+    except RecordError as error:
+        raise RecordError(f"{path}: {error}") from None
+
+
+def decode(data: bytes) -> Record:
+    """Return the record in some bytes.
+
+    Raises:
+        RecordError: What is wrong with them.
+    """
+    if len(data) < PREAMBLE.size + CHECKSUM_SIZE or not data.startswith(MAGIC):
+        raise RecordError("not a record of a match")
+    _, version, header_size = PREAMBLE.unpack_from(data)
+    if version != FORMAT_VERSION:
+        raise RecordError(f"format version {version}, but this engine reads version {FORMAT_VERSION}")
+    body, checksum = data[:-CHECKSUM_SIZE], data[-CHECKSUM_SIZE:]
+    if blake2b(body, digest_size=CHECKSUM_SIZE).digest() != checksum:
+        raise RecordError("cut short or edited: its checksum does not match")
+    try:
+        header = json.loads(body[PREAMBLE.size : PREAMBLE.size + header_size])
+        return _assemble(header, zlib.decompress(body[PREAMBLE.size + header_size :]))
+    except ValidationError as error:
+        raise RecordError(f"its header is not valid: {one_line(error)}") from None
+    except (ValueError, KeyError, TypeError, zlib.error) as error:
+        raise RecordError(f"its contents are not valid: {error}") from None
+
+
+def _assemble(header: dict[str, Any], arrays: bytes) -> Record:
+    """Build a record from its parts, checking that they fit each other."""
+    spec = MatchSpec.model_validate(header["spec"])
+    steps, seats = int(header["steps"]), len(spec.seats)
+    names = tuple(str(name) for name in header["names"])
+    action_bytes = steps * seats * FIELDS * 4
+    if len(names) != seats:
+        raise ValueError(f"{len(names)} names for {seats} seats")
+    if steps < 0 or len(arrays) != action_bytes + steps * 8:
+        raise ValueError(f"its arrays do not hold {steps} steps of {seats} seats")
+    actions = np.frombuffer(arrays[:action_bytes], "<f4").reshape(steps, seats, FIELDS)
+    return Record(
+        spec=spec,
+        map_digest=str(header["map_digest"]),
+        engine_version=str(header["engine_version"]),
+        names=names,
+        result=MatchResult.model_validate(header["result"]),
+        actions=actions.astype(np.float32),
+        digests=np.frombuffer(arrays[action_bytes:], "<u8").astype(np.uint64),
+    )

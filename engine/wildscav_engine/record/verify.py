@@ -1,0 +1,70 @@
+"""Playing a record again: to prove it, to score it, to show it."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from wildscav_engine import ENGINE_VERSION
+from wildscav_engine.maps import MapError, map_of
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.match import Match, MatchSetupError
+from wildscav_engine.record.format import Record, RecordError
+
+
+class Verification(NamedTuple):
+    """Whether a record holds, and if not, the first thing that differs."""
+
+    holds: bool
+    step: int | None  # the first step that differs, counted from 1; None if it is not a step
+    message: str  # one line
+
+
+def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Match]:
+    """Play a record again, robots deciding anew.
+
+    Args:
+        record: The record.
+        game_map: Its map, where it is at hand; else it is made.
+
+    Yields:
+        The same match, before the first step and after each step of the record.
+
+    Raises:
+        RecordError: The match cannot be set up, or its map is not the one it was played on.
+    """
+    try:
+        match = Match(record.spec, game_map if game_map is not None else map_of(record.spec.map))
+    except (MapError, MatchSetupError) as error:
+        raise RecordError(f"the match cannot be set up: {error}") from None
+    if match.game_map.digest != record.map_digest:
+        raise RecordError(
+            f"played on map {record.map_digest}, but this engine ({ENGINE_VERSION}; the record's is "
+            f"{record.engine_version}) makes map {match.game_map.digest} of the same spec"
+        )
+    yield match
+    for actions in record.actions:
+        match.step(actions)
+        yield match
+
+
+def verify_record(record: Record, game_map: GameMap | None = None) -> Verification:
+    """Play a record again and compare every step's actions and digest, and the result."""
+    try:
+        matches = resimulate(record, game_map)
+        match = next(matches)
+        for step in range(1, record.steps + 1):
+            was_over = match.over
+            next(matches)
+            if was_over:
+                return Verification(False, step, f"step {step} comes after the match is over")
+            # Bytes, because -0.0 equals 0.0 and NaN does not equal itself.
+            if match.actions_played[-1].tobytes() != record.actions[step - 1].tobytes():
+                return Verification(False, step, f"step {step}: an action differs from what was played")
+            if match.digest != record.digests[step - 1]:
+                return Verification(False, step, f"step {step}: the state differs")
+    except RecordError as error:
+        return Verification(False, None, str(error))
+    if match.result() != record.result:
+        return Verification(False, None, "the result differs from that of the match")
+    if not match.over:
+        return Verification(False, None, f"ends after step {record.steps}, before the match is over")
+    return Verification(True, None, f"holds: {record.steps} steps")
