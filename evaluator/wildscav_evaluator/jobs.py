@@ -1,0 +1,144 @@
+"""A job: one match of an evaluation, from its agent's start to its record and replay on disk."""
+
+import asyncio
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav.errors import WildscavError, describe
+from wildscav.server import SeatReport
+from wildscav_engine.spec import MatchSpec
+
+from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs
+from wildscav_evaluator.results import MatchRow, MatchTiming
+from wildscav_evaluator.submission import Submission
+
+RECORDS, REPLAYS, LOGS = "records", "replays", "logs"
+FINISHED, FAILED = "finished", "failed"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One match to play."""
+
+    submission: Submission
+    track: str
+    index: int  # in the suite
+    spec: MatchSpec
+    out: Path
+    replay: bool  # whether to render one
+
+    @property
+    def stem(self) -> str:
+        """What its files are called."""
+        return f"{self.track}-{self.index:03d}-{self.submission.name}"
+
+    @property
+    def record(self) -> str:
+        """Path of the record in the output folder."""
+        return f"{RECORDS}/{self.stem}.wsrec"
+
+    @property
+    def replay_path(self) -> str:
+        """Path of the replay in the output folder."""
+        return f"{REPLAYS}/{self.stem}.rrd"
+
+    @property
+    def log(self) -> str:
+        """Path of the agent's log in the output folder."""
+        return f"{LOGS}/{self.stem}.log"
+
+    @property
+    def seating(self) -> Seating:
+        """The match, with this submission in every seat that a submission fills."""
+        count = self.spec.seats.count("submission")
+        return Seating(self.spec, (self.submission,) * count, (self.out / self.log,) * count)
+
+
+@dataclass(frozen=True)
+class JobResult:
+    """What became of a job."""
+
+    job: Job
+    row: MatchRow
+    timing: MatchTiming | None = None  # none if no match was played
+    complaint: str = ""  # what went wrong besides the match, such as a replay that could not be written
+
+
+def run_job(runner: asyncio.Runner, job: Job) -> JobResult:
+    """Play a job's match and write its files. Whatever goes wrong costs this job alone."""
+    started = time.perf_counter()
+    seating = job.seating
+    try:
+        prepare_logs(seating.logs)
+        played = runner.run(play_match(seating))
+        _write_record(job, played, seating)
+    except OSError as error:
+        return failed(job, describe(error))
+    except (WildscavError, ValueError) as error:
+        return failed(job, str(error))
+    except Exception as error:  # noqa: BLE001 (a match that breaks must not take the others along)
+        return failed(job, f"{type(error).__name__}: {error}")
+    wall = time.perf_counter() - started
+    report = played.seats[seating.seats[0]]
+    complaint = _render(job) if job.replay else ""
+    row = _row(job, played, seating.seats[0], with_replay=job.replay and not complaint)
+    return JobResult(job, row, _timing(job, played, report, wall), complaint)
+
+
+def failed(job: Job, reason: str) -> JobResult:
+    """Return the result of a job that came to no result, by no fault of the agent."""
+    row = MatchRow(index=job.index, seat=job.seating.seats[0], status=FAILED, fault="platform", detail=reason)
+    return JobResult(job, row)
+
+
+def _write_record(job: Job, played: Played, seating: Seating) -> None:
+    from wildscav_engine.record import write_record
+
+    write_record(job.out / job.record, played.match, seating.names)
+
+
+def _render(job: Job) -> str:
+    """Render the replay from the record; return what went wrong, if anything did."""
+    from wildscav_engine.record import read_record
+    from wildscav_engine.view import write_replay
+
+    path = job.out / job.replay_path
+    try:
+        write_replay(read_record(job.out / job.record), path, follow=job.seating.seats[0])
+    except OSError as error:
+        return f"no replay {path}: {error.strerror or error}"
+    except Exception as error:  # noqa: BLE001 (the match stands, whatever becomes of its picture)
+        return f"no replay {path}: {type(error).__name__}: {error}"
+    return ""
+
+
+def _row(job: Job, played: Played, seat: int, *, with_replay: bool) -> MatchRow:
+    report = played.seats[seat]
+    return MatchRow(
+        index=job.index,
+        seat=seat,
+        status=report.status.value,
+        fault=None if report.status == FINISHED else "agent",
+        detail=report.detail,
+        metrics=dict(played.match.result().seats[seat].metrics),
+        record=job.record,
+        replay=job.replay_path if with_replay else None,
+        log=job.log,
+    )
+
+
+def _timing(job: Job, played: Played, report: SeatReport, wall: float) -> MatchTiming:
+    total, median, high, most = report.think_time
+    return MatchTiming(
+        submission=job.submission.name,
+        track=job.track,
+        index=job.index,
+        wall=wall,
+        steps=played.match.step_number,
+        late_steps=report.late_steps,
+        think_time=total,
+        think_p50=median,
+        think_p99=high,
+        think_max=most,
+    )

@@ -1,0 +1,42 @@
+"""Who sits where: the seats of a match, their submissions, and the names they are shown by."""
+
+from collections.abc import Sequence
+
+from wildscav_engine.rng import Dice
+from wildscav_engine.spec import SUBMISSION
+
+BATTLE_ROBOTS = ("fighter", "gatherer")
+
+
+def battle_seats(dice: Dice, robots: int) -> tuple[str, ...]:
+    """Return the seats of a battle of one submission against robots, mixed and placed at random.
+
+    Every kind of robot comes up as often as the others, give or take one; the submission may sit anywhere,
+    so that no agent can count on its seat.
+    """
+    seats = [BATTLE_ROBOTS[number % len(BATTLE_ROBOTS)] for number in range(robots)]
+    seats.append(SUBMISSION)
+    for last in range(len(seats) - 1, 0, -1):
+        other = dice.integer(0, last)
+        seats[last], seats[other] = seats[other], seats[last]
+    return tuple(seats)
+
+
+def submission_seats(seats: Sequence[str]) -> tuple[int, ...]:
+    """Return the seats that agent processes fill."""
+    return tuple(seat for seat, filled_by in enumerate(seats) if filled_by == SUBMISSION)
+
+
+def display_names(seats: Sequence[str], submissions: Sequence[str]) -> tuple[str, ...]:
+    """Return a name for every seat: the submissions' in the order of their seats, the robots' with a number.
+
+    A submission that sits in several seats is numbered too.
+    """
+    waiting = iter(submissions)
+    plain = [next(waiting) if filled_by == SUBMISSION else filled_by for filled_by in seats]
+    names, counts = [], dict.fromkeys(plain, 0)
+    for name, filled_by in zip(plain, seats, strict=True):
+        counts[name] += 1
+        alone = filled_by == SUBMISSION and plain.count(name) == 1
+        names.append(name if alone else f"{name} {counts[name]}")
+    return tuple(names)

@@ -1,0 +1,107 @@
+"""An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
+
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from rich.table import Table
+from wildscav.console import console
+from wildscav.errors import UserError, describe
+
+from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
+from wildscav_evaluator.output import output_folder
+from wildscav_evaluator.progress import EvaluationProgress
+from wildscav_evaluator.results import Evaluation, Results, write_results
+from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
+from wildscav_evaluator.sinks import sinks
+from wildscav_evaluator.tables import ranked, track_table
+from wildscav_evaluator.workers import Workers
+
+
+def run_session(plan: Plan, database: Path) -> None:
+    """Evaluate, show and keep the results.
+
+    Raises:
+        UserError: Nothing could be evaluated; or something could not be kept, or a submission failed in all
+            its matches, after everything else was shown and kept.
+    """
+    check_names(plan.submissions)
+    with output_folder(plan.out):
+        results = _evaluate(plan)
+        for track in results.tracks:
+            console.print()
+            console.print(track_table(results, track))
+        complaints = list(_keep(results, plan, database))
+        complaints += [_all_failed(one) for one in results.evaluations if one.faults == len(one.matches)]
+    if complaints:
+        raise UserError("; ".join(complaints))
+
+
+def _evaluate(plan: Plan) -> Results:
+    jobs: list[Job] = make_jobs(plan)
+    progress = EvaluationProgress(console, jobs)
+    with Workers(min(plan.jobs, len(jobs))) as workers:
+        with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
+            workers.warm()
+        with progress.shown():
+            return evaluate(plan, workers, jobs, progress.add)
+
+
+def _keep(results: Results, plan: Plan, database: Path) -> Iterator[str]:
+    """Write the results and hand them to the sinks; say where all is, and yield what went wrong."""
+    table = Table.grid(padding=(0, 2))
+    try:
+        table.add_row("results", str(write_results(results, plan.out)))
+    except OSError as error:
+        yield f"the results could not be kept: {describe(error)}"
+    rows = [row for one in results.evaluations for row in one.matches]
+    recorded = sum(row.record is not None for row in rows)
+    table.add_row("records", f"{plan.out / RECORDS} ({recorded} matches)")
+    table.add_row(
+        "", f"re-simulate and check them: {command('wildscav')} verify {plan.out / RECORDS}/*.wsrec"
+    )
+    for sink in sinks(str(database)):
+        try:
+            table.add_row("database", sink.store(results))
+            table.add_row("", f"see the standings: {command('wildscav')} leaderboard --db {database}")
+        except UserError as error:
+            yield str(error)
+    table.add_row("logs", f"{plan.out / LOGS} (what the agents printed)")
+    replays = sum(row.replay is not None for row in rows)
+    if replays:
+        table.add_row("replays", f"{plan.out / REPLAYS} ({replays} matches), shown by Rerun")
+    console.print()
+    console.print(table, soft_wrap=True)
+    shown = _replay_to_show(results)
+    if shown is not None:
+        console.print("\n[bold]Watch a match:[/bold]")
+        console.print(f"  {command('rerun')} {plan.out / shown}", soft_wrap=True, highlight=False)
+
+
+def _replay_to_show(results: Results) -> str | None:
+    """Return a replay worth seeing first: of the last track, which has most to see, and its best agent."""
+    for track in reversed(results.tracks):
+        for _, one in ranked(one for one in results.evaluations if one.track == track):
+            for row in one.matches:
+                if row.replay is not None:
+                    return row.replay
+    return None
+
+
+def _all_failed(evaluation: Evaluation) -> str:
+    first = evaluation.matches[0]
+    return (
+        f"{evaluation.submission} failed in every match of {evaluation.track} "
+        f"({first.status}: {first.detail}; see {first.log or 'above'})"
+    )
+
+
+def command(name: str) -> str:
+    """Return what to type to run a program that was installed with this one."""
+    beside = Path(sys.executable).parent / name
+    found = shutil.which(name)
+    if found is not None and Path(found).absolute() == beside.absolute():
+        return name
+    here = Path.cwd()
+    return str(beside.relative_to(here) if beside.is_relative_to(here) else beside)

@@ -1,0 +1,28 @@
+"""Result sinks: where results go besides the output folder. Other packages plug in by entry point."""
+
+from collections.abc import Iterator
+from importlib.metadata import entry_points
+from typing import Protocol
+
+from wildscav_evaluator.results import Results
+
+GROUP = "wildscav.result_sinks"
+
+
+class ResultSink(Protocol):
+    """A place that keeps results. Made with the text of ``--db``."""
+
+    def store(self, evaluations: Results) -> str:
+        """Keep results, all or nothing, and return a line that says where.
+
+        Raises:
+            UserError: They could not be kept.
+        """
+        ...
+
+
+def sinks(database: str) -> Iterator[ResultSink]:
+    """Make every sink that is installed; there may be none."""
+    for entry_point in entry_points(group=GROUP):
+        sink: ResultSink = entry_point.load()(database)
+        yield sink

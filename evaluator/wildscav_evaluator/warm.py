@@ -1,0 +1,28 @@
+"""Compiling the engine before the first match, so that no agent's clock runs while it happens."""
+
+import numpy as np
+
+
+def warm() -> None:
+    """Play a few steps of every track on a tiny map, with every sensor, and keep nothing.
+
+    Numba compiles what is called, for the types that it is called with, and writes it to the cache: every
+    process that comes later only loads it.
+    """
+    from wildscav_engine.actions import no_actions
+    from wildscav_engine.match import Match
+    from wildscav_engine.robots import ROBOTS
+    from wildscav_engine.sensors import SENSORS
+    from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec
+    from wildscav_engine.tracks import TRACKS
+
+    game_map = MapSpec(config=MapConfig(size=40, houses=1))
+    for track in TRACKS:
+        seats = (SUBMISSION, *ROBOTS) if track == "battle" else (SUBMISSION,)
+        match = Match(MatchSpec(track=track, map=game_map, seats=seats, time_limit=0.5))
+        while not match.over:
+            match.step(no_actions(match.seats) + np.float32(1.0))
+        match.start_info(0)
+        for sensor in SENSORS.values():
+            sensor.read(match, [0], sensor.parse({}))
+        match.result()

@@ -1,0 +1,155 @@
+"""Worker processes: each plays one match at a time, and none takes another one down.
+
+They are spawned, never forked: a fork after a kernel ran would copy the state of threads that it does not
+copy. (The standard library's pool gives all work up when one of its processes dies; ours gives up one job.)
+"""
+
+import asyncio
+import contextlib
+import ctypes
+import multiprocessing
+import signal
+import sys
+from collections import deque
+from collections.abc import Iterable, Iterator
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import cast
+
+from wildscav_evaluator.jobs import Job, JobResult, failed, run_job
+
+WARM = "warm"  # the message that asks a worker to compile all that matches need
+STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
+PR_SET_PDEATHSIG = 1
+
+
+class WorkerDiedError(Exception):
+    """A worker ended while it had something to do."""
+
+
+class Worker:
+    """One process, and the job that it is at."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.process: BaseProcess = context.Process(target=_work, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+        self.job: Job | None = None
+        self.dead = False
+
+    def give(self, job: Job) -> None:
+        """Set it to a job. If it is gone already, ``take`` will say so."""
+        self.job = job
+        with contextlib.suppress(OSError):
+            self.connection.send(job)
+
+    def take(self) -> JobResult:
+        """Return the result that is waiting; of a worker that died, the failure of its job."""
+        job = cast(Job, self.job)
+        try:
+            return cast(JobResult, self.connection.recv())
+        except (EOFError, OSError):
+            self.dead = True
+            self.process.join()
+            return failed(job, f"the worker process died (exit code {self.process.exitcode})")
+
+    def close(self) -> None:
+        """Let it go when it has nothing to do."""
+        self.connection.close()
+
+
+class Workers:
+    """A few workers that share the jobs. A context manager: at its end, all are gone."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._workers: list[Worker] = []
+
+    def __enter__(self) -> "Workers":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End all workers, and with them their agents."""
+        for worker in self._workers:
+            worker.close()
+            worker.process.terminate()
+        for worker in self._workers:
+            worker.process.join(STOP_TIME)
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
+
+    def warm(self) -> None:
+        """Compile the engine once, in the first worker, so that the others find it done.
+
+        Raises:
+            WorkerDiedError: It could not be compiled.
+        """
+        worker = self._start()
+        try:
+            worker.connection.send(WARM)
+            worker.connection.recv()
+        except (EOFError, OSError) as error:
+            worker.process.join()
+            raise WorkerDiedError(
+                f"the engine could not be compiled (exit code {worker.process.exitcode})"
+            ) from error
+
+    def run(self, jobs: Iterable[Job]) -> Iterator[JobResult]:
+        """Run all jobs and yield their results as they come. One worker's death costs its job alone."""
+        waiting = deque(jobs)
+        while len(self._workers) < min(self._count, len(waiting)):
+            self._start()
+        busy: dict[Connection, Worker] = {}
+        for worker in self._workers:
+            _next_job(worker, waiting, busy)
+        while busy:
+            for connection in wait(list(busy)):
+                worker = busy.pop(cast(Connection, connection))
+                result = worker.take()
+                if worker.dead:
+                    self._workers.remove(worker)
+                    worker = self._start()
+                _next_job(worker, waiting, busy)
+                yield result
+
+    def _start(self) -> Worker:
+        worker = Worker()
+        self._workers.append(worker)
+        return worker
+
+
+def _next_job(worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker]) -> None:
+    if waiting:
+        worker.give(waiting.popleft())
+        busy[worker.connection] = worker
+
+
+def _work(connection: Connection) -> None:
+    """Do what is asked until nobody asks any more. Runs in the worker's process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the evaluation, which then ends us
+    signal.signal(signal.SIGTERM, _leave)
+    end_with_parent()
+    with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
+        while True:
+            message = connection.recv()
+            if message == WARM:
+                from wildscav_evaluator.warm import warm
+
+                warm()
+                connection.send(WARM)
+            else:
+                connection.send(run_job(runner, message))
+
+
+def _leave(number: int, _: object) -> None:
+    # Leaves through every `finally` on the way, which is where agents are stopped.
+    raise SystemExit(128 + number)
+
+
+def end_with_parent() -> None:
+    """Have Linux end this process in good order when its parent is gone, however that came about."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
