@@ -1,0 +1,1 @@
+"""The leaderboard: evaluations in a database, and the standings that follow from them."""

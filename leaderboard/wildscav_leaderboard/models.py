@@ -1,0 +1,81 @@
+"""The tables: submissions, their evaluations, and the matches of those."""
+
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import JSON, ForeignKey, UniqueConstraint
+from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, mapped_column, relationship
+
+
+class Base(MappedAsDataclass, DeclarativeBase, kw_only=True):
+    """Base of all tables."""
+
+
+class Submission(Base):
+    """An immutable, versioned, packaged agent: another content is another submission."""
+
+    __tablename__ = "submissions"
+    __table_args__ = (UniqueConstraint("name", "version", "digest"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    name: Mapped[str] = mapped_column(index=True)
+    version: Mapped[str]
+    digest: Mapped[str]  # of the folder's content
+
+    evaluations: Mapped[list["Evaluation"]] = relationship(
+        back_populates="submission", cascade="all, delete-orphan", default_factory=list, repr=False
+    )
+
+
+class Evaluation(Base):
+    """One submission on one suite of one track. Evaluating it again replaces this."""
+
+    __tablename__ = "evaluations"
+    __table_args__ = (UniqueConstraint("submission_id", "track", "suite", "seed", "engine_version"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    submission_id: Mapped[int] = mapped_column(ForeignKey("submissions.id"), init=False)
+    submission: Mapped[Submission] = relationship(back_populates="evaluations")
+    track: Mapped[str]
+    suite: Mapped[str]
+    seed: Mapped[str]  # decimal; a seed may be wider than any integer column
+    engine_version: Mapped[str]
+    started: Mapped[datetime]  # UTC
+    faults: Mapped[int]  # matches in which something went wrong
+
+    scores: Mapped[list["Score"]] = relationship(
+        cascade="all, delete-orphan", order_by="Score.position", default_factory=list, repr=False
+    )
+    matches: Mapped[list["MatchResult"]] = relationship(
+        cascade="all, delete-orphan", order_by="MatchResult.index", default_factory=list, repr=False
+    )
+
+
+class Score(Base):
+    """One metric of an evaluation. The first is the one that ranks."""
+
+    __tablename__ = "scores"
+
+    evaluation_id: Mapped[int] = mapped_column(ForeignKey("evaluations.id"), primary_key=True, init=False)
+    position: Mapped[int] = mapped_column(primary_key=True)  # 0 ranks
+    name: Mapped[str]
+    title: Mapped[str]
+    unit: Mapped[str]
+    lower_is_better: Mapped[bool]
+    mean: Mapped[float]
+    std: Mapped[float | None]
+    low: Mapped[float]  # of the 95 % interval
+    high: Mapped[float]
+
+
+class MatchResult(Base):
+    """One match of an evaluation."""
+
+    __tablename__ = "match_results"
+
+    evaluation_id: Mapped[int] = mapped_column(ForeignKey("evaluations.id"), primary_key=True, init=False)
+    index: Mapped[int] = mapped_column(primary_key=True)  # in the suite
+    status: Mapped[str]
+    fault: Mapped[str | None]
+    detail: Mapped[str]
+    metrics: Mapped[dict[str, Any] | None] = mapped_column(JSON)

@@ -1,0 +1,97 @@
+"""The sink that plugs into ``wildscav evaluate`` and puts its results into the database."""
+
+from datetime import datetime
+from pathlib import Path
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+from wildscav_evaluator import results
+
+from wildscav_leaderboard.database import writing
+from wildscav_leaderboard.models import Evaluation, MatchResult, Score, Submission
+
+
+class DatabaseSink:
+    """Stores evaluations. The same evaluation again replaces the one before."""
+
+    def __init__(self, path: str) -> None:
+        self._path = Path(path)
+
+    def store(self, evaluations: results.Results) -> str:
+        """Store all evaluations, or none, and return a line that says where.
+
+        Raises:
+            UserError: The database cannot be written.
+        """
+        with writing(self._path) as session:
+            for evaluation in evaluations.evaluations:
+                _store(session, evaluations, evaluation)
+        return f"{len(evaluations.evaluations)} evaluations are in the database {self._path}"
+
+
+def _store(session: Session, whole: results.Results, evaluation: results.Evaluation) -> None:
+    submission = _submission(session, evaluation)
+    old = session.scalars(
+        select(Evaluation).where(
+            Evaluation.submission == submission,
+            Evaluation.track == evaluation.track,
+            Evaluation.suite == whole.suite,
+            Evaluation.seed == str(whole.seed),
+            Evaluation.engine_version == whole.engine_version,
+        )
+    ).one_or_none()
+    if old is not None:
+        session.delete(old)
+        session.flush()
+    session.add(
+        Evaluation(
+            submission=submission,
+            track=evaluation.track,
+            suite=whole.suite,
+            seed=str(whole.seed),
+            engine_version=whole.engine_version,
+            started=datetime.fromisoformat(whole.timings.started),
+            faults=evaluation.faults,
+            scores=_scores(evaluation),
+            matches=_matches(evaluation),
+        )
+    )
+    session.flush()
+
+
+def _submission(session: Session, evaluation: results.Evaluation) -> Submission:
+    """Return the submission's row, made at its first evaluation."""
+    known = session.scalars(
+        select(Submission).where(
+            Submission.name == evaluation.submission,
+            Submission.version == evaluation.version,
+            Submission.digest == evaluation.digest,
+        )
+    ).one_or_none()
+    if known is not None:
+        return known
+    new = Submission(name=evaluation.submission, version=evaluation.version, digest=evaluation.digest)
+    session.add(new)
+    session.flush()
+    return new
+
+
+def _scores(evaluation: results.Evaluation) -> list[Score]:
+    return [
+        Score(
+            position=position,
+            **metric.model_dump(),
+            **evaluation.summary[metric.name].model_dump(),
+        )
+        for position, metric in enumerate(evaluation.metrics)
+        if metric.name in evaluation.summary
+    ]
+
+
+def _matches(evaluation: results.Evaluation) -> list[MatchResult]:
+    return [
+        MatchResult(
+            index=row.index, status=row.status, fault=row.fault, detail=row.detail, metrics=row.metrics
+        )
+        for row in evaluation.matches
+    ]

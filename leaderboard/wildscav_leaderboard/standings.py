@@ -1,0 +1,66 @@
+"""Standings: who leads on a track, by the latest evaluation of every submission."""
+
+from collections.abc import Iterable, Iterator
+from itertools import groupby
+from typing import NamedTuple
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session, joinedload, selectinload
+
+from wildscav_leaderboard.models import Evaluation
+
+
+class Row(NamedTuple):
+    """One submission's place."""
+
+    rank: int | None  # 1 leads; equal scores share a rank; none without a score
+    evaluation: Evaluation
+
+
+class Standings(NamedTuple):
+    """The order on one suite of one track. Only evaluations of one seed played the same matches."""
+
+    track: str
+    suite: str
+    seed: str
+    rows: tuple[Row, ...]
+
+
+def standings(session: Session, track: str | None = None, suite: str | None = None) -> Iterator[Standings]:
+    """Yield the standings of every track, suite and seed in the database, or of those asked for.
+
+    A submission stands there once, under its name, with its latest evaluation: a newer version replaces an
+    older one even if it is worse, since it is the one that its author stands by.
+    """
+    wanted = (
+        select(Evaluation)
+        .options(joinedload(Evaluation.submission), selectinload(Evaluation.scores))
+        .order_by(Evaluation.track, Evaluation.suite, Evaluation.seed, Evaluation.started, Evaluation.id)
+    )
+    if track is not None:
+        wanted = wanted.where(Evaluation.track == track)
+    if suite is not None:
+        wanted = wanted.where(Evaluation.suite == suite)
+    for key, group in groupby(session.scalars(wanted), lambda row: (row.track, row.suite, row.seed)):
+        latest = {evaluation.submission.name: evaluation for evaluation in group}
+        yield Standings(*key, tuple(rank(latest.values())))
+
+
+def rank(evaluations: Iterable[Evaluation]) -> Iterator[Row]:
+    """Yield evaluations from first to last; those without a score come last and have no rank."""
+    ordered = sorted(evaluations, key=lambda one: (_order(one), one.submission.name))
+    place, before = 0, None
+    for number, evaluation in enumerate(ordered, start=1):
+        if not evaluation.scores:
+            yield Row(None, evaluation)
+            continue
+        if evaluation.scores[0].mean != before:
+            place, before = number, evaluation.scores[0].mean
+        yield Row(place, evaluation)
+
+
+def _order(evaluation: Evaluation) -> tuple[bool, float]:
+    if not evaluation.scores:
+        return True, 0.0
+    score = evaluation.scores[0]
+    return False, score.mean if score.lower_is_better else -score.mean
