@@ -43,8 +43,9 @@ class Kernel:
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self.inner = _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-        self._outer = _compile(function, no_cfunc_wrapper=True)
+        # Folders of their own: Numba's cache tells functions apart by name and types, not by these options.
+        self.inner = _compile(function, "inner", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+        self._outer = _compile(function, "outer", no_cfunc_wrapper=True)
         functools.update_wrapper(self, function)
 
     def __call__(self, *arguments: Any) -> Any:
@@ -66,13 +67,13 @@ def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
 
 def parallel_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     """Compile a function whose ``prange`` loops run over threads. Only vector environments use these."""
-    return cast(Callable[Params, Returned], _compile(function, parallel=True))
+    return cast(Callable[Params, Returned], _compile(function, "parallel", parallel=True))
 
 
-def _compile(function: Callable[..., Any], **options: bool) -> Any:
+def _compile(function: Callable[..., Any], folder: str, **options: bool) -> Any:
     # Numba chooses a function's cache folder while decorating it, from its global configuration.
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(cache_folder(Path(function.__code__.co_filename)))
+    config.CACHE_DIR = str(cache_folder(Path(function.__code__.co_filename)) / folder)
     try:
         return njit(cache=True, fastmath=False, nogil=True, error_model="numpy", **options)(function)
     finally:
