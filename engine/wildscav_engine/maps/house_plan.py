@@ -14,6 +14,7 @@ SLAB = 0.2  # m, thickness of floors
 OUTER_WALL, INNER_WALL = 0.25, 0.15  # m, thickness
 DOOR_WIDTH, DOOR_HEIGHT = 1.3, 2.3  # m, clear
 WINDOW_SILL, WINDOW_TOP = 1.0, 2.2  # m above the floor
+PILLAR = 0.2  # m, least wall between a window and what is beside it
 WINDOW_BAY = 2.7  # m of wall for each window, about
 STEPS, RISE, GOING = 15, 0.2, 0.28  # of a flight; the last step is the upper floor
 STAIR_WIDTH = 1.5  # m
@@ -114,7 +115,7 @@ def draw_plan(seed: int, number: int, storeys: tuple[int, int], *, small: bool =
         up = flights[level] if level < count - 1 else None
         hole = hole_over(flights[level - 1]) if level else None
         inner = _inner_walls(dice, plan.room, partition, up, hole)
-        outer = _outer_walls(dice, plan, partition, inner, up if level == 0 else None, ground=level == 0)
+        outer = _outer_walls(dice, plan, partition, inner, up, ground=level == 0)
         drawn.append(Storey(outer, inner, up, hole))
     return plan._replace(storeys=tuple(drawn))
 
@@ -172,13 +173,7 @@ def _free_place(dice: Dice, room: Rectangle, cuts: list[Rectangle]) -> float:
 
 
 def _outer_walls(
-    dice: Dice,
-    plan: HousePlan,
-    partition: float,
-    inner: tuple[Wall, ...],
-    up: Flight | None,
-    *,
-    ground: bool,
+    dice: Dice, plan: HousePlan, partition: float, inner: tuple[Wall, ...], up: Flight | None, *, ground: bool
 ) -> tuple[Wall, ...]:
     """Return the front, back, left and right wall with doorways (on the ground floor) and windows."""
     room = plan.room
@@ -191,19 +186,24 @@ def _outer_walls(
         fronts.append(_doorway(dice.uniform(*spans[first])))
         if plan.size[0] * plan.size[1] > LARGE_HOUSE:
             backs.append(_doorway(dice.uniform(*spans[len(spans) - 1 - first])))
-    cuts = [wall for wall in inner if wall.is_across]
-    lefts = [
-        (wall.outline.back + wall.outline.front) / 2.0 for wall in cuts if wall.outline.left == room.left
-    ]
-    rights = [
-        (wall.outline.back + wall.outline.front) / 2.0 for wall in cuts if wall.outline.right == room.right
-    ]
+    joints = [(partition, partition)]
+    blocks = [wall.outline for wall in inner if wall.is_across] + ([_high_steps(up)] if up else [])
+    lefts = [(block.back, block.front) for block in blocks if block.left == room.left]
+    rights = [(block.back, block.front) for block in blocks if block.right == room.right]
     return (
-        _wall(Rectangle(-across, room.front, across, along), True, fronts, [partition]),
-        _wall(Rectangle(-across, -along, across, room.back), True, backs, [partition]),
+        _wall(Rectangle(-across, room.front, across, along), True, fronts, joints),
+        _wall(Rectangle(-across, -along, across, room.back), True, backs, joints),
         _wall(Rectangle(-across, room.back, room.left, room.front), False, [], lefts),
         _wall(Rectangle(room.right, room.back, across, room.front), False, [], rights),
     )
+
+
+def _high_steps(flight: Flight) -> Rectangle:
+    """Return the part of a flight that would stand before windows."""
+    low = int(WINDOW_SILL / RISE) * GOING
+    if flight.climb > 0:
+        return flight.outline._replace(back=flight.outline.back + low)
+    return flight.outline._replace(front=flight.outline.front - low)
 
 
 def _door_spans(room: Rectangle, partition: float, up: Flight | None) -> list[tuple[float, float]]:
@@ -218,18 +218,30 @@ def _door_spans(room: Rectangle, partition: float, up: Flight | None) -> list[tu
     return [(start + margin, end - margin) for start, end in halves if end - start > 2.0 * margin]
 
 
-def _wall(outline: Rectangle, is_across: bool, doorways: list[Opening], joints: list[float]) -> Wall:
-    """Return an outer wall with windows wherever no doorway is and no inner wall meets it."""
+def _wall(
+    outline: Rectangle, is_across: bool, doorways: list[Opening], blocked: list[tuple[float, float]]
+) -> Wall:
+    """Return an outer wall with windows wherever no doorway, inner wall or stairs are.
+
+    Args:
+        outline: Of the wall.
+        is_across: Whether it runs across.
+        doorways: In it.
+        blocked: Start and end in m of what stands right behind it.
+
+    Returns:
+        The wall.
+    """
     start, end = (outline.left, outline.right) if is_across else (outline.back, outline.front)
     start, end = start + OUTER_WALL, end - OUTER_WALL
     bays = max(1, int((end - start) / WINDOW_BAY))
     step = (end - start) / bays
     width = min(1.5, 0.5 * step)
+    taken = [(door.middle - door.width / 2.0, door.middle + door.width / 2.0) for door in doorways] + blocked
     openings = list(doorways)
     for bay in range(bays):
         middle = start + (bay + 0.5) * step
-        by_doorway = any(abs(middle - door.middle) < (width + door.width) / 2.0 + 0.3 for door in doorways)
-        by_joint = any(abs(middle - joint) < width / 2.0 + 0.2 for joint in joints)
-        if not by_doorway and not by_joint:
+        left, right = middle - width / 2.0 - PILLAR, middle + width / 2.0 + PILLAR
+        if all(right < first or last < left for first, last in taken):
             openings.append(Opening(middle, width, WINDOW_SILL, WINDOW_TOP))
     return Wall(outline, is_across, tuple(sorted(openings)))

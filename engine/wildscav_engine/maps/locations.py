@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, TAN_SLOPE_LIMIT
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World, cell_of
-from wildscav_engine.kernel import kernel
-from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan
+from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan, Rectangle
 from wildscav_engine.maps.houses import FLOOR_LIFT
 from wildscav_engine.maps.sites import Site
 from wildscav_engine.rng import Dice, Stream, uniform_in
@@ -16,6 +16,7 @@ STREAM = int(Stream.LOCATIONS)
 SPACING = 4.0  # m, of the jittered grid of outdoor places
 STEEPEST_PLACE = 0.7002075382097097  # m up per m: 35°
 INDOOR_SPACING = 2.2  # m between indoor places: one for about 5 m² of floor
+TRIES = 4  # to find an indoor place that is clear of walls and stairs
 CLEARANCE = 0.05  # m kept free around a body, and above the ground
 NODE = 1.0  # m between the nodes of the ground that are joined to find what can be reached
 
@@ -55,7 +56,7 @@ def _touches(world: World, solid: int, x: float, z: float, radius: float, low: f
     return True
 
 
-@kernel
+@array_kernel
 def reachable_ground(world: World) -> NDArray[np.bool_]:
     """Return the largest part of the ground that can be walked over, as nodes 1 m apart.
 
@@ -110,7 +111,7 @@ def _fill(
     return found
 
 
-@kernel
+@array_kernel
 def outdoor_places(world: World, reachable: NDArray[np.bool_], seed: np.uint64) -> NDArray[np.float64]:
     """Return (N, 3) m, standing places on dry, fairly level, open ground that can be reached."""
     rows = int(world.water.shape[0] * 2.0 / SPACING)
@@ -146,12 +147,16 @@ def indoor_places(
         floor = site.ground + FLOOR_LIFT + level * STOREY_HEIGHT
         for row in range(rows):
             for column in range(columns):
-                across = room.left + width * (column + dice.uniform(0.1, 0.9)) / columns
-                along = room.back + depth * (row + dice.uniform(0.1, 0.9)) / rows
-                hole = storey.hole
-                if hole and hole.left <= across <= hole.right and hole.back <= along <= hole.front:
-                    continue
-                x, z = site.pose.outside(across, along)
-                if is_clear(world, x, floor, z):
-                    places.append((x, floor, z))
+                for _ in range(TRIES):
+                    across = room.left + width * (column + dice.uniform(0.1, 0.9)) / columns
+                    along = room.back + depth * (row + dice.uniform(0.1, 0.9)) / rows
+                    x, z = site.pose.outside(across, along)
+                    if not _is_over(storey.hole, across, along) and is_clear(world, x, floor, z):
+                        places.append((x, floor, z))
+                        break
     return places
+
+
+def _is_over(hole: Rectangle | None, across: float, along: float) -> bool:
+    """Return whether a place is over the hole in a floor."""
+    return bool(hole and hole.left <= across <= hole.right and hole.back <= along <= hole.front)

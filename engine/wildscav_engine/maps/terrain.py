@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.rng import Dice, Stream, uniform_in
 from wildscav_engine.spec import MapConfig
 
@@ -47,7 +47,7 @@ def make_terrain(config: MapConfig, seed: int) -> Terrain:
     return Terrain((-half, -half), heights, level)
 
 
-@kernel
+@array_kernel
 def _add_noise(
     seed: np.uint64, octave: int, wave: float, height: float, heights: NDArray[np.float64]
 ) -> None:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.shapes import polygon, rounded_polygon, stack
 from wildscav_engine.geometry.world import CELL, Kind, Solid
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.terrain import Terrain, distance_to_footprint
 from wildscav_engine.rng import Dice, Stream, uniform
 from wildscav_engine.spec import MapConfig
@@ -13,13 +13,14 @@ from wildscav_engine.spec import MapConfig
 STREAM = int(Stream.VEGETATION)
 TREES, ROCKS = 0.0075, 0.003  # a m², with vegetation 1
 EDGE_MARGIN = 2.0  # m from the edge of the map
-HOUSE_MARGIN, DOORSTEP_MARGIN = 2.5, 3.6  # m between a plant's axis and a house or the place before a door
+HOUSE_MARGIN, DOORSTEP_MARGIN = 3.2, 3.6  # m between a plant's axis and a house or the place before a door
 TREE_SPACING, ROCK_SPACING = 3.0, 4.5  # m between axes, so that one walks between
 SHORE_MARGIN = 0.1  # m above the water
 STEEPEST = 0.8  # m up per m
 TRIES = 12  # places tried for each plant
 WOODS = 36.0  # m, size of woods and clearings, about
 CROWN_CLEARANCE = 2.4  # m between the ground and a crown
+WIDEST_CROWN = 2.6  # m, radius
 ROOT = 0.6  # m that plants reach into the ground
 LOWEST_ROCK, LARGEST_ROCK = 0.5, 2.0  # m
 
@@ -57,19 +58,19 @@ def plant(
     )
     dice = Dice(seed, Stream.VEGETATION, agent=1)
     solids: list[Solid] = []
-    for x, ground, z, slope, is_rock in places.tolist():
-        solids += _rock(dice, x, ground, z) if is_rock else _tree(dice, x, ground, z, slope)
+    for x, ground, z, highest, is_rock in places.tolist():
+        solids += _rock(dice, x, ground, z) if is_rock else _tree(dice, x, ground, z, highest)
     return solids
 
 
-def _tree(dice: Dice, x: float, ground: float, z: float, slope: float) -> list[Solid]:
+def _tree(dice: Dice, x: float, ground: float, z: float, highest: float) -> list[Solid]:
     """A tapering trunk in a faceted crown, broad or slender."""
     turn, thickness = dice.uniform(0.0, 60.0), dice.uniform(0.16, 0.34)
     outline = polygon(6, turn)
     slender = dice.uniform() < 0.4
-    radius = dice.uniform(1.1, 1.6) if slender else dice.uniform(1.5, 2.6)
+    radius = dice.uniform(1.1, 1.6) if slender else dice.uniform(1.5, WIDEST_CROWN)
     height = radius * (dice.uniform(2.6, 3.6) if slender else dice.uniform(1.3, 1.8))
-    bottom = ground + CROWN_CLEARANCE + slope * radius + dice.uniform(0.0, 0.8)
+    bottom = highest + CROWN_CLEARANCE + dice.uniform(0.0, 0.8)
     trunk_top = bottom + 0.5 * height
     trunk = stack(
         Kind.TRUNK, x, z, outline, [(ground - ROOT, thickness * 1.25), (trunk_top, thickness * 0.7)]
@@ -101,7 +102,7 @@ def _rock(dice: Dice, x: float, ground: float, z: float) -> list[Solid]:
     return [stack(Kind.ROCK, x, z, outline, rings)]
 
 
-@kernel
+@array_kernel
 def _scatter(
     seed: np.uint64,
     corner: tuple[float, float],
@@ -115,7 +116,8 @@ def _scatter(
     """Choose a place for each plant, by trial.
 
     Returns:
-        (N, 5): x, height of the ground, z, its slope, and 1 for a rock; those without a place are left out.
+        (N, 5): x, height of the ground, z, height of the highest ground a crown could be over, all in m,
+        and 1 for a rock. Plants without a place are left out.
     """
     count = trees + rocks
     places = np.empty((count, 5))
@@ -133,8 +135,8 @@ def _scatter(
             wooded = _woods(seed, x - corner[0], z - corner[1])
             if not is_rock and uniform(seed, STREAM, number + 1, trial, 2) > wooded:
                 continue
-            ground, slope = _ground(corner, heights, x, z)
-            if ground < water_level + SHORE_MARGIN or slope > STEEPEST:
+            ground, highest = _ground(corner, heights, x, z, 0.0)
+            if ground < water_level + SHORE_MARGIN or highest - ground > STEEPEST * CELL:
                 continue
             if not _is_clear(footprints, doorsteps, x, z):
                 continue
@@ -142,7 +144,8 @@ def _scatter(
             spacing = ROCK_SPACING if is_rock else TREE_SPACING
             if _is_crowded(places, first, following, row, column, x, z, spacing):
                 continue
-            places[found] = (x, ground, z, slope, 1.0 if is_rock else 0.0)
+            highest = _ground(corner, heights, x, z, WIDEST_CROWN)[1]
+            places[found] = (x, ground, z, highest, 1.0 if is_rock else 0.0)
             following[found], first[row, column] = first[row, column], found
             found += 1
             break
@@ -167,16 +170,18 @@ def _woods(seed: np.uint64, x: float, z: float) -> float:
 
 @kernel
 def _ground(
-    corner: tuple[float, float], heights: NDArray[np.float64], x: float, z: float
+    corner: tuple[float, float], heights: NDArray[np.float64], x: float, z: float, reach: float
 ) -> tuple[float, float]:
-    """Return the least height in m of the cell's corners around a place, and the slope over the cell."""
-    row, column = int((z - corner[1]) / CELL), int((x - corner[0]) / CELL)
-    south = min(heights[row, column], heights[row, column + 1])
-    north = min(heights[row + 1, column], heights[row + 1, column + 1])
-    high_south = max(heights[row, column], heights[row, column + 1])
-    high_north = max(heights[row + 1, column], heights[row + 1, column + 1])
-    lowest, highest = min(south, north), max(high_south, high_north)
-    return lowest, (highest - lowest) / CELL
+    """Return the least and the greatest height in m of the cells within reach of a place."""
+    first_row = max(0, int((z - reach - corner[1]) / CELL))
+    last_row = min(heights.shape[0] - 1, int((z + reach - corner[1]) / CELL) + 1)
+    first_column = max(0, int((x - reach - corner[0]) / CELL))
+    last_column = min(heights.shape[1] - 1, int((x + reach - corner[0]) / CELL) + 1)
+    lowest, highest = np.inf, -np.inf
+    for row in range(first_row, last_row + 1):
+        for column in range(first_column, last_column + 1):
+            lowest, highest = min(lowest, heights[row, column]), max(highest, heights[row, column])
+    return lowest, highest
 
 
 @kernel

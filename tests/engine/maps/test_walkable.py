@@ -6,13 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.generate import plans_and_sites
 from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan, Rectangle
 from wildscav_engine.maps.houses import FLOOR_LIFT, doorsteps
-from wildscav_engine.maps.locations import is_clear
+from wildscav_engine.maps.locations import is_clear, reachable_ground
 from wildscav_engine.maps.sites import Site
 from wildscav_engine.spec import MapConfig
 from wildscav_engine.systems.motion import Bodies, move
@@ -78,22 +77,24 @@ def way_on_floor(
         x, z = site.pose.outside(across, along)
         return bool(is_clear(world, x, floor, z))
 
-    first, last = node_of(start), node_of(end)
+    first = node_of(start)
     came = {first: first}
     queue = deque([first])
-    while queue and last not in came:
+    while queue:
         node = queue.popleft()
+        if math.dist(place_of(node), end) < 1.5 * GRID:
+            break
         for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
             following = (node[0] + step[0], node[1] + step[1])
             if following not in came and is_free(following):
                 came[following] = node
                 queue.append(following)
-    if last not in came:
+    else:
         return []
     way = [end]
-    while last != first:
-        last = came[last]
-        way.append(place_of(last))
+    while node != first:
+        way.append(place_of(node))
+        node = came[node]
     return way[::-1]
 
 
@@ -141,3 +142,58 @@ def test_every_house_is_walked_to_its_top_storey_and_back(seed: int, speed: floa
 
     for plan, site in zip(*plans_and_sites(TALL, seed), strict=True):
         walk_through_house(game_map, plan, site, speed)
+
+
+def way_over_ground(world: World, start: Place, end: Place) -> list[Place]:
+    """Return the nodes of reachable ground from the one nearest to a place to that nearest to another."""
+    reachable = reachable_ground(world)
+
+    def node_of(place: Place) -> tuple[int, int]:
+        return round(place[0] - world.corner[0]), round(place[1] - world.corner[1])
+
+    first, last = node_of(start), node_of(end)
+    came = {first: first}
+    queue = deque([first])
+    while last not in came:
+        column, row = node = queue.popleft()
+        for following in ((column + 1, row), (column - 1, row), (column, row + 1), (column, row - 1)):
+            if following not in came and reachable[following[1], following[0]]:
+                came[following] = node
+                queue.append(following)
+    way = [last]
+    while way[-1] != first:
+        way.append(came[way[-1]])
+    return [(column + world.corner[0], row + world.corner[1]) for column, row in way[::-1]]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_every_outdoor_place_can_be_walked_to(seed: int) -> None:
+    game_map = generate_map(MapConfig(size=60, houses=2, water=0.2, vegetation=1.0), seed)
+    places = game_map.outdoor
+    walker = Walker(game_map.world, *places[0])
+    here = places[0]
+
+    for there in places[7::23]:
+        for x, z in way_over_ground(game_map.world, (here[0], here[2]), (there[0], there[2])):
+            assert walker.walk_to(x, z, 10.0)
+        assert walker.walk_to(there[0], there[2], 10.0)
+        here = there
+        assert walker.position[0, 1] == pytest.approx(there[1], abs=0.01)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_every_indoor_place_can_be_walked_to_from_the_stairs_or_the_door(seed: int) -> None:
+    game_map = generate_map(TALL, seed)
+    entered = 0
+    for plan, site in zip(*plans_and_sites(TALL, seed), strict=True):
+        landings = [place for place, _ in way_through(game_map, plan, site)]
+        for x, y, z in game_map.indoor:
+            across, along = site.pose.inside(x, z)
+            if abs(across) > plan.size[0] / 2.0 or abs(along) > plan.size[1] / 2.0:
+                continue
+            level = round((y - site.ground - FLOOR_LIFT) / STOREY_HEIGHT)
+            start = landings[1] if level == 0 else ends_of_flight(*plan.storeys[level - 1].flight)[1]
+            assert way_on_floor(game_map.world, plan, site, level, start, (across, along))
+            entered += 1
+
+    assert entered == len(game_map.indoor)
