@@ -15,7 +15,6 @@ The checksum finds damage, not forgery: that takes ``verify_record``, which play
 import json
 import os
 import struct
-import tempfile
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -95,15 +94,15 @@ def save(record: Record, path: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    data = encode(record)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+        temporary.write_bytes(encode(record))
+        temporary.replace(path)
+    except OSError as error:
+        # A full disk is noticed in the middle of a write, and that error does not say where.
+        raise OSError(error.errno, error.strerror, str(path)) from error
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def encode(record: Record) -> bytes:
