@@ -46,8 +46,8 @@ class Walker:
                 self.on_ground,
                 direction,
                 min(speed, left * 50.0),
-                jump=False,
-                water_speed_factor=0.5,
+                False,  # does not jump
+                0.5,
             )
             self.position[0] = moved.x, moved.y, moved.z
             self.rise, self.on_ground = moved.rise, moved.on_ground
