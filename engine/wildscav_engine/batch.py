@@ -1,23 +1,22 @@
 """A batch: many matches played as one, serially or over threads. A single match is a batch of one."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.actions import FIELDS, Field
-from wildscav_engine.kernel import kernel, parallel_kernel
+from wildscav_engine.actions import FIELDS, Field, no_actions
+from wildscav_engine.kernel import array_kernel, parallel_kernel
 from wildscav_engine.maps import map_of
 from wildscav_engine.maps.bank import MapBank, build_bank, world_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rules import Rules
-from wildscav_engine.sensors.visibility import Seen, allocate_seen, look_around
+from wildscav_engine.sensors.visibility import Seen, allocate_seen
 from wildscav_engine.set_up import MatchSetupError, Setup, place_match, plan_match
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.state import Agents, State, Supplies, allocate_state
 from wildscav_engine.step import play_step
-from wildscav_engine.systems.damage import equip
 from wildscav_engine.tracks import TRACKS
 
 
@@ -54,7 +53,7 @@ class Batch:
         for index, setup in enumerate(self.setups):
             self.state.matches.map_index[index] = places[id(self.maps[index])]
             place_match(self.state, index, setup)
-        open_batch(self.bank, self.state, self.rules, self.seen)
+        self._play(play_batch, no_actions(len(self.specs) * seats), opening=True)
 
     def step(self, actions: NDArray[np.float32], *, threads: int = 1) -> NDArray[np.float32]:
         """Play one step of every match that is not over.
@@ -68,12 +67,19 @@ class Batch:
         Returns:
             (B, A, FIELDS), the actions as they were played.
         """
-        played = np.array(actions, np.float32).reshape(len(self.specs), -1, FIELDS)
         play = play_batch
         if threads > 1:
             numba.set_num_threads(threads)
             play = play_batch_in_threads
-        play(self.bank, self.state, self.seen, played, self.allowed, self.frames_per_action, self.rules)
+        return self._play(play, actions, opening=False)
+
+    def _play(
+        self, play: Callable[..., None], actions: NDArray[np.float32], *, opening: bool
+    ) -> NDArray[np.float32]:
+        """Open the matches or play one step, and return the actions as played."""
+        played = np.array(actions, np.float32).reshape(len(self.specs), -1, FIELDS)
+        held = self.frames_per_action
+        play(self.bank, self.state, self.seen, played, self.allowed, held, self.rules, opening)
         return played
 
 
@@ -92,7 +98,7 @@ def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
     return specs[0]
 
 
-@kernel
+@array_kernel
 def agents_of(agents: Agents, match: int) -> Agents:
     """Return one match's agents as views."""
     return Agents(
@@ -124,11 +130,12 @@ def agents_of(agents: Agents, match: int) -> Agents:
         agents.shot_end[match],
         agents.hit_seat[match],
         agents.hit_by_seat[match],
+        agents.damage[match],
         agents.gained[match],
     )
 
 
-@kernel
+@array_kernel
 def supplies_of(supplies: Supplies, match: int) -> Supplies:
     """Return one match's boxes as views."""
     return Supplies(
@@ -136,14 +143,16 @@ def supplies_of(supplies: Supplies, match: int) -> Supplies:
     )
 
 
-@kernel
+@array_kernel
 def seen_of(seen: Seen, match: int) -> Seen:
     """Return what one match's agents see as views."""
     return Seen(
         seen.agents[match],
         seen.agent_count[match],
+        seen.agent_distance[match],
         seen.supplies[match],
         seen.supply_count[match],
+        seen.supply_distance[match],
         seen.can_pick_up[match],
     )
 
@@ -156,8 +165,12 @@ def _play_batch(
     allowed: NDArray[np.bool_],
     frames_per_action: int,
     rules: Rules,
+    opening: bool,
 ) -> None:
-    """Play one step of every match that is not over; the actions become what was played."""
+    """Open every match, or play one step of those not over; the actions become what was played.
+
+    Both are in one kernel, because they share most of what there is to compile.
+    """
     agents, supplies, matches = state
     for match in numba.prange(actions.shape[0]):
         if not matches.over[match]:
@@ -172,26 +185,9 @@ def _play_batch(
                 allowed,
                 frames_per_action,
                 rules,
+                opening,
             )
 
 
-play_batch = kernel(_play_batch)
+play_batch = array_kernel(_play_batch)
 play_batch_in_threads = parallel_kernel(_play_batch)
-
-
-@kernel
-def open_batch(bank: MapBank, state: State, rules: Rules, seen: Seen) -> None:
-    """Equip everybody and let them look around, before the first step."""
-    agents, supplies, matches = state
-    for match in range(matches.over.shape[0]):
-        for seat in range(agents.present.shape[1]):
-            if agents.present[match, seat]:
-                equip(agents_of(agents, match), seat, rules)
-        look_around(
-            world_of(bank, matches.map_index[match]),
-            agents_of(agents, match),
-            supplies_of(supplies, match),
-            matches.frame[match],
-            rules,
-            seen_of(seen, match),
-        )

@@ -42,10 +42,9 @@ class Kernel:
     compile than many of them, so it is left out until Python calls.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        # Folders of their own: Numba's cache tells functions apart by name and types, not by these options.
-        self.inner = _compile(function, "inner", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-        self._outer = _compile(function, "outer", no_cfunc_wrapper=True)
+    def __init__(self, function: Callable[..., Any], **options: bool) -> None:
+        self.inner = _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
+        self._outer = _compile(function, no_cfunc_wrapper=True, **options)
         functools.update_wrapper(self, function)
 
     def __call__(self, *arguments: Any) -> Any:
@@ -59,7 +58,18 @@ def _type_for_other_kernels(value: Kernel, context: Any) -> Any:
 
 
 def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
-    """Compile a function with the flags that every kernel of the engine shares."""
+    """Compile a function that neither makes nor returns arrays: it reads and writes those it is given.
+
+    So no references need counting, which would cost more than most kernels do (a world and the agents of a
+    match are some forty arrays). To make an array in one is a compile-time error.
+    """
+    if config.DISABLE_JIT:
+        return function
+    return cast(Callable[Params, Returned], Kernel(function, _nrt=False))
+
+
+def array_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
+    """Compile a function that makes or returns arrays, views included."""
     if config.DISABLE_JIT:
         return function
     return cast(Callable[Params, Returned], Kernel(function))
@@ -67,13 +77,15 @@ def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
 
 def parallel_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     """Compile a function whose ``prange`` loops run over threads. Only vector environments use these."""
-    return cast(Callable[Params, Returned], _compile(function, "parallel", parallel=True))
+    return cast(Callable[Params, Returned], _compile(function, parallel=True))
 
 
-def _compile(function: Callable[..., Any], folder: str, **options: bool) -> Any:
-    # Numba chooses a function's cache folder while decorating it, from its global configuration.
+def _compile(function: Callable[..., Any], **options: bool) -> Any:
+    # Numba chooses a function's cache folder while decorating it, from its global configuration. It does not
+    # tell apart what was compiled with other options: each set of options has a folder of its own.
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(cache_folder(Path(function.__code__.co_filename)) / folder)
+    folder = cache_folder(Path(function.__code__.co_filename))
+    config.CACHE_DIR = str(folder / ("-".join(sorted(options)) or "plain"))
     try:
         return njit(cache=True, fastmath=False, nogil=True, error_model="numpy", **options)(function)
     finally:

@@ -45,6 +45,7 @@ class Agents(NamedTuple):
     shot_end: NDArray[np.float64]  # (B, A, 3) m, where the last shot ended
     hit_seat: NDArray[np.int32]  # (B, A) whom it hit, or NOBODY
     hit_by_seat: NDArray[np.int32]  # (B, A) who hit it, or NOBODY
+    damage: NDArray[np.int32]  # (B, A) hp, lost at the end of a frame
     gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
 
 
@@ -101,6 +102,7 @@ def allocate_state(matches: int, seats: int, slots: int) -> State:
         shot_end=np.zeros((b, a, 3)),
         hit_seat=np.full((b, a), NOBODY, np.int32),
         hit_by_seat=np.full((b, a), NOBODY, np.int32),
+        damage=np.zeros((b, a), np.int32),
         gained=np.zeros((b, a), np.int32),
     )
     supplies = Supplies(

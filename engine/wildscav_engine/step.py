@@ -13,7 +13,7 @@ from wildscav_engine.robots.decide import decide
 from wildscav_engine.rules import FRAME, Rules
 from wildscav_engine.sensors.visibility import Seen, look_around
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
-from wildscav_engine.systems.damage import apply_damage, bring_back
+from wildscav_engine.systems.damage import apply_damage, bring_back, equip
 from wildscav_engine.systems.motion import Bodies, move
 from wildscav_engine.systems.supplies import pick_up
 from wildscav_engine.systems.weapons import handle_weapon, shoot
@@ -32,6 +32,7 @@ def play_step(
     allowed: NDArray[np.bool_],
     frames_per_action: int,
     rules: Rules,
+    opening: bool,
 ) -> None:
     """Play one step of one match, in place: one action of every agent, held for some frames.
 
@@ -46,7 +47,14 @@ def play_step(
         allowed: (FIELDS,) the track's action set.
         frames_per_action: How many frames the actions are held.
         rules: The rules.
+        opening: Whether the match is only opened: everybody is equipped and looks around.
     """
+    if opening:
+        for seat in range(actions.shape[0]):
+            if agents.present[seat]:
+                equip(agents, seat, rules)
+        look_around(world, agents, supplies, matches.frame[match], rules, seen)
+        return
     _clear_step_facts(agents)
     for seat in range(actions.shape[0]):
         action = actions[seat]
@@ -72,22 +80,20 @@ def play_frame(
 ) -> None:
     """Play one frame, in place. The order below is the rulebook."""
     seats = actions.shape[0]
-    alive = agents.health > 0
     for turn in range(seats):
         # Who moves first rotates, so that no seat always wins a doorway.
-        _turn_and_move(world, agents, alive, (turn + matches.frame[match]) % seats, actions, rules)
+        _turn_and_move(world, agents, (turn + matches.frame[match]) % seats, actions, rules)
     matches.frame[match] += 1
     # The target is tested every frame, so that nobody runs through it between two steps.
     _test_target(agents, matches, match, rules)
     pick_up(agents, supplies, actions, matches.frame[match], rules)
-    damage = np.zeros(seats, np.int32)
     for seat in range(seats):
         if agents.health[seat] > 0:
             handle_weapon(agents, seat, actions[seat, Field.RELOAD] != 0.0, rules)
     # Everyone has moved before anyone shoots, so no agent gains by coming first.
-    shoot(world, agents, actions, rules, damage)
+    shoot(world, agents, actions, rules)
     # Damage lands after the last shot: two agents can kill each other in one frame.
-    apply_damage(agents, supplies, matches, match, damage, rules)
+    apply_damage(agents, supplies, matches, match, rules)
     bring_back(world, agents, matches, match, rules)
     if matches.frame[match] >= matches.frame_limit[match]:
         matches.over[match] = True
@@ -133,13 +139,12 @@ def _settle_action(
 def _turn_and_move(
     world: World,
     agents: Agents,
-    alive: NDArray[np.bool_],
     seat: int,
     actions: NDArray[np.float32],
     rules: Rules,
 ) -> None:
     """Turn the view of one agent, then move its body."""
-    if not alive[seat]:
+    if agents.health[seat] <= 0:
         return
     action = actions[seat]
     agents.yaw[seat] = wrap(agents.yaw[seat] + np.float64(action[Field.TURN]))
@@ -148,7 +153,7 @@ def _turn_and_move(
     place = agents.position[seat]
     moved = move(
         world,
-        Bodies(agents.position, alive, seat),
+        Bodies(agents.position, agents.health, seat),
         agents.velocity[seat, 1],
         agents.on_ground[seat],
         np.float64(action[Field.WALK_DIRECTION]),

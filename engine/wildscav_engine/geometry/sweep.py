@@ -139,7 +139,7 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
 @kernel
 def sweep_bodies(
     bodies: NDArray[np.float64],
-    solid: NDArray[np.bool_],
+    health: NDArray[np.int32],
     mover: int,
     x: float,
     y: float,
@@ -152,7 +152,7 @@ def sweep_bodies(
 
     Args:
         bodies: (A, 3) m, the soles of all bodies.
-        solid: (A,) whether each is there at all.
+        health: (A,) hp; the dead are no obstacles.
         mover: Which of them moves; it does not touch itself.
         x: m, the middle of its soles; so y and z.
         y: m.
@@ -167,7 +167,7 @@ def sweep_bodies(
     first = Contact(1.0, 0.0, 0.0, 0.0)
     near = 2.0 * BODY_RADIUS
     for other in range(bodies.shape[0]):
-        if other == mover or not solid[other]:
+        if other == mover or health[other] <= 0:
             continue
         from_x, from_z = x - bodies[other, 0], z - bodies[other, 2]
         reach = near + SKIN + abs(dx) + abs(dz)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import array_kernel, kernel
 
 CELL = 2.0  # m, side of a grid cell and of a terrain quad
 BLOCK = 8  # cells along a side of a block, the coarser level of the grid
@@ -77,7 +77,7 @@ def convex_solid(
     return Solid(kind, planes, vertices.min(axis=0), vertices.max(axis=0))
 
 
-@kernel
+@array_kernel
 def _planes_of(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
     middle_x, middle_y, middle_z = 0.0, 0.0, 0.0
     for row in range(vertices.shape[0]):
@@ -162,7 +162,7 @@ def cell_of(corner: float, coordinate: float, count: int) -> int:
     return min(count - 1, max(0, int(np.floor((coordinate - corner) / CELL))))
 
 
-@kernel
+@array_kernel
 def _index_solids(
     corner: NDArray[np.float64],
     rows: int,
@@ -197,7 +197,7 @@ def _index_solids(
     return start, items
 
 
-@kernel
+@array_kernel
 def _top_of_cells(
     heights: NDArray[np.float64],
     cell_start: NDArray[np.int64],
@@ -218,7 +218,7 @@ def _top_of_cells(
     return top
 
 
-@kernel
+@array_kernel
 def _top_of_blocks(cell_top: NDArray[np.float64]) -> NDArray[np.float64]:
     rows, columns = cell_top.shape
     top = np.full(((rows + BLOCK - 1) // BLOCK, (columns + BLOCK - 1) // BLOCK), -np.inf)

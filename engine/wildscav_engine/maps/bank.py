@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import array_kernel
 
 
 class MapBank(NamedTuple):
@@ -60,7 +60,7 @@ def _parts(world: World) -> list[NDArray[np.generic]]:
     ]
 
 
-@kernel
+@array_kernel
 def world_of(bank: MapBank, index: int) -> World:
     """Return one map's world as views of the bank."""
     rows, columns = bank.shape[index, 0], bank.shape[index, 1]

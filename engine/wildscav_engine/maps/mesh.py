@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL, Kind, World
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import array_kernel, kernel
 
 PARALLEL = 1e-9  # below this determinant, three unit normals do not make a corner
 TOUCH = 1e-6  # m, how far from a plane a corner still lies on it
@@ -90,7 +90,6 @@ def solids_mesh(world: World, solids: Iterable[int] | None = None) -> Mesh:
     )
 
 
-@kernel
 def polyhedron(planes: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the surface of the convex body under some planes.
 
@@ -104,47 +103,43 @@ def polyhedron(planes: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArra
         Corners (V, 3) in m, and triangles (T, 3), outwards as ``Mesh`` has them. Both are empty if the
         planes enclose nothing.
     """
-    corners = _corners(planes)
-    triangles = np.empty((planes.shape[0] * max(0, len(corners) - 2), 3), np.int64)
-    count = 0
-    for face in range(planes.shape[0]):
-        loop = _face_loop(planes[face], corners)
-        for index in range(1, len(loop) - 1):
-            triangles[count] = (loop[0], loop[index], loop[index + 1])
-            count += 1
-    return corners, triangles[:count].copy()
+    faces = len(planes)
+    corners = np.empty((faces * (faces - 1) * (faces - 2) // 6, 3))
+    corners = corners[: _find_corners(planes, corners)]
+    triangles = np.empty((faces * len(corners), 3), np.int64)
+    return corners, triangles[: _find_triangles(planes, corners, triangles)]
 
 
 @kernel
-def _corners(planes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the points where three planes meet and no other cuts them off, each once."""
+def _find_corners(planes: NDArray[np.float64], corners: NDArray[np.float64]) -> int:
+    """Write the points where three planes meet and no other cuts them off, each once; return how many."""
     faces = planes.shape[0]
-    corners = np.empty((faces * (faces - 1) * (faces - 2) // 6, 3))
     count = 0
     for a in range(faces):
         for b in range(a + 1, faces):
             for c in range(b + 1, faces):
-                found, x, y, z = _meeting_point(planes[a], planes[b], planes[c])
-                if found and _inside(planes, x, y, z) and not _known(corners[:count], x, y, z):
-                    corners[count] = (x, y, z)
+                found, x, y, z = _meeting_point(planes, a, b, c)
+                if found and _inside(planes, x, y, z) and not _known(corners, count, x, y, z):
+                    corners[count, 0], corners[count, 1], corners[count, 2] = x, y, z
                     count += 1
-    return corners[:count].copy()
+    return count
 
 
 @kernel
-def _meeting_point(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]
-) -> tuple[bool, float, float, float]:
+def _meeting_point(planes: NDArray[np.float64], a: int, b: int, c: int) -> tuple[bool, float, float, float]:
     """Solve three plane equations by Cramer's rule; False first if two planes are parallel."""
-    bc_x, bc_y, bc_z = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
-    determinant = a[0] * bc_x + a[1] * bc_y + a[2] * bc_z
+    ax, ay, az, a_offset = planes[a, 0], planes[a, 1], planes[a, 2], planes[a, 3]
+    bx, by, bz, b_offset = planes[b, 0], planes[b, 1], planes[b, 2], planes[b, 3]
+    cx, cy, cz, c_offset = planes[c, 0], planes[c, 1], planes[c, 2], planes[c, 3]
+    bc_x, bc_y, bc_z = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
+    determinant = ax * bc_x + ay * bc_y + az * bc_z
     if abs(determinant) < PARALLEL:
         return False, 0.0, 0.0, 0.0
-    ca_x, ca_y, ca_z = c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0]
-    ab_x, ab_y, ab_z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    x = (a[3] * bc_x + b[3] * ca_x + c[3] * ab_x) / determinant
-    y = (a[3] * bc_y + b[3] * ca_y + c[3] * ab_y) / determinant
-    z = (a[3] * bc_z + b[3] * ca_z + c[3] * ab_z) / determinant
+    ca_x, ca_y, ca_z = cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax
+    ab_x, ab_y, ab_z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    x = (a_offset * bc_x + b_offset * ca_x + c_offset * ab_x) / determinant
+    y = (a_offset * bc_y + b_offset * ca_y + c_offset * ab_y) / determinant
+    z = (a_offset * bc_z + b_offset * ca_z + c_offset * ab_z) / determinant
     return True, x, y, z
 
 
@@ -157,35 +152,70 @@ def _inside(planes: NDArray[np.float64], x: float, y: float, z: float) -> bool:
 
 
 @kernel
-def _known(corners: NDArray[np.float64], x: float, y: float, z: float) -> bool:
-    for corner in range(corners.shape[0]):
+def _known(corners: NDArray[np.float64], count: int, x: float, y: float, z: float) -> bool:
+    for corner in range(count):
         apart = max(abs(corners[corner, 0] - x), abs(corners[corner, 1] - y), abs(corners[corner, 2] - z))
         if apart < 2.0 * TOUCH:
             return True
     return False
 
 
+@array_kernel
+def _find_triangles(
+    planes: NDArray[np.float64], corners: NDArray[np.float64], triangles: NDArray[np.int64]
+) -> int:
+    """Write a fan of triangles for every face; return how many."""
+    loop = np.empty(corners.shape[0], np.int64)
+    turn = np.empty(corners.shape[0])
+    count = 0
+    for face in range(planes.shape[0]):
+        size = _face_loop(planes, face, corners, loop, turn)
+        for index in range(1, size - 1):
+            triangles[count, 0] = loop[0]
+            triangles[count, 1] = loop[index]
+            triangles[count, 2] = loop[index + 1]
+            count += 1
+    return count
+
+
 @kernel
-def _face_loop(plane: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the corners on a plane in order about its normal; none if they span no area."""
-    distance = corners[:, 0] * plane[0] + corners[:, 1] * plane[1] + corners[:, 2] * plane[2] - plane[3]
-    loop = np.nonzero(np.abs(distance) <= 2.0 * TOUCH)[0]
-    if len(loop) < 3:
-        return loop[:0]
-    middle = np.zeros(3)
-    for corner in loop:
-        middle += corners[corner] / len(loop)
-    right = corners[loop[0]] - middle
-    up_x = plane[1] * right[2] - plane[2] * right[1]
-    up_y = plane[2] * right[0] - plane[0] * right[2]
-    up_z = plane[0] * right[1] - plane[1] * right[0]
-    turn = np.empty(len(loop))
-    for index, corner in enumerate(loop):
-        out = corners[corner] - middle
-        along = out[0] * right[0] + out[1] * right[1] + out[2] * right[2]
-        across = out[0] * up_x + out[1] * up_y + out[2] * up_z
-        turn[index] = _turn(along, across)
-    return loop[np.argsort(turn)]
+def _face_loop(
+    planes: NDArray[np.float64],
+    face: int,
+    corners: NDArray[np.float64],
+    loop: NDArray[np.int64],
+    turn: NDArray[np.float64],
+) -> int:
+    """Write the corners on a face in order about its normal; return how many.
+
+    Args:
+        planes: (F, 4) outward unit normals and offsets in m.
+        face: The plane of the face.
+        corners: (V, 3) m.
+        loop: (V,) written: corners on the face, the rest is left as it was.
+        turn: (V,) room for their angles.
+    """
+    nx, ny, nz, offset = planes[face, 0], planes[face, 1], planes[face, 2], planes[face, 3]
+    size = 0
+    x, y, z = 0.0, 0.0, 0.0
+    for corner in range(corners.shape[0]):
+        distance = nx * corners[corner, 0] + ny * corners[corner, 1] + nz * corners[corner, 2] - offset
+        if abs(distance) <= 2.0 * TOUCH:
+            loop[size] = corner
+            size += 1
+            x, y, z = x + corners[corner, 0], y + corners[corner, 1], z + corners[corner, 2]
+    if size < 3:
+        return 0
+    x, y, z = x / size, y / size, z / size
+    right_x, right_y, right_z = corners[loop[0], 0] - x, corners[loop[0], 1] - y, corners[loop[0], 2] - z
+    up_x, up_y, up_z = ny * right_z - nz * right_y, nz * right_x - nx * right_z, nx * right_y - ny * right_x
+    for index in range(size):
+        corner = loop[index]
+        out_x, out_y, out_z = corners[corner, 0] - x, corners[corner, 1] - y, corners[corner, 2] - z
+        along = out_x * right_x + out_y * right_y + out_z * right_z
+        across = out_x * up_x + out_y * up_y + out_z * up_z
+        _insert(index, corner, _turn(along, across), loop, turn)
+    return size
 
 
 @kernel
@@ -195,3 +225,15 @@ def _turn(along: float, across: float) -> float:
     if along < 0.0:
         return 2.0 - share
     return share if across >= 0.0 else 4.0 + share
+
+
+@kernel
+def _insert(
+    count: int, corner: int, angle: float, loop: NDArray[np.int64], turn: NDArray[np.float64]
+) -> None:
+    """Put one more corner where it belongs among the first ``count``, which are in order."""
+    place = count
+    while place > 0 and turn[place - 1] > angle:
+        loop[place], turn[place] = loop[place - 1], turn[place - 1]
+        place -= 1
+    loop[place], turn[place] = corner, angle

@@ -122,7 +122,7 @@ def distance_to_footprint(footprint: NDArray[np.float64], x: float, z: float) ->
     return float(np.sqrt(across * across + along * along))
 
 
-@kernel
+@array_kernel
 def level_ground(
     corner: tuple[float, float],
     footprints: NDArray[np.float64],

@@ -25,8 +25,10 @@ class Seen(NamedTuple):
 
     agents: NDArray[np.int32]  # (B, A, 16) seats
     agent_count: NDArray[np.int32]  # (B, A)
+    agent_distance: NDArray[np.float64]  # (B, A, 16) m², squared, of those
     supplies: NDArray[np.int32]  # (B, A, 32) slots of boxes
     supply_count: NDArray[np.int32]  # (B, A)
+    supply_distance: NDArray[np.float64]  # (B, A, 32) m², squared, of those
     can_pick_up: NDArray[np.bool_]  # (B, A) whether a box is in reach
 
 
@@ -35,8 +37,10 @@ def allocate_seen(matches: int, seats: int) -> Seen:
     return Seen(
         agents=np.full((matches, seats, AGENT_LIMIT), NOBODY, np.int32),
         agent_count=np.zeros((matches, seats), np.int32),
+        agent_distance=np.zeros((matches, seats, AGENT_LIMIT)),
         supplies=np.full((matches, seats, SUPPLY_LIMIT), -1, np.int32),
         supply_count=np.zeros((matches, seats), np.int32),
+        supply_distance=np.zeros((matches, seats, SUPPLY_LIMIT)),
         can_pick_up=np.zeros((matches, seats), np.bool_),
     )
 
@@ -56,7 +60,6 @@ def look_around(
         seen: The match's slices, written.
     """
     seats = agents.health.shape[0]
-    keys = np.empty(max(seats, SUPPLY_LIMIT))
     for seat in range(seats):
         seen.agent_count[seat] = 0
         seen.supply_count[seat] = 0
@@ -65,14 +68,12 @@ def look_around(
         seen.supplies[seat] = -1
         if not agents.present[seat] or agents.health[seat] <= 0:
             continue
-        _see_agents(world, agents, seat, rules.view_angle, keys, seen)
-        _see_supplies(agents, supplies, seat, frame, rules, keys, seen)
+        _see_agents(world, agents, seat, rules.view_angle, seen)
+        _see_supplies(agents, supplies, seat, frame, rules, seen)
 
 
 @kernel
-def _see_agents(
-    world: World, agents: Agents, seat: int, view_angle: float, keys: NDArray[np.float64], seen: Seen
-) -> None:
+def _see_agents(world: World, agents: Agents, seat: int, view_angle: float, seen: Seen) -> None:
     for other in range(agents.health.shape[0]):
         if other == seat or not agents.present[other] or agents.health[other] <= 0:
             continue
@@ -80,10 +81,13 @@ def _see_agents(
             dx = agents.position[other, 0] - agents.position[seat, 0]
             dy = agents.position[other, 1] - agents.position[seat, 1]
             dz = agents.position[other, 2] - agents.position[seat, 2]
-            count = insert_nearest(
-                dx * dx + dy * dy + dz * dz, other, seen.agent_count[seat], keys, seen.agents[seat]
+            seen.agent_count[seat] = insert_nearest(
+                dx * dx + dy * dy + dz * dz,
+                other,
+                seen.agent_count[seat],
+                seen.agent_distance[seat],
+                seen.agents[seat],
             )
-            seen.agent_count[seat] = count
 
 
 @kernel
@@ -113,7 +117,6 @@ def _see_supplies(
     seat: int,
     frame: int,
     rules: Rules,
-    keys: NDArray[np.float64],
     seen: Seen,
 ) -> None:
     sight = rules.supply_sight * rules.supply_sight
@@ -126,8 +129,9 @@ def _see_supplies(
         dz = supplies.position[slot, 2] - agents.position[seat, 2]
         distance = dx * dx + dy * dy + dz * dz
         if distance <= sight:
-            count = insert_nearest(distance, slot, seen.supply_count[seat], keys, seen.supplies[seat])
-            seen.supply_count[seat] = count
+            seen.supply_count[seat] = insert_nearest(
+                distance, slot, seen.supply_count[seat], seen.supply_distance[seat], seen.supplies[seat]
+            )
             seen.can_pick_up[seat] |= distance <= reach
 
 
@@ -141,7 +145,7 @@ def insert_nearest(
         key: Of the item; of equal keys, the first to come stays first.
         item: What to put in.
         count: How many are in it.
-        keys: (N,) or longer, the keys of the items.
+        keys: (N,) of the items.
         items: (N,).
 
     Returns:

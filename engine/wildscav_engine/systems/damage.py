@@ -1,7 +1,5 @@
 """Damage, death, what a dead agent loses, and its return."""
 
-import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_RADIUS
 from wildscav_engine.geometry.world import World
@@ -16,9 +14,7 @@ RESPAWN_DISTANCE = 4.0 * BODY_RADIUS  # m kept from other agents
 
 
 @kernel
-def apply_damage(
-    agents: Agents, supplies: Supplies, matches: Matches, match: int, damage: NDArray[np.int32], rules: Rules
-) -> None:
+def apply_damage(agents: Agents, supplies: Supplies, matches: Matches, match: int, rules: Rules) -> None:
     """Take health away; who has none left dies, drops a share of its supplies and waits to come back.
 
     Args:
@@ -26,13 +22,13 @@ def apply_damage(
         supplies: The boxes of the match.
         matches: All matches.
         match: Which one it is.
-        damage: (A,) hp of this frame.
         rules: The rules.
     """
-    for seat in range(damage.shape[0]):
-        if damage[seat] == 0 or agents.health[seat] <= 0:
+    for seat in range(agents.health.shape[0]):
+        hurt, agents.damage[seat] = agents.damage[seat], 0
+        if hurt == 0 or agents.health[seat] <= 0:
             continue
-        agents.health[seat] = max(0, agents.health[seat] - damage[seat])
+        agents.health[seat] = max(0, agents.health[seat] - hurt)
         if agents.health[seat] == 0:
             agents.deaths[seat] += 1
             if agents.hit_by_seat[seat] != NOBODY:
@@ -55,7 +51,8 @@ def bring_back(world: World, agents: Agents, matches: Matches, match: int, rules
                     world, agents, seat, matches.seed[match], Stream.RESPAWN, matches.frame[match]
                 )
                 equip(agents, seat, rules)
-                agents.position[seat] = world.spawns[place]
+                for axis in range(3):
+                    agents.position[seat, axis] = world.spawns[place, axis]
                 agents.invincible_left[seat] = int(rules.invincible_time * 50.0 + 0.5)
 
 

@@ -34,7 +34,7 @@ class Bodies(NamedTuple):
     """All bodies of a match, as obstacles to the one that moves."""
 
     position: NDArray[np.float64]  # (A, 3) m, soles
-    solid: NDArray[np.bool_]  # (A,) whether each is there at all
+    health: NDArray[np.int32]  # (A,) hp; the dead are no obstacles
     mover: int
 
 
@@ -113,7 +113,7 @@ def _inside_edges(world: World, here: Point, way_x: float, way_z: float) -> tupl
 def _sweep(world: World, bodies: Bodies, at: Point, way: Point) -> Contact:
     """Return the first contact with the world or another body."""
     contact = sweep_world(world, at.x, at.y, at.z, way.x, way.y, way.z)
-    other = sweep_bodies(bodies.position, bodies.solid, bodies.mover, at.x, at.y, at.z, way.x, way.y, way.z)
+    other = sweep_bodies(bodies.position, bodies.health, bodies.mover, at.x, at.y, at.z, way.x, way.y, way.z)
     return other if other.fraction < contact.fraction else contact
 
 

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.actions import Field
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.rng import Stream, Word, integer_in, uniform
 from wildscav_engine.rules import Rules
 from wildscav_engine.state import Agents, Matches, Supplies
 from wildscav_engine.trig import exponential
 
 
-@kernel
+@array_kernel
 def choose_outdoor(
     outdoor: NDArray[np.float64],
     spacing: float,
@@ -62,7 +62,7 @@ def choose_outdoor(
     return chosen[:count]
 
 
-@kernel
+@array_kernel
 def choose_indoor(places: int, richness: float, seed: Word, wave: int) -> NDArray[np.int64]:
     """Return (N,) the indices of the indoor locations that get a box in a wave, ascending."""
     chosen = np.empty(places, np.int64)
@@ -103,7 +103,8 @@ def fill_boxes(
     """
     for index in range(places.shape[0]):
         slot = first + index
-        position[slot] = places[index]
+        for axis in range(3):
+            position[slot, axis] = places[index, axis]
         quantity[slot] = integer_in(low, high, seed, Stream.SUPPLY_QUANTITY, 0, 0, slot)
         appearance[slot] = appears
         serial[slot] = slot
@@ -166,7 +167,8 @@ def drop_supplies(
         if supplies.quantity[slot] == 0:
             agents.supplies[seat] -= dropped
             supplies.quantity[slot] = dropped
-            supplies.position[slot] = agents.position[seat]
+            for axis in range(3):
+                supplies.position[slot, axis] = agents.position[seat, axis]
             supplies.appears[slot] = matches.frame[match]
             supplies.serial[slot] = matches.next_serial[match]
             matches.next_serial[match] += 1

@@ -31,17 +31,16 @@ def handle_weapon(agents: Agents, seat: int, reload: bool, rules: Rules) -> None
 
 
 @kernel
-def shoot(
-    world: World, agents: Agents, actions: NDArray[np.float32], rules: Rules, damage: NDArray[np.int32]
-) -> None:
+def shoot(world: World, agents: Agents, actions: NDArray[np.float32], rules: Rules) -> None:
     """Fire the weapons of all agents that shoot in this frame.
+
+    Nobody is hurt yet, the damage is only noted: two agents can kill each other in one frame.
 
     Args:
         world: The static world.
         agents: The agents of the match.
         actions: (A, FIELDS).
         rules: The rules.
-        damage: (A,) hp, added to. Nobody is hurt yet: two agents can kill each other in one frame.
     """
     for seat in range(agents.health.shape[0]):
         if agents.health[seat] <= 0 or actions[seat, Field.SHOOT] == 0.0:
@@ -58,7 +57,7 @@ def shoot(
             agents.hit_seat[seat] = victim
             agents.hit_by_seat[victim] = seat
             if agents.invincible_left[victim] == 0:
-                damage[victim] += rules.shot_damage
+                agents.damage[victim] += rules.shot_damage
 
 
 @kernel
