@@ -16,6 +16,7 @@ from wildscav.server.session import HostedMatch
 from wildscav.wire.errors import RefusalError, encode_refusal
 
 JOIN_TIME = 10.0  # s that a new stream has to say who it is
+STREAM_ENDED = "its stream ended"
 STALE_LIMIT = 16  # old answers that a seat may send in one step
 
 Context: TypeAlias = grpc.aio.ServicerContext[ClientMessage, ServerMessage]
@@ -76,7 +77,7 @@ async def _serve(place: Place, info: ServerMessage, context: Context) -> None:
                 return
             answer = await _read_answer(seat, context)
             if answer is None:
-                match.leave(seat, SeatStatus.LEFT, "closed its stream")
+                match.leave(seat, SeatStatus.LEFT, STREAM_ENDED)
                 return
             match.receive(seat, answer)
     except RefusalError as refusal:
@@ -85,7 +86,7 @@ async def _serve(place: Place, info: ServerMessage, context: Context) -> None:
         raise
     finally:
         # Whatever else ended the stream, cancellation by a lost connection included.
-        match.leave(seat, SeatStatus.LEFT, "its connection was lost")
+        match.leave(seat, SeatStatus.LEFT, STREAM_ENDED)
 
 
 async def _read_join(context: Context) -> Join:

@@ -68,7 +68,9 @@ class HostedMatch:
         self._snapshot: Snapshot | None = None  # None: no step is open
         self._rows: NDArray[np.float32] = np.zeros((match.seats, len(ACTION_FIELDS)), np.float32)
         self._pending: set[Seat] = set()  # who has not answered yet
-        self._opened = 0.0
+        self._opened = 0.0  # of the loop's clock
+        self._due = 0.0  # of the loop's clock, when to look at it again
+        self._excused = False  # whether the server's own delay has been made good
         self._closed: asyncio.Future[None] = self._loop.create_future()
         self._timer: asyncio.TimerHandle | None = None
         self._goodbyes: dict[int, ServerMessage] = {}
@@ -166,8 +168,7 @@ class HostedMatch:
         else:
             seat.conduct.late_steps += 1
             seat.conduct.dropped_actions += 1
-        if not self._pending or elapsed > self._clock.step_budget:
-            self._close_if_due()
+        self._settle()
 
     def _accept(self, seat: Seat, message: Action) -> None:
         action = decode_action(message, self._outside)
@@ -187,7 +188,7 @@ class HostedMatch:
         self._pending.discard(seat)
         self._check_joined()
         if self._snapshot is not None:
-            self._close_if_due()
+            self._settle()
 
     # The match itself.
 
@@ -195,15 +196,19 @@ class HostedMatch:
         try:
             await self._wait_for_seats()
             return await self._play()
-        except BaseException:
-            for seat in self._seats.values():
-                seat.dismiss(
-                    RefusalError(grpc.StatusCode.ABORTED, "MATCH_CANCELLED", "the match was cancelled")
-                )
+        except asyncio.CancelledError:
+            self._dismiss_all(grpc.StatusCode.ABORTED, "MATCH_CANCELLED", "the match was cancelled")
+            raise
+        except Exception as error:
+            self._dismiss_all(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", f"the platform failed: {error}")
             raise
         finally:
-            if self._timer is not None:
-                self._timer.cancel()
+            self._disarm()
+
+    def _dismiss_all(self, code: grpc.StatusCode, reason: str, message: str) -> None:
+        for seat in self._seats.values():
+            if seat.present:
+                seat.dismiss(RefusalError(code, reason, message))
 
     async def _wait_for_seats(self) -> None:
         self._check_joined()
@@ -251,9 +256,11 @@ class HostedMatch:
             if seat.waits:
                 seat.hand_over(self._observe(seat, self._snapshot))
         self._opened = self._loop.time()
-        self._timer = self._loop.call_at(self._deadline(), self._time_is_up)
+        self._excused = False
+        # Until the budget is used up, nobody's time is.
+        self._arm(self._opened + self._clock.step_budget)
         await self._closed
-        self._timer.cancel()
+        self._disarm()
         self._snapshot = None
         if self._cut_at is None:
             self._charge_the_late()
@@ -268,29 +275,41 @@ class HostedMatch:
             tensors=seat.sense(self.match),
         )
 
-    def _deadline(self) -> float:
-        """When the time of all pending seats is up, on the loop's clock."""
-        longest = max((seat.bank.allowed for seat in self._pending), default=0.0)
-        return min(self._opened + longest, self._cut_time)
+    def _arm(self, when: float) -> None:
+        """Look at the clock again at a time of the loop's."""
+        self._disarm()
+        self._due = min(when, self._cut_time)
+        self._timer = self._loop.call_at(self._due, self._time_is_up)
 
-    def _time_is_up(self, *, excused: bool = False) -> None:
-        """Close the step, unless the pending seats still have time."""
-        now, deadline = self._loop.time(), self._deadline()
-        lag = now - deadline
-        if lag < 0.0:
-            self._timer = self._loop.call_at(deadline, self._time_is_up)
-        elif lag > LAG and not excused and now < self._cut_time:
-            # The server was busy, and answers may lie unread: that is not the agents' fault.
-            self._timer = self._loop.call_later(lag, lambda: self._time_is_up(excused=True))
-        else:
-            self._close_if_due()
+    def _disarm(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
 
-    def _close_if_due(self) -> None:
+    def _time_is_up(self) -> None:
+        lag = self._loop.time() - self._due
+        if lag > LAG and not self._excused:
+            # The server was busy, and answers may lie unread: the agents get that time back, once a step.
+            self._excused = True
+            self._opened += lag + LAG
+        self._close_or_wait()
+
+    def _settle(self) -> None:
+        """After one seat less is waited for: close the step if nobody else has time left."""
+        if not self._pending or self._loop.time() > self._opened + self._clock.step_budget:
+            self._close_or_wait()
+
+    def _close_or_wait(self) -> None:
+        """Close the step if all have answered or their time is up; else wait for the one with most time."""
         now = self._loop.time()
         if now >= self._cut_time and self._pending and self._cut_at is None:
             self._cut_at = self.match.step_number
-        if (not self._pending or now >= self._deadline()) and not self._closed.done():
-            self._closed.set_result(None)
+        longest = max((seat.bank.allowed for seat in self._pending), default=0.0)
+        deadline = self._opened + longest
+        if not self._pending or now >= min(deadline, self._cut_time):
+            if not self._closed.done():
+                self._closed.set_result(None)
+        else:
+            self._arm(deadline)
 
     def _charge_the_late(self) -> None:
         elapsed = self._loop.time() - self._opened

@@ -11,6 +11,7 @@ from wildscav.sdk.agent import Action
 # The order of the columns in the engine's action rows; also the names in the protocol and the SDK.
 ACTION_FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")
 MAX_WALK_SPEED = 10.0  # m/s
+FULL_TURN = 360.0  # degrees
 
 
 def encode_action(step: int, action: Action) -> ClientMessage:
@@ -60,9 +61,19 @@ def decode_action(message: ActionMessage, outside: Sequence[int]) -> DecodedActi
     # Written so that NaN fails too. A number too large for 32 bits has become infinite on the way.
     if not (0.0 <= row[1] <= MAX_WALK_SPEED and math.isfinite(row[0] + row[2] + row[3])):
         return INVALID
+    if max(map(abs, row)) > FULL_TURN:
+        _tame(row)
     ignored = 0
     for column in outside:
         if row[column]:
             row[column] = 0.0
             ignored += 1
     return DecodedAction(row, ignored)
+
+
+def _tame(row: list[float]) -> None:
+    """Replace huge angles by small ones that mean the same, exactly: also in 32 bits."""
+    row[0] = math.fmod(row[0], FULL_TURN)
+    row[2] = math.fmod(row[2], FULL_TURN)
+    # The pitch stays in [-90, 90]: half a turn takes it to its end from anywhere.
+    row[3] = max(-FULL_TURN, min(FULL_TURN, row[3]))

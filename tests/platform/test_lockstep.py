@@ -1,0 +1,297 @@
+"""Matches over the wire: what a seat gets, what it may do, and what its failings cost the others."""
+
+import asyncio
+import math
+from pathlib import Path
+
+import grpc
+import numpy as np
+import pytest
+from tests.platform.seats import connected, ended, host, serving, small_spec, start_agent
+
+from wildscav.server import Clock, MatchCancelledError, MatchServer, SeatStatus
+from wildscav.wire.actions import ACTION_FIELDS
+from wildscav_engine.actions import Field, no_actions
+from wildscav_engine.match import Match
+from wildscav_engine.tracks import TRACKS
+
+HASTY = Clock(step_budget=0.05, time_bank=0.1)
+
+
+@pytest.mark.parametrize("track", TRACKS)
+def test_agents_in_processes_play_every_track(tmp_path: Path, track: str) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(track, seats=2))
+        agents = [await start_agent("Walker", address, token) for token in hosted.tokens.values()]
+        outcome = await hosted.finished()
+        assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
+        for report in outcome.seats.values():
+            assert report.status == SeatStatus.FINISHED, report
+            assert report.steps_played == outcome.match.step_number == 20
+            assert report.late_steps == report.dropped_actions == report.invalid_actions == 0
+            assert 0 < report.think_time.p50 <= report.think_time.p99 <= report.think_time.max
+        assert outcome.match.over
+        assert outcome.cut_at is None
+
+    serving(tmp_path, play)
+
+
+def test_a_served_match_is_the_same_as_one_played_in_the_engine(tmp_path: Path) -> None:
+    spec = small_spec("battle", filled_by=("submission", "fighter"))
+    fields = {
+        "walk_direction": 325.5,
+        "walk_speed": 6.25,
+        "turn": -3.5,
+        "look": 1.5,
+        "jump": True,
+        "shoot": True,
+    }
+
+    async def play(server: MatchServer, address: str) -> list[int]:
+        hosted = await host(server, spec)
+        async with connected(address) as seat:
+            await seat.join(hosted.tokens[0])
+            await seat.play_out(**fields)
+        return (await hosted.finished()).match.digests
+
+    alone = Match(spec)
+    rows = no_actions(2)
+    for name, value in fields.items():
+        rows[0, Field[name.upper()]] = value
+    while not alone.over:
+        alone.step(rows)
+    assert serving(tmp_path, play) == alone.digests
+
+
+def test_the_columns_of_the_wire_are_those_of_the_engine() -> None:
+    assert tuple(field.name.lower() for field in Field) == ACTION_FIELDS
+
+
+def test_an_observation_tells_the_state_of_the_engine(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(
+            server, small_spec("battle", seats=2), sensors={0: {"depth": {"width": 8, "height": 5}}}
+        )
+        async with connected(address) as seat, connected(address) as other:
+            info = (await seat.join(hosted.tokens[0])).match_info
+            await other.join(hosted.tokens[1])
+            assert (info.track, info.seat, info.seats, info.map_size) == ("battle", 0, 2, 40)
+            assert (info.start.x, info.start.y, info.start.z) == hosted.match.start_info(0).position
+            for step in range(3):
+                observation = (await seat.read()).observation
+                agents = hosted.match.state.agents
+                assert observation.step == step
+                assert observation.frame == 5 * step
+                place = observation.position
+                assert [place.x, place.y, place.z] == agents.position[0, 0].tolist()
+                assert observation.yaw == agents.yaw[0, 0]
+                assert observation.health == agents.health[0, 0]
+                assert len(observation.supply_boxes) == hosted.match.seen.supply_count[0, 0]
+                (depth,) = observation.tensors
+                assert (depth.name, depth.dtype, list(depth.shape)) == ("depth", "<f4", [5, 8])
+                assert len(np.frombuffer(depth.data, depth.dtype)) == 40
+                assert not (await other.read()).observation.tensors
+                await seat.act(step, turn=3.0)
+                await other.act(step)
+        hosted.cancel()
+
+    serving(tmp_path, play)
+
+
+def test_an_agent_reads_its_depth_map(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(), sensors={0: {"depth": {"width": 8, "height": 5}}})
+        agent = await start_agent("SeesDepth", address, hosted.tokens[0])
+        assert await ended(agent) == (0, "")
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.parametrize(
+    ("fields", "invalid", "ignored"),
+    [
+        ({"walk_speed": 10.0}, 0, 0),
+        ({"walk_speed": 10.01}, 1, 0),
+        ({"walk_speed": -0.01}, 1, 0),
+        ({"walk_speed": math.nan}, 1, 0),
+        ({"walk_speed": math.inf}, 1, 0),
+        ({"turn": math.nan}, 1, 0),
+        ({"walk_direction": -math.inf, "walk_speed": 1.0}, 1, 0),
+        ({"look": 1e38, "walk_direction": -1e38}, 0, 0),  # any finite angle will do
+        ({"pick_up": True}, 0, 0),
+        ({"shoot": True, "reload": True}, 0, 2),  # gathering has no weapon
+    ],
+)
+def test_what_an_action_may_hold(
+    tmp_path: Path, fields: dict[str, float], invalid: int, ignored: int
+) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=0.1))
+        async with connected(address) as seat:
+            await seat.join(hosted.tokens[0])
+            over = (await seat.play_out(**fields)).match_over
+        report = (await hosted.finished()).seats[0]
+        assert (report.invalid_actions, report.ignored_fields, report.steps_played) == (invalid, ignored, 1)
+        assert (over.conduct.invalid_actions, over.conduct.ignored_fields) == (invalid, ignored)
+        if invalid:
+            assert not hosted.match.actions_played[0].any()
+
+    serving(tmp_path, play)
+
+
+def test_a_silent_seat_costs_the_others_its_time_once(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=HASTY)
+        async with connected(address) as silent, connected(address) as lively:
+            await silent.join(hosted.tokens[0])
+            await lively.join(hosted.tokens[1])
+            assert (await lively.play_out(walk_speed=1.0)).match_over.conduct.steps_played == 20
+        outcome = await hosted.finished()
+        assert outcome.seats[0].status == SeatStatus.TIMED_OUT
+        assert (outcome.seats[0].steps_played, outcome.seats[0].late_steps) == (0, 20)
+        assert outcome.seats[1].status == SeatStatus.FINISHED
+        # 20 budgets and one bank are 1.1 s.
+        assert 1.05 <= outcome.seconds < 2.0
+
+    serving(tmp_path, play)
+
+
+def test_a_seat_that_wakes_up_again_plays_on(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2, seconds=3.0), clock=HASTY)
+        agents = [
+            await start_agent(name, address, hosted.tokens[seat])
+            for seat, name in enumerate(("Sleepy", "Walker"))
+        ]
+        outcome = await hosted.finished()
+        assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
+        sleepy, walker = outcome.seats[0], outcome.seats[1]
+        assert sleepy.status == SeatStatus.TIMED_OUT
+        assert sleepy.dropped_actions == 1  # its answer to step 3
+        assert 5 <= sleepy.late_steps <= 15  # 0.5 s, of which the budget and the bank pay 0.15 s
+        assert sleepy.late_steps + sleepy.steps_played == 30
+        assert (walker.status, walker.steps_played) == (SeatStatus.FINISHED, 30)
+
+    serving(tmp_path, play)
+
+
+def test_a_killed_agent_costs_nobody_any_time(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2))
+        agents = [
+            await start_agent(name, address, hosted.tokens[seat])
+            for seat, name in enumerate(("Killed", "Walker"))
+        ]
+        outcome = await hosted.finished()
+        assert (await ended(agents[0]))[0] == -9
+        assert await ended(agents[1]) == (0, "")
+        assert (outcome.seats[0].status, outcome.seats[0].steps_played) == (SeatStatus.LEFT, 5)
+        assert outcome.seats[0].detail == "its stream ended"
+        assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
+        assert outcome.seconds < 2.0  # the bank of 30 s was not waited for
+
+    serving(tmp_path, play)
+
+
+def test_when_all_are_gone_the_rest_is_played_at_once(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=600.0))
+        async with connected(address) as seat:
+            await seat.join(hosted.tokens[0])
+            await seat.read()
+            await seat.call.done_writing()
+            outcome = await hosted.finished()
+        assert outcome.match.step_number == 6000
+        assert (outcome.seats[0].status, outcome.seats[0].detail) == (SeatStatus.LEFT, "its stream ended")
+        assert outcome.seconds < 20.0
+
+    serving(tmp_path, play)
+
+
+def test_a_seat_that_nobody_takes_is_waited_for_no_longer_than_agreed(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.3))
+        async with connected(address) as seat, connected(address) as late:
+            await seat.join(hosted.tokens[0])
+            first = await seat.read()
+            with pytest.raises(grpc.aio.AioRpcError, match="seat 1 is closed"):
+                await late.join(hosted.tokens[1])
+            await seat.act(first.observation.step)
+            await seat.play_out()
+        outcome = await hosted.finished()
+        assert outcome.seats[1].status == SeatStatus.NEVER_JOINED
+        assert outcome.seats[0].status == SeatStatus.FINISHED
+
+    serving(tmp_path, play)
+
+
+def test_a_seat_given_up_by_its_launcher_is_waited_for_no_longer(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=3))
+        hosted.give_up(2, "the process did not start")
+        async with connected(address) as stuck, connected(address) as lively:
+            await stuck.join(hosted.tokens[0])
+            await lively.join(hosted.tokens[1])
+            await lively.read()
+            await lively.act(0)
+            hosted.give_up(0, "out of memory")
+            await lively.play_out()
+        outcome = await hosted.finished()
+        assert [outcome.seats[seat].status for seat in range(3)] == ["left", "finished", "left"]
+        assert outcome.seats[0].detail == "out of memory"
+        assert outcome.seats[2].detail == "the process did not start"
+        assert outcome.seconds < 2.0
+
+    serving(tmp_path, play)
+
+
+def test_a_match_ends_after_twice_its_game_time(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        clock = Clock(step_budget=10.0, game_time_factor=0.5)
+        hosted = await host(server, small_spec(seats=2), clock=clock)
+        async with connected(address) as silent, connected(address) as lively:
+            await silent.join(hosted.tokens[0])
+            await lively.join(hosted.tokens[1])
+            over = (await lively.play_out()).match_over
+        outcome = await hosted.finished()
+        assert over.steps == outcome.match.step_number == 20
+        assert outcome.cut_at == 0
+        assert 1.0 <= outcome.seconds < 1.5
+        assert "ran out of wall time" in outcome.seats[1].detail
+
+    serving(tmp_path, play)
+
+
+def test_two_matches_at_once_do_not_wait_for_each_other(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        slow, fast = await asyncio.gather(host(server, small_spec()), host(server, small_spec("navigation")))
+        async with connected(address) as waiting, connected(address) as seat:
+            await waiting.join(slow.tokens[0])
+            await waiting.read()
+            await seat.join(fast.tokens[0])
+            await seat.play_out()
+            assert (await fast.finished()).seconds < 1.0
+            assert slow.match.step_number == 0
+            await waiting.act(0)
+            await waiting.play_out()
+            assert (await slow.finished()).seats[0].status == SeatStatus.FINISHED
+
+    serving(tmp_path, play)
+
+
+def test_a_cancelled_match_says_so_to_its_seats_and_its_host(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2))
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        async with connected(address) as seat:
+            await seat.join(hosted.tokens[1])
+            await seat.read()
+            await asyncio.sleep(0.3)  # the agent has answered, and waits for the next observation
+            hosted.cancel()
+            with pytest.raises(MatchCancelledError):
+                await hosted.finished()
+        code, errors = await ended(agent)
+        assert code == 4
+        assert "MATCH_CANCELLED" in errors
+
+    serving(tmp_path, play)
