@@ -7,9 +7,10 @@ from pathlib import Path
 
 from wildscav.errors import WildscavError, describe
 from wildscav.server import SeatReport
+from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import MatchSpec
 
-from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs
+from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.results import MatchRow, MatchTiming
 from wildscav_evaluator.submission import Submission
 
@@ -36,7 +37,7 @@ class Job:
     @property
     def record(self) -> str:
         """Path of the record in the output folder."""
-        return f"{RECORDS}/{self.stem}.wsrec"
+        return f"{RECORDS}/{self.stem}{SUFFIX}"
 
     @property
     def replay_path(self) -> str:
@@ -80,6 +81,7 @@ def run_job(runner: asyncio.Runner, job: Job) -> JobResult:
     except Exception as error:  # noqa: BLE001 (a match that breaks must not take the others along)
         return failed(job, f"{type(error).__name__}: {error}")
     wall = time.perf_counter() - started
+    remove_empty_logs(seating.logs)
     report = played.seats[seating.seats[0]]
     complaint = _render(job) if job.replay else ""
     row = _row(job, played, seating.seats[0], with_replay=job.replay and not complaint)
@@ -93,14 +95,11 @@ def failed(job: Job, reason: str) -> JobResult:
 
 
 def _write_record(job: Job, played: Played, seating: Seating) -> None:
-    from wildscav_engine.record import write_record
-
     write_record(job.out / job.record, played.match, seating.names)
 
 
 def _render(job: Job) -> str:
     """Render the replay from the record; return what went wrong, if anything did."""
-    from wildscav_engine.record import read_record
     from wildscav_engine.view import write_replay
 
     path = job.out / job.replay_path
@@ -124,7 +123,7 @@ def _row(job: Job, played: Played, seat: int, *, with_replay: bool) -> MatchRow:
         metrics=dict(played.match.result().seats[seat].metrics),
         record=job.record,
         replay=job.replay_path if with_replay else None,
-        log=job.log,
+        log=job.log if (job.out / job.log).exists() else None,
     )
 
 

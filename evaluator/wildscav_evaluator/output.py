@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wildscav.errors import UserError
+from wildscav_engine.record import SUFFIX
 
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.results import RESULTS_FILE
@@ -13,7 +14,7 @@ from wildscav_evaluator.results import RESULTS_FILE
 # What an evaluation writes, and so what the next one into the same folder removes. Nothing else is touched.
 OWN_FILES = (
     RESULTS_FILE,
-    f"{RECORDS}/*.wsrec",
+    f"{RECORDS}/*{SUFFIX}",
     f"{REPLAYS}/*.rrd",
     f"{LOGS}/*.log",
 )

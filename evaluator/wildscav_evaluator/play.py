@@ -152,3 +152,10 @@ def prepare_logs(logs: Sequence[Path]) -> None:
     for log in logs:
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_bytes(b"")
+
+
+def remove_empty_logs(logs: Sequence[Path]) -> None:
+    """Remove the logs of agents that printed nothing."""
+    for log in logs:
+        if log.exists() and log.stat().st_size == 0:
+            log.unlink()

@@ -5,9 +5,9 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from rich.table import Table
 from wildscav.console import console
 from wildscav.errors import UserError, describe
+from wildscav_engine.record import SUFFIX
 
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
 from wildscav_evaluator.output import output_folder
@@ -33,7 +33,9 @@ def run_session(plan: Plan, database: Path) -> None:
             console.print()
             console.print(track_table(results, track))
         complaints = list(_keep(results, plan, database))
-        complaints += [_all_failed(one) for one in results.evaluations if one.faults == len(one.matches)]
+        complaints += [
+            _all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
+        ]
     if complaints:
         raise UserError("; ".join(complaints))
 
@@ -50,33 +52,33 @@ def _evaluate(plan: Plan) -> Results:
 
 def _keep(results: Results, plan: Plan, database: Path) -> Iterator[str]:
     """Write the results and hand them to the sinks; say where all is, and yield what went wrong."""
-    table = Table.grid(padding=(0, 2))
+    console.print()
     try:
-        table.add_row("results", str(write_results(results, plan.out)))
+        _say("results", str(write_results(results, plan.out)))
     except OSError as error:
         yield f"the results could not be kept: {describe(error)}"
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = sum(row.record is not None for row in rows)
-    table.add_row("records", f"{plan.out / RECORDS} ({recorded} matches)")
-    table.add_row(
-        "", f"re-simulate and check them: {command('wildscav')} verify {plan.out / RECORDS}/*.wsrec"
-    )
+    _say("records", f"{plan.out / RECORDS} ({recorded} matches)")
+    _say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
     for sink in sinks(str(database)):
         try:
-            table.add_row("database", sink.store(results))
-            table.add_row("", f"see the standings: {command('wildscav')} leaderboard --db {database}")
+            _say("database", sink.store(results))
+            _say("", f"standings: {command('wildscav')} leaderboard --db {database}")
         except UserError as error:
             yield str(error)
-    table.add_row("logs", f"{plan.out / LOGS} (what the agents printed)")
+    if any(row.log is not None for row in rows):
+        _say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sum(row.replay is not None for row in rows)
     if replays:
-        table.add_row("replays", f"{plan.out / REPLAYS} ({replays} matches), shown by Rerun")
-    console.print()
-    console.print(table, soft_wrap=True)
+        _say("replays", f"{plan.out / REPLAYS} ({replays} matches), to be watched in Rerun")
     shown = _replay_to_show(results)
     if shown is not None:
-        console.print("\n[bold]Watch a match:[/bold]")
-        console.print(f"  {command('rerun')} {plan.out / shown}", soft_wrap=True, highlight=False)
+        _say("", f"watch one: [bold]{command('rerun')} {plan.out / shown}[/bold]")
+
+
+def _say(what: str, text: str) -> None:
+    console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)
 
 
 def _replay_to_show(results: Results) -> str | None:
@@ -89,12 +91,10 @@ def _replay_to_show(results: Results) -> str | None:
     return None
 
 
-def _all_failed(evaluation: Evaluation) -> str:
+def _all_failed(evaluation: Evaluation, out: Path) -> str:
     first = evaluation.matches[0]
-    return (
-        f"{evaluation.submission} failed in every match of {evaluation.track} "
-        f"({first.status}: {first.detail}; see {first.log or 'above'})"
-    )
+    see = f" (its log: {out / first.log})" if first.log else ""
+    return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"
 
 
 def command(name: str) -> str:

@@ -6,20 +6,22 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rich import box
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from wildscav.console import console
 from wildscav.errors import UserError
 from wildscav.server import HostedMatch
+from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec
 
 from wildscav_evaluator.jobs import FINISHED
-from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs
+from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.run import metric_infos
 from wildscav_evaluator.seating import BATTLE_ROBOTS
 from wildscav_evaluator.session import command
 from wildscav_evaluator.submission import Submission
-from wildscav_evaluator.tables import heading, number
+from wildscav_evaluator.tables import add_columns, heading, number
 from wildscav_evaluator.warm import warm
 
 if TYPE_CHECKING:
@@ -81,7 +83,9 @@ def play_single(
     played = asyncio.run(_play_with_progress(seating))
     console.print(_table(seating, played))
     _write(played, seating, record, replay)
-    console.print(f"what the agents printed is in {logs}", soft_wrap=True)
+    remove_empty_logs(paths)
+    if any(path.exists() for path in paths):
+        console.print(f"what the agents printed is in {logs}", soft_wrap=True)
     _complain(played, seating)
 
 
@@ -111,12 +115,11 @@ def _table(seating: Seating, played: Played) -> Table:
     metrics = metric_infos(seating.spec.track)
     seconds = result.frames / 50
     title = f"{seating.spec.track} · map {seating.spec.map.seed} · seed {seating.spec.seed} · {seconds:g} s"
-    table = Table(title=title, title_justify="left", title_style="bold")
-    table.add_column("seat", justify="right")
-    table.add_column("name")
-    for metric in metrics:
-        table.add_column(heading(metric), justify="right")
-    table.add_column("agent")
+    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    add_columns(table, "seat")
+    table.add_column("name", vertical="bottom")
+    add_columns(table, *map(heading, metrics))
+    table.add_column("agent", vertical="bottom")
 
     def key(seat: "SeatResult") -> float:
         value = seat.metrics[metrics[0].name]
@@ -130,12 +133,10 @@ def _table(seating: Seating, played: Played) -> Table:
 
 
 def _write(played: Played, seating: Seating, record: Path | None, replay: Path | None) -> None:
-    from wildscav_engine.record import read_record, write_record
-
     if record is None and replay is None:
         return
     with tempfile.TemporaryDirectory() as folder:
-        path = record or Path(folder) / "match.wsrec"
+        path = record or Path(folder) / f"match{SUFFIX}"
         path.parent.mkdir(parents=True, exist_ok=True)
         write_record(path, played.match, seating.names)
         if record is not None:
@@ -150,10 +151,11 @@ def _write(played: Played, seating: Seating, record: Path | None, replay: Path |
 
 
 def _complain(played: Played, seating: Seating) -> None:
-    failures = [
-        f"{seating.names[seat]}: {played.seats[seat].status}: {played.seats[seat].detail} (see {log})"
-        for seat, log in zip(seating.seats, seating.logs, strict=True)
-        if played.seats[seat].status != FINISHED
-    ]
+    failures = []
+    for seat, log in zip(seating.seats, seating.logs, strict=True):
+        report = played.seats[seat]
+        if report.status != FINISHED:
+            see = f" (its log: {log})" if log.exists() else ""
+            failures.append(f"{seating.names[seat]} {report.status.value}: {report.detail}{see}")
     if failures:
         raise UserError("; ".join(failures))

@@ -163,9 +163,9 @@ SUITES: dict[str, Suite] = {
         title="a look at an agent in a minute or two: few short matches on small maps",
         map_config=_small_map,
         courses={
-            "navigation": Course(maps=4, episodes=1, draw=navigation(60.0)),
-            "gathering": Course(maps=3, episodes=1, draw=gathering(60.0, 10.0, (10.0, 30.0), (5.0, 10.0))),
-            "battle": Course(maps=2, episodes=1, draw=battle(60.0, 5, 40.0, 40.0, (10.0, 20.0))),
+            "navigation": Course(maps=5, episodes=1, draw=navigation(60.0)),
+            "gathering": Course(maps=4, episodes=1, draw=gathering(60.0, 10.0, (10.0, 30.0), (5.0, 10.0))),
+            "battle": Course(maps=3, episodes=1, draw=battle(60.0, 5, 40.0, 40.0, (10.0, 20.0))),
         },
     ),
     # Counts, limits and supplies of the original competition.

@@ -1,37 +1,92 @@
-"""Readable tables of results."""
+"""Readable tables of results, narrow enough for a terminal of 80 columns."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator
+from textwrap import wrap
 
+from rich import box
 from rich.table import Table
 
 from wildscav_evaluator.results import Evaluation, MetricInfo, Results, Summary
+
+HEADING_WIDTH = 8
+NOTHING = "-"
 
 
 def track_table(results: Results, track: str) -> Table:
     """Return the table of one track: the submissions from best to worst."""
     evaluations = [one for one in results.evaluations if one.track == track]
-    metrics = evaluations[0].metrics
-    count = max(len(one.matches) for one in evaluations)
-    table = Table(
-        title=f"{track} · suite {results.suite} · seed {results.seed} · {count} matches each",
-        title_justify="left",
-        title_style="bold",
-    )
-    table.add_column("rank", justify="right")
-    table.add_column("submission")
-    for metric in metrics:
-        table.add_column(heading(metric), justify="right")
-    table.add_column("matches", justify="right")
-    table.add_column("failures", justify="right")
+    table = new_table(f"{track} · suite {results.suite} · seed {results.seed}")
+    add_metrics(table, evaluations[0].metrics)
+    add_columns(table, "matches\nfailed")
     for rank, one in ranked(evaluations):
-        table.add_row(*_cells(rank, one))
+        table.add_row(
+            NOTHING if rank is None else str(rank),
+            f"{one.submission} {one.version}",
+            *metric_cells(one.metrics, one.summary),
+            fault_cell(one.faults, len(one.matches)),
+        )
     return table
 
 
+def new_table(title: str) -> Table:
+    """Return a table with the columns that every table of standings begins with."""
+    table = Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        caption="↓ less is better, ↑ more is better. The first figure ranks.",
+        caption_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        show_edge=False,
+    )
+    add_columns(table, "#")
+    table.add_column("submission", vertical="bottom", overflow="fold", min_width=12)
+    return table
+
+
+def add_metrics(table: Table, metrics: Iterable[MetricInfo]) -> None:
+    """Add the columns of a track's metrics; the first has its interval beside it."""
+    for position, metric in enumerate(metrics):
+        add_columns(table, heading(metric))
+        if position == 0:
+            add_columns(table, "95 %\ninterval")
+
+
+def add_columns(table: Table, *headings: str) -> None:
+    """Add columns of figures."""
+    for text in headings:
+        table.add_column(text, justify="right", vertical="bottom", no_wrap=True)
+
+
 def heading(metric: MetricInfo) -> str:
-    """Return a column's heading: title and unit, and on a second line which way is better."""
-    title = f"{metric.title} [{metric.unit}]" if metric.unit else metric.title
-    return title.replace("[", r"\[") + ("\n↓ better" if metric.lower_is_better else "\n↑ better")
+    """Return a column's heading: title, unit, and which way is better."""
+    unit = rf" \[{metric.unit}]" if metric.unit else ""
+    return "\n".join(wrap(f"{metric.title}{unit} {'↓' if metric.lower_is_better else '↑'}", HEADING_WIDTH))
+
+
+def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> Iterator[str]:
+    """Yield the cells under the columns of ``add_metrics``."""
+    for position, metric in enumerate(metrics):
+        values = summary.get(metric.name)
+        mean = NOTHING if values is None else number(values.mean, metric)
+        yield f"[bold]{mean}[/bold]" if position == 0 else mean
+        if position == 0:
+            yield (
+                NOTHING
+                if values is None
+                else f"{number(values.low, metric)} to {number(values.high, metric)}"
+            )
+
+
+def fault_cell(faults: int, matches: int) -> str:
+    """Return how many matches failed, in red if any did."""
+    return f"[red]{faults} of {matches}[/red]" if faults else f"0 of {matches}"
+
+
+def number(value: float, metric: MetricInfo) -> str:
+    """Return a value as text; rates as percent."""
+    return f"{value:.0%}" if metric.title.endswith("rate") else f"{value:.1f}"
 
 
 def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:
@@ -39,44 +94,16 @@ def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluati
 
     Those without a score come last and have no rank.
     """
+    ones = list(evaluations)
     scored = sorted(
-        (one for one in evaluations if one.score is not None), key=lambda one: (_order(one), one.submission)
+        (one for one in ones if one.score is not None), key=lambda one: (order(one), one.submission)
     )
-    ranks = [1 + sum(_order(other) < _order(one) for other in scored) for one in scored]
-    unscored = [(None, one) for one in evaluations if one.score is None]
-    return [*zip(ranks, scored, strict=True), *unscored]
+    ranks = [1 + sum(order(other) < order(one) for other in scored) for one in scored]
+    return [*zip(ranks, scored, strict=True), *((None, one) for one in ones if one.score is None)]
 
 
-def _order(evaluation: Evaluation) -> float:
-    mean = evaluation.summary[evaluation.metrics[0].name].mean
-    return mean if evaluation.metrics[0].lower_is_better else -mean
-
-
-def _cells(rank: int | None, evaluation: Evaluation) -> Sequence[str]:
-    values = [
-        summary_text(evaluation.summary.get(metric.name), metric, with_interval=position == 0)
-        for position, metric in enumerate(evaluation.metrics)
-    ]
-    faults = evaluation.faults
-    return (
-        "-" if rank is None else str(rank),
-        f"{evaluation.submission} {evaluation.version}",
-        *values,
-        str(sum(row.metrics is not None for row in evaluation.matches)),
-        f"[red]{faults}[/red]" if faults else "0",
-    )
-
-
-def summary_text(summary: Summary | None, metric: MetricInfo, *, with_interval: bool) -> str:
-    """Return a metric's mean as text, with its 95 % interval if asked for."""
-    if summary is None:
-        return "-"
-    mean = number(summary.mean, metric)
-    if not with_interval:
-        return mean
-    return f"[bold]{mean}[/bold] ({number(summary.low, metric)} to {number(summary.high, metric)})"
-
-
-def number(value: float, metric: MetricInfo) -> str:
-    """Return a value as text; rates as percent."""
-    return f"{value:.0%}" if metric.title.endswith("rate") else f"{value:.1f}"
+def order(evaluation: Evaluation) -> float:
+    """Return a scored evaluation's place in the order: less is better."""
+    metric = evaluation.metrics[0]
+    mean = evaluation.summary[metric.name].mean
+    return mean if metric.lower_is_better else -mean

@@ -10,6 +10,7 @@ def warm() -> None:
     process that comes later only loads it.
     """
     from wildscav_engine.actions import no_actions
+    from wildscav_engine.maps.mesh import solids_mesh
     from wildscav_engine.match import Match
     from wildscav_engine.robots import ROBOTS
     from wildscav_engine.sensors import SENSORS
@@ -26,3 +27,4 @@ def warm() -> None:
         for sensor in SENSORS.values():
             sensor.read(match, [0], sensor.parse({}))
         match.result()
+    solids_mesh(match.game_map.world)

@@ -1,6 +1,5 @@
 """The command ``wildscav leaderboard``."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,10 +9,10 @@ from wildscav.console import console
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
-    from wildscav_evaluator.results import MetricInfo
+    from wildscav_evaluator.results import MetricInfo, Summary
 
     from wildscav_leaderboard.models import Score
-    from wildscav_leaderboard.standings import Row, Standings
+    from wildscav_leaderboard.standings import Standings
 
 
 def leaderboard(
@@ -36,38 +35,23 @@ def leaderboard(
 
 
 def _table(one: "Standings") -> Table:
-    from wildscav_evaluator.tables import heading
+    from wildscav_evaluator import tables
 
-    table = Table(
-        title=f"{one.track} · suite {one.suite} · seed {one.seed}", title_justify="left", title_style="bold"
-    )
+    table = tables.new_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
     # Rows without a score come last, so the first row knows the metrics if any row does.
-    scores = one.rows[0].evaluation.scores
-    table.add_column("rank", justify="right")
-    table.add_column("submission")
-    for score in scores:
-        table.add_column(heading(_metric(score)), justify="right")
-    for title in ("matches", "failures", "evaluated"):
-        table.add_column(title, justify="right")
+    metrics = [_metric(score) for score in one.rows[0].evaluation.scores]
+    tables.add_metrics(table, metrics)
+    tables.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:
-        table.add_row(*_cells(row, len(scores)))
+        evaluation = row.evaluation
+        table.add_row(
+            tables.NOTHING if row.rank is None else str(row.rank),
+            f"{evaluation.submission.name} {evaluation.submission.version}",
+            *tables.metric_cells(metrics, {score.name: _summary(score) for score in evaluation.scores}),
+            tables.fault_cell(evaluation.faults, len(evaluation.matches)),
+            f"{evaluation.started:%y-%m-%d}",
+        )
     return table
-
-
-def _cells(row: "Row", metrics: int) -> Iterator[str]:
-    from wildscav_evaluator.results import Summary
-    from wildscav_evaluator.tables import summary_text
-
-    evaluation = row.evaluation
-    yield "-" if row.rank is None else str(row.rank)
-    yield f"{evaluation.submission.name} {evaluation.submission.version}"
-    for score in evaluation.scores:
-        summary = Summary(mean=score.mean, std=score.std, low=score.low, high=score.high)
-        yield summary_text(summary, _metric(score), with_interval=score.position == 0)
-    yield from ["-"] * (metrics - len(evaluation.scores))
-    yield str(len(evaluation.matches))
-    yield str(evaluation.faults)
-    yield f"{evaluation.started:%Y-%m-%d %H:%M}"
 
 
 def _metric(score: "Score") -> "MetricInfo":
@@ -76,3 +60,9 @@ def _metric(score: "Score") -> "MetricInfo":
     return MetricInfo(
         name=score.name, title=score.title, unit=score.unit, lower_is_better=score.lower_is_better
     )
+
+
+def _summary(score: "Score") -> "Summary":
+    from wildscav_evaluator.results import Summary
+
+    return Summary(mean=score.mean, std=score.std, low=score.low, high=score.high)

@@ -66,5 +66,5 @@ def _one_line(path: Path) -> Iterator[None]:
         raise UserError(f"the database {path} cannot be used: {error.orig}") from error
     except DatabaseError as error:
         raise UserError(
-            f"{path} is not a database of Wildscav ({error.orig}): name another with --db"
+            f"{path} is not a leaderboard's database ({error.orig}): name another with --db"
         ) from error

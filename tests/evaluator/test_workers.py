@@ -1,0 +1,90 @@
+"""Workers: one that dies costs the match that it was at, and nothing else."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult
+from wildscav_evaluator.submission import Submission
+from wildscav_evaluator.workers import Workers
+
+Submit = Callable[..., Submission]
+
+WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
+SLEEPER = """
+    def act(self, observation):
+        print(os.getpid(), flush=True)
+        time.sleep(600)
+"""
+WORKER_KILLER = """
+    def act(self, observation):
+        os.kill(os.getppid(), signal.SIGKILL)
+        time.sleep(600)
+"""
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    for name in (RECORDS, REPLAYS, LOGS):
+        (tmp_path / "out" / name).mkdir(parents=True)
+    return tmp_path / "out"
+
+
+def job(submission: Submission, index: int, out: Path) -> Job:
+    spec = MatchSpec(
+        track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), seed=index, time_limit=2.0
+    )
+    return Job(submission, "navigation", index, spec, out, replay=False)
+
+
+def run(jobs: list[Job], count: int) -> dict[tuple[str, int], JobResult]:
+    with Workers(count) as workers:
+        workers.warm()
+        return {(result.job.submission.name, result.job.index): result for result in workers.run(jobs)}
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_worker_that_is_killed_costs_its_match_alone(submit: Submit, out: Path, count: int) -> None:
+    walker, killer = submit("walker", WALKER), submit("killer", WORKER_KILLER)
+    jobs = [job(walker, 0, out), job(killer, 0, out), job(walker, 1, out), job(walker, 2, out)]
+
+    results = run(jobs, count)
+
+    assert len(results) == len(jobs)
+    dead = results["killer", 0].row
+    assert (dead.status, dead.fault, dead.metrics) == ("failed", "platform", None)
+    assert "the worker process died (exit code -9)" in dead.detail
+    for index in range(3):
+        assert results["walker", index].row.fault is None
+        assert (out / results["walker", index].job.record).exists()
+
+
+def test_a_record_that_cannot_be_written_costs_its_match_alone(submit: Submit, out: Path) -> None:
+    walker = submit("walker", WALKER)
+    jobs = [job(walker, 0, out), job(walker, 1, out)]
+    (out / jobs[0].record).mkdir()
+
+    results = run(jobs, 1)
+
+    lost = results["walker", 0].row
+    assert (lost.status, lost.fault) == ("failed", "platform")
+    assert str(out / jobs[0].record) in lost.detail
+    assert results["walker", 1].row.fault is None
+
+
+def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Submit, out: Path) -> None:
+    sleeper = submit("sleeper", SLEEPER)
+    only = job(sleeper, 0, out)
+    log = out / only.log
+
+    with Workers(2) as workers:
+        results = workers.run([only, job(submit("walker", WALKER), 0, out)])
+        assert next(results).job.submission.name == "walker"
+        while not log.exists() or not log.read_text().strip():
+            time.sleep(0.05)
+        agent = Path("/proc") / log.read_text().strip()
+        assert agent.exists()
+
+    assert not agent.exists()

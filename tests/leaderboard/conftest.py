@@ -1,0 +1,53 @@
+"""Results made by hand."""
+
+from collections.abc import Callable, Sequence
+
+import pytest
+from wildscav_evaluator.results import Evaluation, MatchRow, MetricInfo, Results, Summary, Timings
+
+METRICS = {
+    "navigation": MetricInfo(name="time", title="used + punish time", unit="s", lower_is_better=True),
+    "gathering": MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False),
+}
+
+
+@pytest.fixture
+def make_results() -> Callable[..., Results]:
+    """Make results: for every (submission, track), the score of each match."""
+
+    def make(
+        scores: dict[tuple[str, str], Sequence[float]],
+        *,
+        version: str = "1.0.0",
+        seed: int = 0,
+        started: str = "2030-01-01T00:00:00+00:00",
+    ) -> Results:
+        evaluations = tuple(
+            evaluation(name, track, values, version) for (name, track), values in scores.items()
+        )
+        timings = Timings(started=started, wall=1.0, jobs=1, matches=())
+        return Results(
+            engine_version="0.1.0", suite="quick", seed=seed, evaluations=evaluations, timings=timings
+        )
+
+    return make
+
+
+def evaluation(name: str, track: str, values: Sequence[float], version: str) -> Evaluation:
+    metric = METRICS[track]
+    rows = tuple(
+        MatchRow(index=index, seat=0, status="finished", metrics={metric.name: value})
+        for index, value in enumerate(values)
+    )
+    failed = MatchRow(index=0, seat=0, status="failed", fault="platform", detail="no map")
+    mean = sum(values) / len(values) if values else 0.0
+    summary = {metric.name: Summary(mean=mean, std=None, low=mean, high=mean)} if values else {}
+    return Evaluation(
+        submission=name,
+        version=version,
+        digest=f"digest of {name} {version}",
+        track=track,
+        metrics=(metric,),
+        matches=rows or (failed,),
+        summary=summary,
+    )

@@ -1,0 +1,79 @@
+"""`wildscav leaderboard` as its user runs it."""
+
+import os
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from wildscav_evaluator.results import Results
+from wildscav_leaderboard.sink import DatabaseSink
+
+Make = Callable[..., Results]
+
+
+def leaderboard(*arguments: object) -> "subprocess.CompletedProcess[str]":
+    command = [str(Path(sys.executable).parent / "wildscav"), "leaderboard", *map(str, arguments)]
+    environment = {**os.environ, "COLUMNS": "80"}
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment)
+
+
+def test_it_prints_a_table_for_every_track(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    scores = {
+        ("homing", "gathering"): [12.0],
+        ("hunter", "gathering"): [30.5],
+        ("homing", "navigation"): [9.0],
+    }
+    DatabaseSink(str(path)).store(make_results(scores))
+
+    done = leaderboard("--db", path)
+
+    assert done.returncode == 0, done.stderr
+    gathering, navigation = done.stdout.split("navigation ·")
+    lines = [line.split() for line in gathering.splitlines()]
+    assert [line[:4] for line in lines if line[1:2] in (["hunter"], ["homing"])] == [
+        ["1", "hunter", "1.0.0", "30.5"],
+        ["2", "homing", "1.0.0", "12.0"],
+    ]
+    assert "9.0" in navigation
+    assert "hunter" in leaderboard("--db", path, "--track", "gathering").stdout
+
+
+def empty(path: Path) -> None:
+    sqlite3.connect(path).close()
+    path.touch()
+
+
+@pytest.mark.parametrize(
+    ("prepare", "code", "says"),
+    [
+        (lambda _: None, 2, "there is no database"),
+        (empty, 2, "not a leaderboard's"),
+        (lambda path: path.write_text("a letter " * 200), 1, "is not a leaderboard's database"),
+    ],
+)
+def test_what_is_no_leaderboard_is_one_clear_line(
+    tmp_path: Path, prepare: Callable[[Path], object], code: int, says: str
+) -> None:
+    path = tmp_path / "wildscav.db"
+    prepare(path)
+
+    done = leaderboard("--db", path)
+
+    assert done.returncode == code
+    assert done.stderr.startswith("wildscav: ")
+    assert says in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_track_without_evaluations_is_one_clear_line(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    DatabaseSink(str(path)).store(make_results({("homing", "gathering"): [12.0]}))
+
+    done = leaderboard("--db", path, "--track", "battle")
+
+    assert done.returncode == 1
+    assert "there are no evaluations of track battle in" in done.stderr

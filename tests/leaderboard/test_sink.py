@@ -1,0 +1,89 @@
+"""The sink: every evaluation once, all of it or nothing."""
+
+from collections.abc import Callable
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import pytest
+from sqlalchemy import func, select
+from wildscav.errors import UserError
+from wildscav_evaluator.results import Results
+from wildscav_evaluator.sinks import GROUP, sinks
+from wildscav_leaderboard.database import reading
+from wildscav_leaderboard.models import Base, Evaluation, MatchResult, Score, Submission
+from wildscav_leaderboard.sink import DatabaseSink
+
+Make = Callable[..., Results]
+
+
+def count(path: Path, table: type[Base]) -> int:
+    with reading(path) as session:
+        return session.scalar(select(func.count()).select_from(table)) or 0
+
+
+def test_the_sink_plugs_in_by_entry_point(tmp_path: Path) -> None:
+    assert {point.name for point in entry_points(group=GROUP)} == {"database"}
+    assert [type(sink) for sink in sinks(str(tmp_path / "db"))] == [DatabaseSink]
+
+
+def test_the_same_evaluation_again_replaces_the_one_before(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "new" / "folder" / "wildscav.db"
+    sink = DatabaseSink(str(path))
+
+    sink.store(make_results({("homing", "navigation"): [1.0, 2.0]}))
+    sink.store(make_results({("homing", "navigation"): [3.0]}))
+
+    assert [count(path, table) for table in (Submission, Evaluation, Score, MatchResult)] == [1, 1, 1, 1]
+    with reading(path) as session:
+        assert session.scalars(select(Score)).one().mean == 3.0
+        assert session.scalars(select(MatchResult)).one().metrics == {"time": 3.0}
+
+
+def test_other_seeds_versions_and_tracks_are_other_evaluations(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    sink = DatabaseSink(str(path))
+
+    sink.store(make_results({("homing", "navigation"): [1.0], ("homing", "gathering"): [5.0]}))
+    sink.store(make_results({("homing", "navigation"): [1.0]}, seed=2**70))
+    sink.store(make_results({("homing", "navigation"): [1.0]}, version="2.0.0"))
+
+    assert count(path, Submission) == 2
+    assert count(path, Evaluation) == 4
+
+
+def test_a_match_that_came_to_nothing_is_kept_with_its_reason(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+
+    DatabaseSink(str(path)).store(make_results({("homing", "navigation"): []}))
+
+    with reading(path) as session:
+        row = session.scalars(select(MatchResult)).one()
+        assert (row.status, row.fault, row.detail, row.metrics) == ("failed", "platform", "no map", None)
+
+
+@pytest.mark.parametrize(
+    ("prepare", "says"),
+    [
+        (
+            lambda path: path.write_text("no database at all, but long enough to be read as one " * 9),
+            "is not a",
+        ),
+        (lambda path: path.mkdir(), "cannot be used"),
+    ],
+)
+def test_what_cannot_be_written_is_one_clear_line(
+    make_results: Make, tmp_path: Path, prepare: Callable[[Path], object], says: str
+) -> None:
+    path = tmp_path / "wildscav.db"
+    prepare(path)
+
+    with pytest.raises(UserError, match=says) as caught:
+        DatabaseSink(str(path)).store(make_results({("homing", "navigation"): [1.0]}))
+
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_folder_that_cannot_be_made_is_one_clear_line(make_results: Make) -> None:
+    with pytest.raises(UserError, match="cannot make the folder of the database /dev/null/db"):
+        DatabaseSink("/dev/null/db/wildscav.db").store(make_results({("homing", "navigation"): [1.0]}))
