@@ -116,7 +116,7 @@ def build_house(plan: HousePlan, site: Site) -> list[Solid]:
 
 def _build_roof(builder: Builder, plan: HousePlan) -> None:
     top = len(plan.storeys) * STOREY_HEIGHT
-    builder.block(Kind.ROOF, plan.room, top - SLAB, top)
+    builder.block(Kind.FLOOR if plan.gable else Kind.ROOF, plan.room, top - SLAB, top)
     if not plan.gable:
         for wall in plan.storeys[-1].outer:
             builder.block(Kind.ROOF, wall.outline, top, top + PARAPET)

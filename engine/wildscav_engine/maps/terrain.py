@@ -11,8 +11,8 @@ from wildscav_engine.rng import Dice, Stream, uniform_in
 from wildscav_engine.spec import MapConfig
 
 STREAM = int(Stream.TERRAIN)
-LARGEST_HILLS, SMALLEST_HILLS = 320.0, 9.0  # m, longest and shortest wave of the noise
-ROUGHNESS = 0.48  # height of each octave of the noise by that of the one before
+LARGEST_HILLS, SMALLEST_HILLS = 180.0, 9.0  # m, longest and shortest wave of the noise
+ROUGHNESS = 0.42  # height of each octave of the noise by that of the one before
 STEEPNESS = 0.055  # difference between highest and lowest ground by the size of the map
 GREATEST_RELIEF = 45.0  # m
 DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
@@ -75,7 +75,7 @@ def _add_noise(
         for column in range(heights.shape[1]):
             x = column / wave + shift_x
             west = int(x)
-            heights[row, column] += height * wave * _noise(slopes, south, west, z - south, x - west)
+            heights[row, column] += height * _noise(slopes, south, west, z - south, x - west)
 
 
 @kernel
