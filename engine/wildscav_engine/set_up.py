@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.body import EDGE_MARGIN
+from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rng import Dice, Stream, philox
@@ -17,6 +18,7 @@ from wildscav_engine.systems.supplies import choose_indoor, choose_outdoor, fill
 from wildscav_engine.tracks import TRACKS
 
 SPARE_SLOTS = 4  # a seat: free slots for boxes dropped at deaths, beside those of boxes already taken
+LIFT = 2.0 * SKIN  # m
 START_TRIES = 64  # draws for starts apart from each other before any place will do
 START_DISTANCE = 3.0  # m between two starts, where the map has room
 TARGET_DISTANCE = 10.0  # m at least from start to target, where the map has room
@@ -108,7 +110,7 @@ def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: str) -> NDArray[np.float64]:
-    """Return a place of the spec, lifted onto the ground.
+    """Return a place of the spec, lifted onto the ground, and off a floor that it may lie on exactly.
 
     Raises:
         MatchSetupError: It is outside the map.
@@ -117,7 +119,7 @@ def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: 
     limit = game_map.config.size / 2 - EDGE_MARGIN
     if max(abs(x), abs(z)) > limit:
         raise MatchSetupError(f"{name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
-    return np.array([x, max(y, ground_at(game_map.world, x, z).height), z])
+    return np.array([x, max(y + LIFT, ground_at(game_map.world, x, z).height), z])
 
 
 def _choose_boxes(

@@ -1,6 +1,5 @@
 """Damage, death, what a dead agent loses, and its return."""
 
-
 from wildscav_engine.body import BODY_RADIUS
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.actions import MAX_WALK_SPEED
 from wildscav_engine.body import (
     COS_SLOPE_LIMIT,
     EDGE_MARGIN,
@@ -27,6 +28,7 @@ from wildscav_engine.rules import FRAME
 from wildscav_engine.trig import cosine, sine
 
 SLIDES = 4  # how many surfaces one move can slide along
+FARTHEST = MAX_WALK_SPEED * FRAME  # m, the longest way sideways in a frame, by whatever means
 TOUCHING = 3.0 * SKIN  # m, a body this near above something stands on it
 
 
@@ -205,7 +207,9 @@ def _off_steep_ground(world: World, here: Point, way_x: float, way_z: float) -> 
     if steepness <= TAN_SLOPE_LIMIT or here.y > ground.height + TOUCHING:
         return way_x, way_z
     slide = SLIDE_SPEED * FRAME / steepness
-    return _inside_edges(world, here, way_x - ground.slope_x * slide, way_z - ground.slope_z * slide)
+    way_x, way_z = way_x - ground.slope_x * slide, way_z - ground.slope_z * slide
+    share = FARTHEST / max(FARTHEST, np.sqrt(way_x * way_x + way_z * way_z))
+    return _inside_edges(world, here, way_x * share, way_z * share)
 
 
 @kernel
@@ -261,8 +265,7 @@ def _fly(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float, 
             landed = True
         elif contact.n_y < 0.0:
             rise = min(rise, 0.0)
-        left = 1.0 - contact.fraction
-        way = _slip(Point(way.x * left, way.y * left, way.z * left), contact)
+        way = _slip(way, contact)
     ground = ground_at(world, at.x, at.z).height
     if at.y <= ground:
         landed = True
@@ -276,5 +279,11 @@ def _fly(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float, 
 @kernel
 def _slip(way: Point, contact: Contact) -> Point:
     """Return what is left of a flight along the surface that stopped it."""
+    left = 1.0 - contact.fraction
     into = way.x * contact.n_x + way.y * contact.n_y + way.z * contact.n_z
-    return Point(way.x - contact.n_x * into, way.y - contact.n_y * into, way.z - contact.n_z * into)
+    slipped_x = (way.x - contact.n_x * into) * left
+    slipped_z = (way.z - contact.n_z * into) * left
+    # A fall onto a steep face goes on sideways, but no faster than anybody can walk.
+    aside = np.sqrt(slipped_x * slipped_x + slipped_z * slipped_z)
+    share = FARTHEST * left / max(FARTHEST * left, aside)
+    return Point(slipped_x * share, (way.y - contact.n_y * into) * left * share, slipped_z * share)
