@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL, Kind, World
-from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.kernel import kernel
 
 PARALLEL = 1e-9  # below this determinant, three unit normals do not make a corner
 TOUCH = 1e-6  # m, how far from a plane a corner still lies on it
@@ -107,7 +107,8 @@ def polyhedron(planes: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArra
     corners = np.empty((faces * (faces - 1) * (faces - 2) // 6, 3))
     corners = corners[: _find_corners(planes, corners)]
     triangles = np.empty((faces * len(corners), 3), np.int64)
-    return corners, triangles[: _find_triangles(planes, corners, triangles)]
+    room = np.empty(len(corners), np.int64), np.empty(len(corners))
+    return corners, triangles[: _find_triangles(planes, corners, *room, triangles)]
 
 
 @kernel
@@ -160,13 +161,15 @@ def _known(corners: NDArray[np.float64], count: int, x: float, y: float, z: floa
     return False
 
 
-@array_kernel
+@kernel
 def _find_triangles(
-    planes: NDArray[np.float64], corners: NDArray[np.float64], triangles: NDArray[np.int64]
+    planes: NDArray[np.float64],
+    corners: NDArray[np.float64],
+    loop: NDArray[np.int64],
+    turn: NDArray[np.float64],
+    triangles: NDArray[np.int64],
 ) -> int:
-    """Write a fan of triangles for every face; return how many."""
-    loop = np.empty(corners.shape[0], np.int64)
-    turn = np.empty(corners.shape[0])
+    """Write a fan of triangles for every face; return how many. For loop and turn see ``_face_loop``."""
     count = 0
     for face in range(planes.shape[0]):
         size = _face_loop(planes, face, corners, loop, turn)

@@ -3,6 +3,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps.mesh import Mesh, polyhedron, solids_mesh, terrain_mesh, water_mesh

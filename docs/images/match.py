@@ -1,0 +1,60 @@
+# ruff: noqa: INP001 - a script, not part of a package
+"""Make match.png, the picture of a match in the README: a battle of robots in Rerun's own viewer.
+
+    python docs/images/match.py
+
+needs ``pip install 'wildscav[view]' pillow`` and something to draw with: a graphics card, or without one
+``apt-get install mesa-vulkan-drivers``.
+"""
+
+import time
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import rerun
+from PIL import Image
+from rerun.experimental import ViewerClient
+from wildscav_engine.match import Match
+from wildscav_engine.record import record_of
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.view import write_replay
+
+SPEC = MatchSpec(
+    track="battle",
+    map=MapSpec(config=MapConfig(size=100, houses=5), seed=3),
+    seats=("fighter",) * 6,
+    time_limit=60.0,
+    seed=5,
+)
+NAMES = ("ada", "bo", "cleo", "dev", "eli", "fay")
+FOLLOWED, MOMENT = 4, 0.8  # seat; s
+TITLE_BAR = 37  # pixels at the top that say what the machine draws with
+SIZE = (1280, 720)
+
+
+def picture(replay: Path) -> Image.Image:
+    """Open a replay without a display, go to the moment and return what the viewer shows."""
+    binary = Path(rerun.__path__[0]).parent / "rerun_cli" / "rerun"
+    with ViewerClient.spawn(headless=True, hide_welcome_screen=True, executable_path=str(binary)) as viewer:
+        viewer.open(str(replay))
+        time.sleep(5)
+        viewer.set_time("match_time", duration=MOMENT, play_state="paused")
+        time.sleep(5)
+        return Image.open(BytesIO(viewer.take_screenshot())).convert("RGB")
+
+
+def main() -> None:
+    """Play, render, look, and save the picture beside this file."""
+    match = Match(SPEC)
+    match.play_out()
+    with TemporaryDirectory() as folder:
+        replay = Path(folder) / "match.rrd"
+        write_replay(record_of(match, NAMES), replay, follow=FOLLOWED)
+        shown = picture(replay)
+    shown = shown.crop((0, TITLE_BAR, shown.width, shown.height))
+    shown.resize(SIZE, Image.Resampling.LANCZOS).save(Path(__file__).with_suffix(".png"), optimize=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+"""The events of a match in words: pick-ups, hits, deaths, respawns, the target."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import rerun as rr
+
+from wildscav_engine.state import NOBODY
+from wildscav_engine.view import colors
+from wildscav_engine.view.columns import Columns
+from wildscav_engine.view.history import History, seats_where
+
+
+class Event(NamedTuple):
+    """One line of the log."""
+
+    row: int
+    kind: str
+    text: str
+    color: tuple[int, int, int]
+
+
+def events_of(history: History, names: Sequence[str]) -> list[Event]:
+    """Return all events in time order."""
+    found = [
+        *(event for events in KINDS for event in events(history, names)),
+        Event(0, "START", "The match begins", colors.START_END),
+        Event(int(history.rows[-1]), "END", "The match is over", colors.START_END),
+    ]
+    # What happens in one step is told in the order of KINDS, within the start and the end.
+    return sorted(found, key=lambda event: (event.row, event.kind == "END", event.kind != "START"))
+
+
+def event_columns(events: Sequence[Event]) -> Columns:
+    """Return the text log."""
+    rows = np.array([event.row for event in events], np.int64)
+    values = rr.TextLog.columns(
+        text=[event.text for event in events],
+        level=[event.kind for event in events],
+        color=[event.color for event in events],
+    )
+    return Columns("events", rows, values)
+
+
+def _pick_ups(history: History, names: Sequence[str]) -> Iterator[Event]:
+    agents = history.agents
+    for row, seat in seats_where(agents.gained > 0):
+        text = f"{names[seat]} picks up {agents.gained[row, seat]}, has {agents.supplies[row, seat]}"
+        yield Event(row, "PICK-UP", text, colors.PICK_UP)
+
+
+def _hits(history: History, names: Sequence[str]) -> Iterator[Event]:
+    agents = history.agents
+    for row, seat in seats_where(agents.fired & (agents.hit_seat != NOBODY)):
+        victim = int(agents.hit_seat[row, seat])
+        text = f"{names[seat]} hits {names[victim]}, {agents.health[row, victim]} hp left"
+        yield Event(row, "HIT", text, colors.SHOT)
+
+
+def _deaths(history: History, names: Sequence[str]) -> Iterator[Event]:
+    agents = history.agents
+    died = np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0
+    for row, seat in seats_where(died):
+        by = int(agents.hit_by_seat[row, seat])
+        yield Event(
+            row,
+            "DEATH",
+            f"{names[seat]} dies{'' if by == NOBODY else f', shot by {names[by]}'}",
+            colors.DEATH,
+        )
+
+
+def _respawns(history: History, names: Sequence[str]) -> Iterator[Event]:
+    alive = history.agents.health > 0
+    for row, seat in seats_where(alive[1:] & ~alive[:-1]):
+        yield Event(row + 1, "RESPAWN", f"{names[seat]} is back", colors.RESPAWN)
+
+
+def _goals(history: History, names: Sequence[str]) -> Iterator[Event]:
+    reached = np.nonzero(history.reached_by != NOBODY)[0]
+    if len(reached):
+        seat = int(history.reached_by[reached[0]])
+        yield Event(int(reached[0]), "TARGET", f"{names[seat]} reaches the target", colors.GOAL)
+
+
+KINDS = (_pick_ups, _hits, _deaths, _respawns, _goals)

@@ -1,0 +1,117 @@
+"""What happened in a match, step by step: a record re-simulated into arrays."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.match import Match
+from wildscav_engine.sensors import SENSORS
+from wildscav_engine.state import Agents
+
+DEPTH_OPTIONS = {"width": 64, "height": 36, "far": 200.0}
+MOST_DEPTH_MAPS = 3000  # longer matches get every second, third, … step only
+
+
+class Boxes(NamedTuple):
+    """The supply boxes that are there from one row on, until the next such set."""
+
+    row: int
+    position: NDArray[np.float64]  # (N, 3) m
+    quantity: NDArray[np.int32]  # (N,)
+    serial: NDArray[np.int32]  # (N,)
+
+
+class DepthMaps(NamedTuple):
+    """What the depth sensor of one agent read."""
+
+    rows: NDArray[np.int64]  # (D,) when
+    maps: NDArray[np.float32]  # (D, height, width) m
+
+
+class History(NamedTuple):
+    """A whole match: row 0 is the start, row n is after step n."""
+
+    frame: NDArray[np.int64]  # (T + 1,) frames played
+    agents: Agents  # every array has rows (T + 1) in place of matches, then seats
+    reached_by: NDArray[np.int32]  # (T + 1,) the seat that reached the target, or NOBODY
+    boxes: tuple[Boxes, ...]  # one for each change, the first for row 0
+    first_dropped: int  # serial of the first box that was not there by plan
+    target: NDArray[np.float64] | None  # (3,) m, what ends the match when reached
+    depth: DepthMaps | None
+
+    @property
+    def rows(self) -> NDArray[np.int64]:
+        """All rows, (T + 1,)."""
+        return np.arange(len(self.frame))
+
+
+def collect(matches: Iterable[Match], steps: int, depth_of: int | None) -> tuple[Match, History]:
+    """Play a re-simulation to its end.
+
+    Args:
+        matches: The match at its start and after each step, always the same object.
+        steps: How many steps come after the start, at the most.
+        depth_of: The seat whose depth maps are kept, if any.
+
+    Returns:
+        The match at its end, and all that happened.
+    """
+    each = -(-(steps + 1) // MOST_DEPTH_MAPS)
+    depth_rows: list[int] = []
+    depth_maps: list[NDArray[np.float32]] = []
+    boxes: list[Boxes] = []
+    frames, reached = np.zeros(steps + 1, np.int64), np.zeros(steps + 1, np.int32)
+    config = SENSORS["depth"].parse(DEPTH_OPTIONS)
+    rows = 0
+    for row, match in enumerate(matches):
+        state = match.state
+        if row == 0:
+            agents = Agents._make(_rows_of(field, steps + 1) for field in state.agents)
+            first_dropped = int(state.matches.next_serial[0])
+        for name in Agents._fields:
+            getattr(agents, name)[row] = getattr(state.agents, name)[0]
+        frames[row], reached[row] = match.frame, state.matches.reached_by[0]
+        _note_boxes(row, match, boxes)
+        if depth_of is not None and row % each == 0:
+            depth_rows.append(row)
+            depth_maps.append(SENSORS["depth"].read(match, [depth_of], config)[0])
+        rows = row + 1
+    depth = DepthMaps(np.array(depth_rows), np.array(depth_maps)) if depth_rows else None
+    target = match.state.matches.target[0].copy() if match.state.matches.has_target[0] else None
+    kept_agents = Agents._make(field[:rows] for field in agents)
+    return match, History(
+        frames[:rows], kept_agents, reached[:rows], tuple(boxes), first_dropped, target, depth
+    )
+
+
+def _rows_of(field: NDArray[Any], rows: int) -> NDArray[Any]:
+    """Return room for what one match has in a field of the state, over time."""
+    return np.zeros((rows, *field.shape[1:]), field.dtype)
+
+
+def _note_boxes(row: int, match: Match, boxes: list[Boxes]) -> None:
+    """Add the boxes that are there now, if they are not the same as before."""
+    supplies = match.state.supplies
+    there = (supplies.quantity[0] > 0) & (supplies.appears[0] <= match.frame)
+    serial, quantity = supplies.serial[0][there], supplies.quantity[0][there]
+    if boxes and np.array_equal(boxes[-1].serial, serial) and np.array_equal(boxes[-1].quantity, quantity):
+        return
+    boxes.append(Boxes(row, supplies.position[0][there], quantity, serial))
+
+
+def changes(*values: NDArray[np.generic]) -> NDArray[np.int64]:
+    """Return the rows where any of the values (T + 1, …) differs from the row before; row 0 is one."""
+    changed = np.zeros(len(values[0]), np.bool_)
+    changed[0] = True
+    for value in values:
+        flat = value.reshape(len(value), -1)
+        changed[1:] |= np.any(flat[1:] != flat[:-1], axis=1)
+    return np.nonzero(changed)[0]
+
+
+def seats_where(condition: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """Yield (row, seat) of every true entry, in time order."""
+    for row, seat in zip(*np.nonzero(condition), strict=True):
+        yield int(row), int(seat)

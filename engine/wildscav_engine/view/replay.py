@@ -1,0 +1,57 @@
+"""Replays: a record played again into a Rerun recording."""
+
+import os
+from pathlib import Path
+
+from wildscav_engine.record import Record, resimulate
+from wildscav_engine.spec import SUBMISSION
+from wildscav_engine.view.history import collect
+
+
+class ViewError(Exception):
+    """A replay cannot be made; the message is one clear line."""
+
+
+def write_replay(record: Record, path: Path, *, follow: int | None = None, depth: bool = True) -> None:
+    """Render a record as a Rerun file that shows the match at once when it is opened.
+
+    The file is there whole or not at all.
+
+    Args:
+        record: The record; it is re-simulated here.
+        path: Where to write, usually ``*.rrd``.
+        follow: The seat that the cameras follow; by default the first that a submission fills.
+        depth: Whether the followed agent's depth maps are in the file.
+
+    Raises:
+        ViewError: Rerun is not installed, or there is no such seat.
+        OSError: The file cannot be written.
+    """
+    seat = _followed(record) if follow is None else follow
+    if not 0 <= seat < len(record.names):
+        raise ViewError(
+            f"there is no seat {seat} to follow: the record has seats 0 to {len(record.names) - 1}"
+        )
+    try:
+        from wildscav_engine.view.scene import render
+    except ImportError as error:
+        if (error.name or "").split(".")[0] != "rerun":
+            raise
+        raise ViewError("replays need Rerun: pip install 'wildscav[view]'") from error
+    match, history = collect(resimulate(record), len(record.actions), seat if depth else None)
+    _write(path, render(record, match.game_map, history, seat))
+
+
+def _followed(record: Record) -> int:
+    seats = record.spec.seats
+    return seats.index(SUBMISSION) if SUBMISSION in seats else 0
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file by way of another one in its folder."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_bytes(content)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,129 @@
+"""The static world of a replay: terrain, water, houses and vegetation as coloured meshes."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import CELL, Kind, World
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
+from wildscav_engine.view import colors, frame
+
+# The layers of solids, each to be shown or hidden by itself.
+LAYERS = {
+    "world/houses/walls": (Kind.WALL,),
+    "world/houses/floors": (Kind.FLOOR,),
+    "world/houses/stairs": (Kind.STAIR,),
+    "world/houses/roofs": (Kind.ROOF,),
+    "world/houses/furniture": (Kind.FURNITURE,),
+    "world/vegetation/trunks": (Kind.TRUNK,),
+    "world/vegetation/crowns": (Kind.CROWN,),
+    "world/rocks": (Kind.ROCK,),
+}
+EDGE_DEPTH = 3.0  # m of earth below the lowest ground
+SHORE = 3  # cells around water that show sand
+
+
+def static_scene(game_map: GameMap) -> Iterator[tuple[str, rr.AsComponents]]:
+    """Yield the entities of a map and what they look like."""
+    world = game_map.world
+    yield "/", rr.ViewCoordinates.RIGHT_HAND_Z_UP
+    yield "world/terrain", _terrain(world)
+    yield "world/edge", _edge(world)
+    water = water_mesh(world)
+    if len(water.triangles):
+        yield "world/water", _water(water)
+    base = colors.of_solids(world.solid_kind, game_map.solid_house)
+    for path, kinds in LAYERS.items():
+        chosen = np.nonzero(np.isin(world.solid_kind, kinds))[0]
+        if len(chosen):
+            yield path, _flat_shaded(solids_mesh(world, chosen), base)
+
+
+def _flat_shaded(mesh: Mesh, base: NDArray[np.float64]) -> rr.Mesh3D:
+    """Give each triangle corners of its own and one colour, lit by the triangle's normal."""
+    corners = mesh.vertices[mesh.triangles].astype(np.float64)  # (T, 3, 3)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None]
+    lit = colors.shaded(base[mesh.solids], normals)
+    order = frame.triangles(np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3))
+    return rr.Mesh3D(
+        vertex_positions=frame.points(corners.reshape(-1, 3)),
+        triangle_indices=order,
+        vertex_colors=np.repeat(lit, 3, axis=0),
+    )
+
+
+def _terrain(world: World) -> rr.Mesh3D:
+    mesh = terrain_mesh(world)
+    slope_north, slope_east = np.gradient(world.heights, CELL)
+    normals = np.stack([-slope_east, np.ones_like(slope_east), -slope_north], axis=-1).reshape(-1, 3)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    over_water = (world.heights - _water_nearby(world)).ravel()
+    base = colors.of_terrain(over_water, normals[:, 1], _dryness(world.heights.shape))
+    return rr.Mesh3D(
+        vertex_positions=frame.points(mesh.vertices),
+        triangle_indices=frame.triangles(mesh.triangles),
+        vertex_colors=colors.shaded(base, normals),
+    )
+
+
+def _edge(world: World) -> rr.Mesh3D:
+    """Return the cut through the earth along the edges of the map, so that it looks like a model of one."""
+    rows, columns = world.heights.shape
+    row = np.concatenate(
+        [np.zeros(columns), np.arange(rows), np.full(columns, rows - 1), np.arange(rows)[::-1]]
+    )
+    column = np.concatenate(
+        [np.arange(columns), np.full(rows, columns - 1), np.arange(columns)[::-1], np.zeros(rows)]
+    )
+    x, z = world.corner[0] + CELL * column, world.corner[1] + CELL * row
+    top = world.heights[row.astype(np.int64), column.astype(np.int64)]
+    bottom = np.full_like(top, world.heights.min() - EDGE_DEPTH)
+    vertices = np.concatenate([np.stack([x, level, z], axis=-1) for level in (top, bottom)])
+    here = np.arange(len(x) - 1)
+    under = here + len(x)
+    triangles = np.concatenate(
+        [np.stack([here, here + 1, under + 1], axis=-1), np.stack([here, under + 1, under], axis=-1)]
+    )
+    return rr.Mesh3D(
+        vertex_positions=frame.points(vertices),
+        triangle_indices=triangles,
+        vertex_colors=np.repeat(np.array([colors.EARTH, colors.DEEP_EARTH], np.uint8), len(x), axis=0),
+    )
+
+
+def _water_nearby(world: World) -> NDArray[np.float64]:
+    """Return the height of the water near each cell corner, (R + 1, C + 1), -inf where there is none."""
+    nearby = np.full(world.heights.shape, -np.inf)
+    rows, columns = world.water.shape
+    for row in range(2):
+        for column in range(2):
+            part = nearby[row : row + rows, column : column + columns]
+            np.maximum(part, world.water, out=part)
+    for _ in range(SHORE):
+        nearby[1:] = np.maximum(nearby[1:], nearby[:-1])
+        nearby[:-1] = np.maximum(nearby[:-1], nearby[1:])
+        nearby[:, 1:] = np.maximum(nearby[:, 1:], nearby[:, :-1])
+        nearby[:, :-1] = np.maximum(nearby[:, :-1], nearby[:, 1:])
+    return nearby
+
+
+def _dryness(shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return soft patches, 0-1, for each cell corner: a few waves across each other, and a little grain."""
+    row, column = np.meshgrid(*(np.arange(length) for length in shape), indexing="ij")
+    waves = np.sin(0.13 * row + 1.3 * np.sin(0.09 * column)) + np.sin(
+        0.11 * column + 1.7 * np.sin(0.07 * row)
+    )
+    grain = np.random.default_rng(0).uniform(-0.12, 0.12, shape)
+    return np.asarray(np.clip(0.45 + 0.2 * waves + grain, 0, 1)).ravel()
+
+
+def _water(mesh: Mesh) -> rr.Mesh3D:
+    return rr.Mesh3D(
+        vertex_positions=frame.points(mesh.vertices),
+        triangle_indices=frame.triangles(mesh.triangles),
+        albedo_factor=colors.WATER,
+    )

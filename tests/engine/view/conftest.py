@@ -1,0 +1,34 @@
+from pathlib import Path
+
+import pytest
+
+from wildscav_engine.match import Match
+from wildscav_engine.record import Record, record_of
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.view import write_replay
+
+SMALL_MAP = MapSpec(config=MapConfig(size=60, houses=1, water=0.1), seed=1)
+ROBOTS = {
+    "battle": ("submission", "fighter", "fighter"),
+    "gathering": ("gatherer",),
+    "navigation": ("walker",),
+}
+
+
+def robots_play(track: str) -> Record:
+    """Ten seconds on a small map; the seat of the submission stands still."""
+    match = Match(MatchSpec(track=track, map=SMALL_MAP, seats=ROBOTS[track], time_limit=10.0, seed=3))
+    match.play_out()
+    return record_of(match, [f"{name} {seat}" for seat, name in enumerate(match.spec.seats)])
+
+
+@pytest.fixture(scope="package")
+def battle() -> Record:
+    return robots_play("battle")
+
+
+@pytest.fixture(scope="package")
+def battle_file(battle: Record, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("replay") / "battle.rrd"
+    write_replay(battle, path, follow=1)
+    return path

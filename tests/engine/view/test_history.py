@@ -1,0 +1,94 @@
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from builders import act, box, flat_world, make_match, place
+from wildscav_engine.match import Match
+from wildscav_engine.rules import Rules
+from wildscav_engine.view.cameras import BEHIND, HEAD, behind
+from wildscav_engine.view.events import events_of
+from wildscav_engine.view.history import History, changes, collect
+
+NAMES = ("ann", "bob")
+
+
+def duel(steps: int) -> Iterator[Match]:
+    """Ann, looking north at Bob five metres away, holds the trigger; Bob does nothing."""
+    rules = Rules(shot_damage=50, respawn_time=1.0, invincible_time=5.0)
+    match = make_match("battle", seats=2, rules=rules, time_limit=60.0)
+    place(match, 0, (0.0, 0.0, 0.0))
+    place(match, 1, (0.0, 0.0, 5.0))
+    yield match
+    for _ in range(steps):
+        act(match, seat_0={"shoot": 1.0})
+        yield match
+
+
+@pytest.fixture(scope="module")
+def history() -> History:
+    return collect(duel(20), 20, depth_of=0)[1]
+
+
+def test_a_duel_is_told_in_order(history: History) -> None:
+    events = [event for event in events_of(history, NAMES) if event.kind in ("HIT", "DEATH", "RESPAWN")]
+
+    assert [event.text for event in events] == [
+        "ann hits bob, 50 hp left",
+        "ann hits bob, 0 hp left",
+        "bob dies, shot by ann",
+        "bob is back",
+    ]
+    assert [event.row for event in events[:3]] == [1, 3, 3]  # shots in frames 1 and 11
+
+
+def test_the_log_begins_and_ends_with_the_match(history: History) -> None:
+    events = events_of(history, NAMES)
+
+    assert (events[0].kind, events[0].row) == ("START", 0)
+    assert (events[-1].kind, events[-1].row) == ("END", 20)
+
+
+def test_the_history_holds_the_state_after_every_step(history: History) -> None:
+    assert history.frame.tolist() == [5 * row for row in range(21)]
+    assert history.agents.position.shape == (21, 2, 3)
+    for row, match in enumerate(duel(20)):
+        for name, field in history.agents._asdict().items():
+            np.testing.assert_array_equal(field[row], getattr(match.state.agents, name)[0], err_msg=name)
+
+
+def test_the_followed_agents_depth_maps_are_kept(history: History) -> None:
+    assert history.depth is not None
+    assert history.depth.rows.tolist() == list(range(21))
+    assert history.depth.maps.shape == (21, 36, 64)
+
+
+def test_boxes_are_noted_when_they_change_only(history: History) -> None:
+    rows = [boxes.row for boxes in history.boxes]
+
+    assert rows[0] == 0
+    assert rows == sorted(set(rows))
+    for before, after in zip(history.boxes, history.boxes[1:], strict=False):
+        assert not (
+            np.array_equal(before.serial, after.serial) and np.array_equal(before.quantity, after.quantity)
+        )
+
+
+def test_changes_are_the_first_row_and_every_row_unlike_the_one_before() -> None:
+    assert changes(np.array([1, 1, 2, 2, 1]), np.array([0, 0, 0, 5, 5])).tolist() == [0, 2, 3, 4]
+
+
+def test_the_camera_behind_stands_back_in_the_open_and_before_a_wall() -> None:
+    wall = box((-20.0, 0.0, -2.5), (20.0, 6.0, -2.0))
+    match = make_match("battle", world=flat_world(solids=[wall]), seats=2, time_limit=60.0)
+    place(match, 0, (0.0, 0.0, 0.0))  # looks north, two metres before the wall behind it
+    place(match, 1, (0.0, 0.0, 10.0))
+    _, history = collect(iter([match]), 0, depth_of=None)
+
+    near = behind(match.game_map.world, history.agents, 0).position[0]
+    far = behind(match.game_map.world, history.agents, 1).position[0]
+
+    assert -2.0 < near[2] < -1.0
+    assert np.linalg.norm(far - np.array([0.0, HEAD, 10.0])) == pytest.approx(BEHIND)
+    assert far[2] < 6.0
+    assert far[1] > HEAD

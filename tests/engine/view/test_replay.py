@@ -1,0 +1,150 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from rerun.chunk import RrdReader
+
+from wildscav_engine.record import Record, resimulate
+from wildscav_engine.view import ViewError, write_replay
+from wildscav_engine.view.history import DEPTH_OPTIONS, collect
+
+BATTLE_ENTITIES = [
+    *("/world/terrain", "/world/water", "/world/houses/walls", "/world/houses/roofs"),
+    *("/world/vegetation/crowns", "/supplies", "/shots", "/events"),
+    *("/follow/behind", "/follow/eyes", "/follow/depth"),
+    *(f"/agents/seat_{seat}/{part}" for seat in range(3) for part in ("body", "view", "name", "health")),
+]
+
+
+def rows_of(path: Path, entity: str, ending: str) -> tuple[list[int], list[object]]:
+    """All values of one component of an entity over time, with their steps."""
+    steps: list[int] = []
+    values: list[object] = []
+    for chunk in RrdReader(path).stream().filter(content=entity):
+        batch: pa.RecordBatch = chunk.to_record_batch()
+        names = [name for name in batch.schema.names if name.endswith(ending)]
+        if names and "step" in batch.schema.names:
+            steps += batch.column("step").cast(pa.int64()).to_pylist()
+            values += batch.column(names[0]).to_pylist()
+    order = np.argsort(steps, kind="stable")
+    return [steps[index] for index in order], [values[index] for index in order]
+
+
+def test_everything_of_a_battle_is_in_the_file(battle_file: Path) -> None:
+    entities = set(RrdReader(battle_file).store().schema().entity_paths())
+
+    assert entities.issuperset(BATTLE_ENTITIES)
+
+
+def test_agents_stand_where_they_stood(battle: Record, battle_file: Path) -> None:
+    _, history = collect(resimulate(battle), battle.steps, None)
+    for seat in range(3):
+        steps, places = rows_of(battle_file, f"/agents/seat_{seat}", "translation")
+
+        shown = np.array([place[0] for place in places])  # type: ignore[index]
+        np.testing.assert_allclose(
+            shown, history.agents.position[steps][:, seat][:, [0, 2, 1]], atol=1e-5, err_msg=str(seat)
+        )
+
+
+def test_the_log_has_every_pick_up(battle: Record, battle_file: Path) -> None:
+    _, history = collect(resimulate(battle), battle.steps, None)
+    _, texts = rows_of(battle_file, "/events", "text")
+
+    picked = [text for text in texts if "picks up" in str(text)]
+
+    assert len(picked) == int(np.count_nonzero(history.agents.gained)) > 0
+
+
+def test_boxes_vanish_when_they_are_taken(battle_file: Path) -> None:
+    steps, centers = rows_of(battle_file, "/supplies", "centers")
+    counts = [len(boxes) for boxes in centers]  # type: ignore[arg-type]
+
+    assert steps[0] == 0
+    assert counts[-1] < counts[0]
+
+
+def test_depth_maps_are_the_sensors_within_four_millimetres(battle: Record, battle_file: Path) -> None:
+    _, history = collect(resimulate(battle), battle.steps, depth_of=1)
+    assert history.depth is not None
+    steps, buffers = rows_of(battle_file, "/follow/depth", "buffer")
+
+    pixels = np.array([np.frombuffer(bytes(buffer[0]), np.uint16) for buffer in buffers])  # type: ignore[index]
+    shape = (-1, DEPTH_OPTIONS["height"], DEPTH_OPTIONS["width"])
+
+    assert steps == history.depth.rows.tolist()
+    np.testing.assert_allclose(pixels.reshape(shape) / 250.0, history.depth.maps, atol=0.002 + 1e-5)
+
+
+def test_there_is_a_blueprint(battle_file: Path) -> None:
+    assert len(RrdReader(battle_file).blueprints()) == 1
+
+
+def test_reruns_own_check_passes(battle_file: Path) -> None:
+    checked = subprocess.run(
+        [sys.executable, "-m", "rerun", "rrd", "verify", str(battle_file)], capture_output=True, text=True
+    )
+
+    assert checked.returncode == 0, checked.stderr
+
+
+def test_a_replay_without_depth_maps_has_none(battle: Record, tmp_path: Path) -> None:
+    write_replay(battle, tmp_path / "small.rrd", depth=False)
+
+    reader = RrdReader(tmp_path / "small.rrd")
+    depth = [
+        chunk for chunk in reader.stream().filter(content="/follow/depth") if "step" in chunk.timeline_names
+    ]
+    assert depth == []
+
+
+def test_the_first_seat_of_a_submission_is_followed(battle: Record, tmp_path: Path) -> None:
+    path = tmp_path / "followed.rrd"
+    write_replay(battle, path, depth=False)
+    _, history = collect(resimulate(battle), battle.steps, None)
+
+    steps, eyes = rows_of(path, "/follow/eyes", "translation")
+
+    expected = history.agents.position[steps][:, 0][:, [0, 2, 1]] + np.array([0.0, 0.0, 1.5])
+    np.testing.assert_allclose(np.array([eye[0] for eye in eyes]), expected, atol=1e-5)  # type: ignore[index]
+
+
+def test_a_seat_that_is_not_there_cannot_be_followed(battle: Record, tmp_path: Path) -> None:
+    with pytest.raises(ViewError, match="no seat 3 to follow: the record has seats 0 to 2"):
+        write_replay(battle, tmp_path / "none.rrd", follow=3)
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_not_there_is_one_clear_error(battle: Record, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        write_replay(battle, tmp_path / "nowhere" / "match.rrd", depth=False)
+
+
+def test_a_failed_write_leaves_nothing(battle: Record, tmp_path: Path) -> None:
+    (tmp_path / "taken.rrd").mkdir()
+
+    with pytest.raises(OSError, match=r"taken\.rrd"):
+        write_replay(battle, tmp_path / "taken.rrd", depth=False)
+
+    assert [path.name for path in tmp_path.iterdir()] == ["taken.rrd"]
+
+
+def test_without_rerun_the_error_says_what_to_install(
+    battle: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "rerun", None)
+    for name in [name for name in sys.modules if name.startswith("wildscav_engine.view.")]:
+        monkeypatch.delitem(sys.modules, name)
+
+    with pytest.raises(ViewError, match=r"pip install 'wildscav\[view\]'"):
+        write_replay(battle, tmp_path / "match.rrd")
+
+
+def test_importing_the_package_does_not_import_rerun() -> None:
+    program = "import sys, wildscav_engine.view; sys.exit('rerun' in sys.modules)"
+
+    assert subprocess.run([sys.executable, "-c", program]).returncode == 0
