@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+
 from wildscav.errors import UserError, describe
 
 if TYPE_CHECKING:

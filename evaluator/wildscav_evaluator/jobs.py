@@ -9,7 +9,6 @@ from wildscav.errors import WildscavError, describe
 from wildscav.server import SeatReport
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import MatchSpec
-
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.results import MatchRow, MatchTiming
 from wildscav_evaluator.submission import Submission

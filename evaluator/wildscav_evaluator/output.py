@@ -7,7 +7,6 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_engine.record import SUFFIX
-
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.results import RESULTS_FILE
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from wildscav.server import Clock, HostedMatch, MatchServer, SeatReport, SeatStatus
 from wildscav_engine.match import Match
 from wildscav_engine.spec import MatchSpec
-
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent, Sandbox
 from wildscav_evaluator.seating import display_names, submission_seats
 from wildscav_evaluator.submission import Submission

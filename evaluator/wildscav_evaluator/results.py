@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
+
 from wildscav.errors import UserError
 
 RESULTS_FILE = "results.json"

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION
-
 from wildscav_evaluator import results
 from wildscav_evaluator.jobs import Job, JobResult
 from wildscav_evaluator.score import summarize

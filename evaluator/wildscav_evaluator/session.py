@@ -8,7 +8,6 @@ from pathlib import Path
 from wildscav.console import console
 from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
-
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
 from wildscav_evaluator.output import output_folder
 from wildscav_evaluator.progress import EvaluationProgress

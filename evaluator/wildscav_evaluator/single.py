@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from rich import box
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+
 from wildscav.console import console
 from wildscav.errors import UserError
 from wildscav.server import HostedMatch
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec
-
 from wildscav_evaluator.jobs import FINISHED
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.run import metric_infos

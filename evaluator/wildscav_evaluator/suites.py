@@ -13,7 +13,6 @@ from typing import NamedTuple, TypeVar
 
 from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
-
 from wildscav_evaluator.seating import battle_seats
 
 Choice = TypeVar("Choice")

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
+
 from wildscav.console import console
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
     from wildscav_evaluator.results import MetricInfo, Summary
-
     from wildscav_leaderboard.models import Score
     from wildscav_leaderboard.standings import Standings
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from sqlalchemy import Engine, create_engine, inspect
 from sqlalchemy.exc import DatabaseError, OperationalError
 from sqlalchemy.orm import Session
-from wildscav.errors import UserError
 
+from wildscav.errors import UserError
 from wildscav_leaderboard.models import Base
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
-from wildscav_evaluator import results
 
+from wildscav_evaluator import results
 from wildscav_leaderboard.database import writing
 from wildscav_leaderboard.models import Evaluation, MatchResult, Score, Submission
 

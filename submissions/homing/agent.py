@@ -1,6 +1,7 @@
 """The agent that goes straight to what it wants."""
 
 from steering import Boxes, Search, Steering, Vector, effort
+
 from wildscav import Action, Agent, MatchInfo, Observation
 from wildscav.geometry import turn_to
 

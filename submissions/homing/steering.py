@@ -123,7 +123,7 @@ class Search:
 class Boxes:
     """Which supply box to go for. One that cannot be had in time is left alone for a while."""
 
-    PATIENCE = 6.0  # s beyond the time that the straight way takes
+    PATIENCE = 3.0  # s beyond the time that the straight way takes
     LEFT_ALONE = 25.0  # s
 
     def __init__(self, cost: Callable[[Vector, SupplyBox], float]) -> None:

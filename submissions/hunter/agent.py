@@ -2,6 +2,7 @@
 
 from aim import Order, aim_at, look_around, nearest_enemy
 from steering import Boxes, Search, Steering, Vector, effort
+
 from wildscav import Action, Agent, MatchInfo, Observation, SupplyBox, VisibleAgent
 from wildscav.geometry import flat_distance
 

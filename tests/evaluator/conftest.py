@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from wildscav_evaluator.submission import Submission, load_submission
 
 HEAD = """

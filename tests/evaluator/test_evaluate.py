@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from wildscav_engine.record import read_record, save, verify_record
 from wildscav_evaluator.output import output_folder
 from wildscav_evaluator.results import Results, read_results

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent
 from wildscav_evaluator.sandbox.log import LOG_LIMIT
 from wildscav_evaluator.submission import Submission

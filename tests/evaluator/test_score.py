@@ -1,6 +1,7 @@
 """What matches say about a submission, and how sure that is."""
 
 import pytest
+
 from wildscav_evaluator.results import MatchRow, MetricInfo
 from wildscav_evaluator.run import summary
 from wildscav_evaluator.score import summarize

@@ -1,6 +1,7 @@
 """Seats and the names that they are shown by."""
 
 import pytest
+
 from wildscav_engine.rng import Dice, Stream
 from wildscav_evaluator.seating import battle_seats, display_names, submission_seats
 

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+
 from wildscav_evaluator.submission import SubmissionError, folder_digest, load_submission
 
 GOOD = """

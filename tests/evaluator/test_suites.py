@@ -4,6 +4,7 @@ from collections import Counter
 from typing import get_args, get_type_hints
 
 import pytest
+
 from wildscav_engine.spec import SUBMISSION
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli import evaluate

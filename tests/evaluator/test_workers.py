@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult
 from wildscav_evaluator.submission import Submission

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import pytest
+
 from wildscav_evaluator.results import Evaluation, MatchRow, MetricInfo, Results, Summary, Timings
 
 METRICS = {

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from wildscav_evaluator.results import Results
 from wildscav_leaderboard.sink import DatabaseSink
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import func, select
+
 from wildscav.errors import UserError
 from wildscav_evaluator.results import Results
 from wildscav_evaluator.sinks import GROUP, sinks

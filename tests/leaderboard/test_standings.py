@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from wildscav_evaluator.results import Results
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.sink import DatabaseSink

@@ -1,0 +1,45 @@
+"""The walls between the parts stand."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_import_contracts_hold() -> None:
+    done = subprocess.run(
+        [str(Path(sys.executable).parent / "lint-imports"), "--no-cache"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+    assert done.returncode == 0, done.stdout
+    assert "0 broken" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("module", "stranger"),
+    [
+        ("wildscav.sdk", "numba"),
+        ("wildscav.sdk", "wildscav_engine"),
+        ("wildscav.sdk", "pydantic"),
+        ("wildscav_evaluator.cli", "numba"),
+        ("wildscav_leaderboard.cli", "numba"),
+        ("wildscav_leaderboard.cli", "sqlalchemy"),
+        ("wildscav_evaluator.session", "wildscav_leaderboard"),
+        ("wildscav_evaluator.session", "rerun"),
+    ],
+)
+def test_importing_one_does_not_load_the_other(module: str, stranger: str) -> None:
+    code = f"import sys, {module}; sys.exit({stranger!r} in sys.modules)"
+
+    assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0
+
+
+def test_the_platform_folder_does_not_hide_the_standard_library() -> None:
+    assert not (ROOT / "platform" / "__init__.py").exists()

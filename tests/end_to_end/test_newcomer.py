@@ -1,0 +1,81 @@
+"""What a newcomer does: make an agent, play it, evaluate it, see where it stands. Nothing in between."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BIN = Path(sys.executable).parent
+
+
+def run(folder: Path, *arguments: object, code: int = 0) -> str:
+    done = subprocess.run(
+        [str(BIN / str(arguments[0])), *map(str, arguments[1:])],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=500,
+        env={**os.environ, "COLUMNS": "80"},
+    )
+    assert done.returncode == code, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+def test_a_new_agent_plays_and_is_evaluated_unchanged(tmp_path: Path) -> None:
+    run(tmp_path, "wildscav", "init", "my-first")
+
+    played = run(
+        tmp_path,
+        *("wildscav", "play", "my-first", "--track=battle", "--time-limit=5", "--size=60"),
+        *("--record=match.wsr", "--replay=match.rrd"),
+    )
+    assert "my-first" in played
+    assert "fighter 1" in played
+    run(tmp_path, "wildscav", "verify", "match.wsr")
+    run(tmp_path, "rerun", "rrd", "verify", "match.rrd")
+
+    evaluated = run(tmp_path, "wildscav", "evaluate", "my-first", "--track=gathering", "--out=out/mine")
+    assert "my-first 0.1.0" in evaluated
+    (evaluation,) = json.loads((tmp_path / "out/mine/results.json").read_text())["evaluations"]
+    assert [row["fault"] for row in evaluation["matches"]] == [None] * len(evaluation["matches"])
+
+    standings = run(tmp_path, "wildscav", "leaderboard")
+    assert "gathering" in standings
+    assert "my-first 0.1.0" in standings
+
+
+def test_an_agent_that_fails_in_play_is_named_with_its_last_words(tmp_path: Path) -> None:
+    run(tmp_path, "wildscav", "init", "broken")
+    agent = tmp_path / "broken" / "agent.py"
+    agent.write_text(agent.read_text().replace("self.detour = 0 ", "self.detour = 1 / 0 "))
+
+    said = run(tmp_path, "wildscav", "play", "broken", "--time-limit=2", "--size=60", code=1)
+
+    assert "wildscav: broken" in said
+    assert "ZeroDivisionError: division by zero" in said
+    assert "out/play/0-broken.log" in said
+    log = (tmp_path / "out/play/0-broken.log").read_text()
+    assert "agent.py" in log
+
+
+@pytest.mark.slow
+def test_the_demo_ends_with_three_tables_and_records_that_all_hold(tmp_path: Path) -> None:
+    submissions = Path(__file__).parents[2] / "submissions"
+    folders = [submissions / name for name in ("random", "homing", "hunter")]
+
+    said = run(tmp_path, "wildscav", "evaluate", *folders, "--out=out/demo", "--db=out/demo/wildscav.db")
+
+    for track in ("navigation", "gathering", "battle"):
+        assert f"{track} · suite quick · seed 0" in said
+    assert "rerun" in said
+    records = sorted((tmp_path / "out/demo/records").iterdir())
+    results = json.loads((tmp_path / "out/demo/results.json").read_text())
+    assert len(records) == sum(len(evaluation["matches"]) for evaluation in results["evaluations"])
+    run(tmp_path, "wildscav", "verify", *records)
+    replays = sorted((tmp_path / "out/demo/replays").iterdir())
+    assert len(replays) == 9
+    for replay in replays:
+        run(tmp_path, "rerun", "rrd", "verify", replay)
