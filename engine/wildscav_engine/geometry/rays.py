@@ -13,6 +13,7 @@ from wildscav_engine.kernel import kernel
 
 NOTHING_HIT = -2
 TERRAIN_HIT = -1
+NOTHING, TERRAIN = int(Kind.NOTHING), int(Kind.TERRAIN)
 
 
 class Hit(NamedTuple):
@@ -222,7 +223,7 @@ def sight_is_clear(world: World, x: float, y: float, z: float, to_x: float, to_y
 def kind_of(world: World, hit: Hit) -> int:
     """Return the Kind of what a ray met."""
     if hit.solid == NOTHING_HIT:
-        return int(Kind.NOTHING)
+        return NOTHING
     if hit.solid == TERRAIN_HIT:
-        return int(Kind.TERRAIN)
-    return int(world.solid_kind[hit.solid])
+        return TERRAIN
+    return int(np.int64(world.solid_kind[hit.solid]))
