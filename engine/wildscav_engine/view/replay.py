@@ -2,10 +2,14 @@
 
 import os
 from pathlib import Path
+from threading import Lock
 
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.spec import SUBMISSION
 from wildscav_engine.view.history import collect
+
+# Rerun tells recordings of one process apart by their ids, and those of a record are always the same.
+RENDERING = Lock()
 
 
 class ViewError(Exception):
@@ -15,7 +19,8 @@ class ViewError(Exception):
 def write_replay(record: Record, path: Path, *, follow: int | None = None, depth: bool = True) -> None:
     """Render a record as a Rerun file that shows the match at once when it is opened.
 
-    The file is there whole or not at all.
+    The file is there whole or not at all. Rerun keeps a few idle threads for every recording that a process
+    ever made: a server that renders without end should do so in processes that end.
 
     Args:
         record: The record; it is re-simulated here.
@@ -39,7 +44,9 @@ def write_replay(record: Record, path: Path, *, follow: int | None = None, depth
             raise
         raise ViewError("replays need Rerun: pip install 'wildscav[view]'") from error
     match, history = collect(resimulate(record), len(record.actions), seat if depth else None)
-    _write(path, render(record, match.game_map, history, seat))
+    with RENDERING:
+        content = render(record, match.game_map, history, seat)
+    _write(path, content)
 
 
 def _followed(record: Record) -> int:

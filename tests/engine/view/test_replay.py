@@ -11,6 +11,7 @@ from wildscav_engine.record import Record, resimulate
 from wildscav_engine.view import ViewError, write_replay
 from wildscav_engine.view.history import DEPTH_OPTIONS, collect
 
+RERUN = (sys.executable, "-m", "rerun")
 BATTLE_ENTITIES = [
     *("/world/terrain", "/world/water", "/world/houses/walls", "/world/houses/roofs"),
     *("/world/vegetation/crowns", "/supplies", "/shots", "/events"),
@@ -84,11 +85,21 @@ def test_there_is_a_blueprint(battle_file: Path) -> None:
 
 
 def test_reruns_own_check_passes(battle_file: Path) -> None:
-    checked = subprocess.run(
-        [sys.executable, "-m", "rerun", "rrd", "verify", str(battle_file)], capture_output=True, text=True
-    )
+    checked = subprocess.run([*RERUN, "rrd", "verify", str(battle_file)], capture_output=True, text=True)
 
     assert checked.returncode == 0, checked.stderr
+
+
+def test_the_same_record_gives_the_same_recording(battle: Record, battle_file: Path, tmp_path: Path) -> None:
+    write_replay(battle, tmp_path / "again.rrd", follow=1)
+
+    compared = subprocess.run(
+        [*RERUN, "rrd", "compare", "--unordered", str(battle_file), str(tmp_path / "again.rrd")],
+        capture_output=True,
+        text=True,
+    )
+
+    assert compared.returncode == 0, compared.stderr
 
 
 def test_a_replay_without_depth_maps_has_none(battle: Record, tmp_path: Path) -> None:
