@@ -86,6 +86,11 @@ class HandPlayed:
         assert isinstance(message, ServerMessage)
         return message
 
+    async def read_out(self) -> None:
+        """Read to the end of the stream and answer nothing."""
+        while await self.call.read() is not grpc.aio.EOF:
+            pass
+
     async def act(self, step: int, **fields: Any) -> None:
         await self.send(ClientMessage(action=Action(step=step, **fields)))
 

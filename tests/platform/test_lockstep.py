@@ -167,7 +167,8 @@ def test_a_seat_that_wakes_up_again_plays_on(tmp_path: Path) -> None:
         assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
         sleepy, walker = outcome.seats[0], outcome.seats[1]
         assert sleepy.status == SeatStatus.TIMED_OUT
-        assert sleepy.dropped_actions == 1  # its answer to step 3
+        # Its answer to step 3, and perhaps one to a step that was nearly over when it woke up.
+        assert 1 <= sleepy.dropped_actions <= 2
         assert 5 <= sleepy.late_steps <= 15  # 0.5 s, of which the budget and the bank pay 0.15 s
         assert sleepy.late_steps + sleepy.steps_played == 30
         assert (walker.status, walker.steps_played) == (SeatStatus.FINISHED, 30)
@@ -279,18 +280,22 @@ def test_two_matches_at_once_do_not_wait_for_each_other(tmp_path: Path) -> None:
     serving(tmp_path, play)
 
 
-def test_a_cancelled_match_says_so_to_its_seats_and_its_host(tmp_path: Path) -> None:
+@pytest.mark.parametrize("agent", ["Walker", "Sleepy"], ids=["waiting", "thinking"])
+def test_a_cancelled_match_says_so_to_its_seats_and_its_host(tmp_path: Path, agent: str) -> None:
     async def play(server: MatchServer, address: str) -> None:
         hosted = await host(server, small_spec(seats=2))
-        agent = await start_agent("Walker", address, hosted.tokens[0])
+        process = await start_agent(agent, address, hosted.tokens[0])
         async with connected(address) as seat:
             await seat.join(hosted.tokens[1])
+            for step in range(3):
+                await seat.read()
+                await seat.act(step)
             await seat.read()
-            await asyncio.sleep(0.3)  # the agent has answered, and waits for the next observation
+            await asyncio.sleep(0.2)  # the agent has answered and waits, or is asleep over its answer
             hosted.cancel()
             with pytest.raises(MatchCancelledError):
                 await hosted.finished()
-        code, errors = await ended(agent)
+        code, errors = await ended(process)
         assert code == 4
         assert "MATCH_CANCELLED" in errors
 

@@ -20,10 +20,9 @@ def replay(
     depth: Annotated[bool, typer.Option(help="Draw the followed agent's depth map.")] = True,
 ) -> None:
     """Render a record as a replay that can be watched in 3D."""
+    from wildscav.console import console, error_console
     from wildscav_engine.record import RecordError, read_record
     from wildscav_engine.view import write_replay
-
-    from wildscav.console import console, error_console
 
     try:
         played = read_record(record)

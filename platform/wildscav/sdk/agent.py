@@ -7,7 +7,7 @@ looks along +z and grows clockwise seen from above; positive pitch looks down.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,8 +112,7 @@ class MatchInfo:
         return self.frames_per_action / self.frames_per_second
 
 
-@dataclass(frozen=True, slots=True)
-class VisibleAgent:
+class VisibleAgent(NamedTuple):
     """Another agent in sight."""
 
     seat: int
@@ -125,8 +124,7 @@ class VisibleAgent:
     invincible: bool
 
 
-@dataclass(frozen=True, slots=True)
-class SupplyBox:
+class SupplyBox(NamedTuple):
     """A supply box near by."""
 
     id: int  # never used twice in a match

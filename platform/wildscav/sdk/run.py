@@ -67,6 +67,8 @@ def play(agent: Agent, address: str, token: str) -> "MatchOver":
 
     with Connection(address, token, __version__) as connection:
         agent.reset(connection.match)
-        while (observation := connection.next()) is not None:
-            connection.answer(observation.step, check_action(agent, agent.act(observation)))
+        observation = connection.first()
+        while observation is not None:
+            action = check_action(agent, agent.act(observation))
+            observation = connection.answer(observation.step, action)
         return connection.over

@@ -38,6 +38,7 @@ class Seat:
         self.bank = bank
         self._sensors = sensors
         self.stream: asyncio.Task[Any] | None = None  # serves its connection
+        self.refusal: RefusalError | None = None  # why its stream was ended
         self.gone = False  # plays no action for the rest of the match
         self.asked = -1  # step of the last observation that it was handed
         self.conduct = Conduct()
@@ -55,7 +56,7 @@ class Seat:
         return self._waiter is not None and not self._waiter.done()
 
     async def message(self) -> ServerMessage:
-        """Wait for the message that ``hand_over`` brings, or for the end that ``dismiss`` makes."""
+        """Wait for the message that ``hand_over`` brings."""
         self._waiter = asyncio.get_running_loop().create_future()
         try:
             return await self._waiter
@@ -68,10 +69,9 @@ class Seat:
             self._waiter.set_result(message)
 
     def dismiss(self, refusal: RefusalError) -> None:
-        """End the seat's stream, if it has one: with a reason if it listens, by force if it does not."""
-        if self._waiter is not None and not self._waiter.done():
-            self._waiter.set_exception(refusal)
-        elif self.stream is not None:
+        """End the seat's stream, if it has one, whatever it is doing."""
+        if self.stream is not None and self.refusal is None:
+            self.refusal = refusal
             self.stream.cancel()
 
     def sense(self, match: "Match") -> dict[str, NDArray[Any]]:

@@ -80,6 +80,10 @@ async def _serve(place: Place, info: ServerMessage, context: Context) -> None:
                 match.leave(seat, SeatStatus.LEFT, STREAM_ENDED)
                 return
             match.receive(seat, answer)
+    except asyncio.CancelledError:
+        if seat.refusal is None:  # the connection was lost
+            raise
+        raise seat.refusal from None
     except RefusalError as refusal:
         if refusal.reason == "PROTOCOL_ERROR":
             match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))

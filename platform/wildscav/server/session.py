@@ -144,11 +144,7 @@ class HostedMatch:
         return encode_match_info(match_info(self.match, seat.number, self._clock))
 
     async def next_message(self, seat: Seat) -> ServerMessage:
-        """Wait for what a seat that owes no answer is to be sent next: an observation, or the end.
-
-        Raises:
-            RefusalError: The seat's part in the match was ended.
-        """
+        """Wait for what a seat that owes no answer is to be sent next: an observation, or the end."""
         if seat.number in self._goodbyes:
             return self._goodbyes[seat.number]
         if self._snapshot is not None and seat in self._pending and seat.asked < self._snapshot.step:

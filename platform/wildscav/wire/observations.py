@@ -172,20 +172,17 @@ def decode_vector(message: VectorMessage) -> Vector:
     return (message.x, message.y, message.z)
 
 
+# Positional arguments in the next two: there can be 48 of them in an observation, ten times a second.
+
+
 def _decode_agent(message: VisibleAgentMessage) -> VisibleAgent:
-    return VisibleAgent(
-        seat=message.seat,
-        team=message.team,
-        position=decode_vector(message.position),
-        velocity=decode_vector(message.velocity),
-        yaw=message.yaw,
-        health=message.health,
-        invincible=message.invincible,
-    )
+    position, velocity = decode_vector(message.position), decode_vector(message.velocity)
+    yaw, health = message.yaw, message.health
+    return VisibleAgent(message.seat, message.team, position, velocity, yaw, health, message.invincible)
 
 
 def _decode_box(message: SupplyBoxMessage) -> SupplyBox:
-    return SupplyBox(id=message.id, position=decode_vector(message.position), quantity=message.quantity)
+    return SupplyBox(message.id, decode_vector(message.position), message.quantity)
 
 
 def decode_tensor(message: Tensor) -> NDArray[Any]:

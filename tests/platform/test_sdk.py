@@ -1,0 +1,161 @@
+"""The SDK as an agent's author meets it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.platform.seats import connected, ended, host, serving, small_spec, start_agent
+
+from wildscav import Action, Agent, WildscavError
+from wildscav.errors import AgentError, UserError
+from wildscav.geometry import direction_to, flat_distance, moved, pitch_to, turn_to
+from wildscav.sdk.agent import check_action
+from wildscav.sdk.run import make_agent, run
+from wildscav.server import MatchServer, SeatStatus
+
+
+def test_importing_the_sdk_imports_nothing_heavy() -> None:
+    code = "import sys, wildscav, wildscav.sdk.connection, wildscav.geometry; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    modules = {name.partition(".")[0] for name in done.stdout.split()}
+    assert {"wildscav", "grpc", "numpy"} <= modules
+    assert not modules & {"wildscav_engine", "numba", "pydantic", "typer", "rich", "rerun", "sqlalchemy"}
+
+
+def test_platform_is_still_the_standard_library() -> None:
+    import platform
+
+    assert platform.system() == "Linux"
+    assert not (Path(__file__).parents[2] / "platform" / "__init__.py").exists()
+
+
+def test_an_action_takes_any_kind_of_number_and_flag() -> None:
+    numbers = {"walk_direction": 90, "walk_speed": np.float32(2.5), "turn": np.array(3.0)}
+    flags = {"jump": np.bool_(True), "shoot": 1}
+    action = Action(**numbers, **flags)  # type: ignore[arg-type]
+    assert action == Action(90.0, 2.5, 3.0, 0.0, True, False, True, False)
+    assert type(action.walk_direction) is float
+    assert type(action.jump) is bool
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "allowed"),
+    [
+        ("walk_speed", "fast", "a number"),
+        ("turn", None, "a number"),
+        ("look", [1.0, 2.0], "a number"),
+        ("jump", "yes", "True or False"),
+        ("shoot", 0.5, "True or False"),
+        ("reload", None, "True or False"),
+    ],
+)
+def test_an_action_says_what_is_wrong_with_a_field(field: str, value: object, allowed: str) -> None:
+    with pytest.raises(AgentError, match=f"{field} is .* must be {allowed}"):
+        Action(**{field: value})  # type: ignore[arg-type]
+
+
+def test_an_answer_that_is_no_action_is_named() -> None:
+    class Mine(Agent):
+        pass
+
+    with pytest.raises(AgentError, match=r"Mine\.act\(\) returned None .*return missing.*walk_speed"):
+        check_action(Mine(), None)
+
+
+def test_an_agent_without_act_says_so() -> None:
+    with pytest.raises(AgentError, match="object has no method reset"):
+        make_agent(object)  # type: ignore[arg-type]
+
+
+def test_run_needs_an_address(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("WILDSCAV_ADDRESS", raising=False)
+    with pytest.raises(UserError, match="WILDSCAV_ADDRESS is not set"):
+        run(Agent)
+    assert issubclass(UserError, WildscavError)
+
+
+@pytest.mark.parametrize(
+    ("agent", "code", "errors"),
+    [
+        ("ReturnsThree", 3, "ReturnsThree.act() returned 3 of type int; it must return an Action"),
+        ("Raises", 3, "RuntimeError: my own fault"),
+        ("Exits", 3, "SystemExit: 0"),
+        ("NoAgent", 3, "NoAgent has no method reset()"),
+        ("Missing", 3, "has no class Missing"),
+        ("no_such_module:Agent", 3, "No module named 'no_such_module'"),
+    ],
+)
+def test_an_agent_that_fails_is_told_from_a_platform_that_fails(
+    tmp_path: Path, agent: str, code: int, errors: str
+) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        process = await start_agent(agent, address, hosted.tokens[0])
+        got, said = await ended(process)
+        assert (got, errors in said) == (code, True), said
+        assert "wildscav/sdk" not in said  # the traceback is of the agent's own code
+        hosted.give_up(0, "its process ended")
+        assert (await hosted.finished()).seats[0].status == SeatStatus.LEFT
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "errors"),
+    [
+        ([], 2, "usage: "),
+        (["agents"], 2, "must be MODULE:CLASS"),
+        (["agents:Walker"], 4, "no match server answers at unix:"),
+    ],
+)
+def test_the_launcher_tells_usage_from_a_missing_server(
+    tmp_path: Path, arguments: list[str], code: int, errors: str
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "wildscav.sdk", *arguments],
+        cwd=Path(__file__).parent / "agents",
+        env={"WILDSCAV_ADDRESS": f"unix:{tmp_path / 'none.sock'}", "WILDSCAV_TOKEN": "x"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == code
+    assert errors in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_server_that_dies_is_an_unreachable_server(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2))
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        async with connected(address) as other:
+            await other.join(hosted.tokens[1])
+            await other.read()  # so both are there
+            await server.stop(grace=0)
+        assert (await ended(agent))[0] == 4
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.parametrize(
+    ("target", "direction"),
+    [((0, 0, 5), 0.0), ((5, 9, 0), 90.0), ((0, 0, -5), 180.0), ((-5, 0, 0), 270.0), ((0, 3, 0), 0.0)],
+)
+def test_directions_are_those_of_a_compass(target: tuple[float, float, float], direction: float) -> None:
+    assert direction_to((0.0, 0.0, 0.0), target) == pytest.approx(direction)
+    if flat_distance((0, 0, 0), target):
+        assert moved((0, target[1], 0), direction, 5.0) == pytest.approx(target, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("yaw", "direction", "turn"), [(0, 90, 90), (90, 0, -90), (170, 190, 20), (-170, 170, -20), (0, 360, 0)]
+)
+def test_a_turn_goes_the_short_way(yaw: float, direction: float, turn: float) -> None:
+    assert turn_to(yaw, direction) == pytest.approx(turn)
+
+
+def test_a_pitch_is_positive_downwards_and_starts_at_the_eyes() -> None:
+    assert pitch_to((0, 0, 0), (0, 1.5, 10)) == pytest.approx(0)
+    assert pitch_to((0, 0, 0), (10, -8.5, 0)) == pytest.approx(45)
+    assert pitch_to((0, 0, 0), (0, 20, 0)) == pytest.approx(-90)
