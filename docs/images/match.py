@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 import rerun
 from PIL import Image
 from rerun.experimental import ViewerClient
+
 from wildscav_engine.match import Match
 from wildscav_engine.record import record_of
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec

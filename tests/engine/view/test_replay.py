@@ -131,7 +131,7 @@ def test_a_seat_that_is_not_there_cannot_be_followed(battle: Record, tmp_path: P
 
 
 def test_a_folder_that_is_not_there_is_one_clear_error(battle: Record, tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="nowhere"):
+    with pytest.raises(FileNotFoundError, match=r"nowhere/match\.rrd"):
         write_replay(battle, tmp_path / "nowhere" / "match.rrd", depth=False)
 
 
