@@ -15,7 +15,7 @@ from wildscav_engine.rules import Rules
 from wildscav_engine.sensors.visibility import Seen, allocate_seen
 from wildscav_engine.set_up import MatchSetupError, Setup, place_match, plan_match
 from wildscav_engine.spec import MatchSpec
-from wildscav_engine.state import Agents, State, Supplies, allocate_state
+from wildscav_engine.state import Agents, Matches, Supplies, allocate_state
 from wildscav_engine.step import play_step
 from wildscav_engine.tracks import TRACKS
 
@@ -79,7 +79,7 @@ class Batch:
         """Open the matches or play one step, and return the actions as played."""
         played = np.array(actions, np.float32).reshape(len(self.specs), -1, FIELDS)
         held = self.frames_per_action
-        play(self.bank, self.state, self.seen, played, self.allowed, held, self.rules, opening)
+        play(self.bank, *self.state, self.seen, played, self.allowed, held, self.rules, opening)
         return played
 
 
@@ -99,67 +99,72 @@ def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
 
 
 @array_kernel
-def agents_of(agents: Agents, match: int) -> Agents:
-    """Return one match's agents as views."""
+def agents_of(agents: Agents, match: int, seats: int) -> Agents:
+    """Return one match's agents as views, without the padding."""
     return Agents(
-        agents.present[match],
-        agents.team[match],
-        agents.robot[match],
-        agents.memory[match],
-        agents.position[match],
-        agents.velocity[match],
-        agents.yaw[match],
-        agents.pitch[match],
-        agents.on_ground[match],
-        agents.in_water[match],
-        agents.walked[match],
-        agents.health[match],
-        agents.respawn_left[match],
-        agents.invincible_left[match],
-        agents.clip[match],
-        agents.spare_ammo[match],
-        agents.reload_left[match],
-        agents.fire_left[match],
-        agents.supplies[match],
-        agents.picked_up[match],
-        agents.kills[match],
-        agents.deaths[match],
-        agents.shots[match],
-        agents.hits[match],
-        agents.fired[match],
-        agents.shot_end[match],
-        agents.hit_seat[match],
-        agents.hit_by_seat[match],
-        agents.damage[match],
-        agents.gained[match],
+        agents.present[match][:seats],
+        agents.team[match][:seats],
+        agents.robot[match][:seats],
+        agents.memory[match][:seats],
+        agents.position[match][:seats],
+        agents.velocity[match][:seats],
+        agents.yaw[match][:seats],
+        agents.pitch[match][:seats],
+        agents.on_ground[match][:seats],
+        agents.in_water[match][:seats],
+        agents.walked[match][:seats],
+        agents.health[match][:seats],
+        agents.respawn_left[match][:seats],
+        agents.invincible_left[match][:seats],
+        agents.clip[match][:seats],
+        agents.spare_ammo[match][:seats],
+        agents.reload_left[match][:seats],
+        agents.fire_left[match][:seats],
+        agents.supplies[match][:seats],
+        agents.picked_up[match][:seats],
+        agents.kills[match][:seats],
+        agents.deaths[match][:seats],
+        agents.shots[match][:seats],
+        agents.hits[match][:seats],
+        agents.fired[match][:seats],
+        agents.shot_end[match][:seats],
+        agents.hit_seat[match][:seats],
+        agents.hit_by_seat[match][:seats],
+        agents.damage[match][:seats],
+        agents.gained[match][:seats],
     )
 
 
 @array_kernel
-def supplies_of(supplies: Supplies, match: int) -> Supplies:
-    """Return one match's boxes as views."""
+def supplies_of(supplies: Supplies, match: int, slots: int) -> Supplies:
+    """Return one match's boxes as views, without the padding."""
     return Supplies(
-        supplies.position[match], supplies.quantity[match], supplies.appears[match], supplies.serial[match]
+        supplies.position[match][:slots],
+        supplies.quantity[match][:slots],
+        supplies.appears[match][:slots],
+        supplies.serial[match][:slots],
     )
 
 
 @array_kernel
-def seen_of(seen: Seen, match: int) -> Seen:
-    """Return what one match's agents see as views."""
+def seen_of(seen: Seen, match: int, seats: int) -> Seen:
+    """Return what one match's agents see as views, without the padding."""
     return Seen(
-        seen.agents[match],
-        seen.agent_count[match],
-        seen.agent_distance[match],
-        seen.supplies[match],
-        seen.supply_count[match],
-        seen.supply_distance[match],
-        seen.can_pick_up[match],
+        seen.agents[match][:seats],
+        seen.agent_count[match][:seats],
+        seen.agent_distance[match][:seats],
+        seen.supplies[match][:seats],
+        seen.supply_count[match][:seats],
+        seen.supply_distance[match][:seats],
+        seen.can_pick_up[match][:seats],
     )
 
 
 def _play_batch(
     bank: MapBank,
-    state: State,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
     seen: Seen,
     actions: NDArray[np.float32],
     allowed: NDArray[np.bool_],
@@ -171,17 +176,16 @@ def _play_batch(
 
     Both are in one kernel, because they share most of what there is to compile.
     """
-    agents, supplies, matches = state
     for match in numba.prange(actions.shape[0]):
         if not matches.over[match]:
             play_step(
                 world_of(bank, matches.map_index[match]),
-                agents_of(agents, match),
-                supplies_of(supplies, match),
+                agents_of(agents, match, matches.seats[match]),
+                supplies_of(supplies, match, matches.slots[match]),
                 matches,
                 match,
-                seen_of(seen, match),
-                actions[match],
+                seen_of(seen, match, matches.seats[match]),
+                actions[match][: matches.seats[match]],
                 allowed,
                 frames_per_action,
                 rules,

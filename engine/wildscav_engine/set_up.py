@@ -18,7 +18,7 @@ from wildscav_engine.systems.supplies import choose_indoor, choose_outdoor, fill
 from wildscav_engine.tracks import TRACKS
 
 SPARE_SLOTS = 4  # a seat: free slots for boxes dropped at deaths, beside those of boxes already taken
-LIFT = 2.0 * SKIN  # m
+LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
 START_TRIES = 64  # draws for starts apart from each other before any place will do
 START_DISTANCE = 3.0  # m between two starts, where the map has room
 TARGET_DISTANCE = 10.0  # m at least from start to target, where the map has room
@@ -83,6 +83,7 @@ def _choose_starts(spec: MatchSpec, game_map: GameMap) -> NDArray[np.float64]:
     for seat in range(len(spec.seats)):
         if seat == 0 and spec.start is not None:
             starts[seat] = _standing_place(spec.start, game_map, "start")
+            starts[seat, 1] += LIFT
             continue
         for _ in range(START_TRIES):
             starts[seat] = spawns[dice.integer(0, len(spawns) - 1)]
@@ -110,7 +111,7 @@ def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: str) -> NDArray[np.float64]:
-    """Return a place of the spec, lifted onto the ground, and off a floor that it may lie on exactly.
+    """Return a place of the spec, lifted onto the ground.
 
     Raises:
         MatchSetupError: It is outside the map.
@@ -119,7 +120,7 @@ def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: 
     limit = game_map.config.size / 2 - EDGE_MARGIN
     if max(abs(x), abs(z)) > limit:
         raise MatchSetupError(f"{name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
-    return np.array([x, max(y + LIFT, ground_at(game_map.world, x, z).height), z])
+    return np.array([x, max(y, ground_at(game_map.world, x, z).height), z])
 
 
 def _choose_boxes(
@@ -153,6 +154,8 @@ def place_match(state: State, match: int, setup: Setup) -> None:
     """Write a match's first state into its row of a batch; the agents are yet to be equipped."""
     agents, supplies, matches = state
     spec = setup.spec
+    matches.seats[match] = len(spec.seats)
+    matches.slots[match] = setup.slots
     matches.seed[match] = spec.seed
     matches.frame_limit[match] = spec.frame_limit
     matches.digest[match] = spec.seed

@@ -62,6 +62,8 @@ class Matches(NamedTuple):
     """What is one number for a whole match."""
 
     map_index: NDArray[np.int64]  # (B,) in the map bank
+    seats: NDArray[np.int64]  # (B,) how many seats this match has; the rest of the A are padding
+    slots: NDArray[np.int64]  # (B,) how many slots for boxes; the rest of the S are padding
     seed: NDArray[np.uint64]  # (B,)
     frame: NDArray[np.int64]  # (B,) frames played
     frame_limit: NDArray[np.int64]  # (B,)
@@ -123,6 +125,8 @@ _COUNTS = (
 def _allocate_matches(b: int) -> Matches:
     return Matches(
         map_index=np.zeros(b, np.int64),
+        seats=np.zeros(b, np.int64),
+        slots=np.zeros(b, np.int64),
         seed=np.zeros(b, np.uint64),
         frame=np.zeros(b, np.int64),
         frame_limit=np.zeros(b, np.int64),

@@ -1,0 +1,174 @@
+"""Records: what they keep, and what verification finds."""
+
+import dataclasses
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wildscav_engine.maps import generate_map
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.match import Match
+from wildscav_engine.record import (
+    Record,
+    RecordError,
+    read_record,
+    record_of,
+    save,
+    verify_record,
+    write_record,
+)
+from wildscav_engine.record.format import decode, encode
+from wildscav_engine.spec import MapConfig, MatchSpec
+
+
+@pytest.fixture(scope="module")
+def country() -> GameMap:
+    return generate_map(MapConfig(size=60, houses=2), 8)
+
+
+@pytest.fixture(scope="module")
+def record(country: GameMap) -> Record:
+    seats = ("submission", "fighter", "gatherer")
+    match = Match(MatchSpec(track="battle", map=country.spec, seed=3, seats=seats, time_limit=8), country)
+    random = np.random.default_rng(0)
+    while not match.over:
+        rows = random.uniform(0, 1, (3, 8)).astype(np.float32)
+        rows[:, 0], rows[:, 1] = random.uniform(-180, 180, 3), random.uniform(0, 10, 3)
+        match.step(rows)
+    return record_of(match, ["mine", "fighter", "gatherer"])
+
+
+def test_a_record_reads_back_as_it_was_written(record: Record, tmp_path: Path) -> None:
+    path = tmp_path / "match.wsr"
+    save(record, path)
+    again = read_record(path)
+    for field in ("spec", "map_digest", "engine_version", "names", "result"):
+        assert getattr(again, field) == getattr(record, field)
+    assert (again.actions == record.actions).all()
+    assert (again.digests == record.digests).all()
+    assert [file.name for file in tmp_path.iterdir()] == ["match.wsr"]
+
+
+def test_a_record_is_small(record: Record) -> None:
+    assert len(encode(record)) < 64 * record.steps * 3 / 2
+
+
+def test_an_untouched_record_holds(record: Record) -> None:
+    verification = verify_record(record)
+    assert verification.holds
+    assert verification.message == "holds: 80 steps"
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 79), st.integers(0, 2), st.integers(0, 31), st.integers(0, 7))
+def test_one_changed_bit_of_an_action_is_found_even_with_a_new_checksum(
+    record: Record, country: GameMap, step: int, seat: int, byte: int, bit: int
+) -> None:
+    actions = record.actions.copy()
+    actions[step, seat].view(np.uint8)[byte] ^= 1 << bit
+    forged = decode(encode(dataclasses.replace(record, actions=actions)))
+    verification = verify_record(forged, country)
+    assert not verification.holds
+    assert verification.step == step + 1
+
+
+def test_a_changed_digest_names_its_step(record: Record, country: GameMap) -> None:
+    digests = record.digests.copy()
+    digests[41] ^= np.uint64(1)
+    verification = verify_record(dataclasses.replace(record, digests=digests), country)
+    assert (verification.holds, verification.step) == (False, 42)
+
+
+def test_a_changed_result_is_found(record: Record, country: GameMap) -> None:
+    seats = (record.result.seats[0].model_copy(update={"supplies": 999}), *record.result.seats[1:])
+    result = record.result.model_copy(update={"seats": seats})
+    verification = verify_record(dataclasses.replace(record, result=result), country)
+    assert not verification.holds
+    assert "result" in verification.message
+
+
+def test_a_match_cut_short_is_found(record: Record, country: GameMap) -> None:
+    short = dataclasses.replace(record, actions=record.actions[:50], digests=record.digests[:50])
+    assert not verify_record(short, country).holds
+
+
+def test_another_map_is_named(record: Record) -> None:
+    verification = verify_record(dataclasses.replace(record, map_digest="0" * 16))
+    assert not verification.holds
+    assert "map" in verification.message
+
+
+@settings(max_examples=40)
+@given(st.data())
+def test_damage_anywhere_is_one_clear_line(record: Record, data: st.DataObject) -> None:
+    raw = bytearray(encode(record))
+    if data.draw(st.booleans()):
+        raw = raw[: data.draw(st.integers(0, len(raw) - 1))]
+    else:
+        raw[data.draw(st.integers(0, len(raw) - 1))] ^= data.draw(st.integers(1, 255))
+    with pytest.raises(RecordError) as caught:
+        decode(bytes(raw))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("contents", "said"),
+    [
+        (b"", "not a record"),
+        (b"hello world, this is no record at all, but long enough", "not a record"),
+        (b"WILDSCAV" + b"\x63\x00" + bytes(60), "format version 99"),
+    ],
+)
+def test_what_is_no_record_is_refused(contents: bytes, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.wsr"
+    path.write_bytes(contents)
+    with pytest.raises(RecordError, match=said) as caught:
+        read_record(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_missing_record_is_named(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match=r"nowhere\.wsr: .*No such file"):
+        read_record(tmp_path / "nowhere.wsr")
+
+
+def test_a_full_disk_leaves_nothing_behind(record: Record, tmp_path: Path) -> None:
+    save(record, tmp_path / "whole.wsr")
+    code = f"""
+from pathlib import Path
+from wildscav_engine.record import read_record, save
+try:
+    save(read_record(Path({str(tmp_path / "whole.wsr")!r})), Path({str(tmp_path / "cut.wsr")!r}))
+except OSError as error:
+    print("refused", error.errno)
+"""
+
+    def one_kilobyte_files() -> None:
+        import signal
+
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
+
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        preexec_fn=one_kilobyte_files,
+        env={**os.environ, "WILDSCAV_CACHE_DIR": "/dev/null/nowhere"},
+    )
+    assert "refused" in done.stdout, done.stderr
+    assert [file.name for file in tmp_path.iterdir()] == ["whole.wsr"]
+
+
+def test_a_match_can_be_written_as_it_stands(country: GameMap, tmp_path: Path) -> None:
+    match = Match(MatchSpec(track="gathering", map=country.spec, time_limit=5), country)
+    match.step()
+    write_record(tmp_path / "one.wsr", match, ["me"])
+    assert read_record(tmp_path / "one.wsr").steps == 1

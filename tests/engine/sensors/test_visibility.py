@@ -1,0 +1,91 @@
+"""Rulings on who sees whom, and which boxes."""
+
+import numpy as np
+import pytest
+
+from builders import act, box, flat_world, make_match, place
+from wildscav_engine.geometry.world import Solid
+from wildscav_engine.match import Match
+from wildscav_engine.rules import Rules
+
+
+def watch(
+    position: tuple[float, float, float], pitch: float = 0.0, solids: list[Solid] | None = None
+) -> bool:
+    """Whether an agent at the origin that looks north sees one at a position."""
+    match = make_match(seats=2, world=flat_world(80, solids or []))
+    place(match, 0, (0, 0, 0), pitch=pitch)
+    place(match, 1, position)
+    act(match, 1)
+    return bool(match.seen.agent_count[0, 0] == 1)
+
+
+@pytest.mark.parametrize(
+    ("position", "seen"),
+    [
+        ((0, 0, 10), True),
+        ((0, 0, -10), False),  # behind
+        ((9.5, 0, 10), True),  # 43.5° to the right: the view is 90° wide
+        ((10.5, 0, 10), False),
+        ((-9.5, 0, 10), True),
+        ((0, 0, 38), True),
+        ((0, 9, 10), False),  # 37° up: the view is 50.6° high
+    ],
+)
+def test_the_view_is_a_frustum(position: tuple[float, float, float], seen: bool) -> None:
+    assert watch(position) == seen
+
+
+def test_looking_at_the_sky_hides_the_ground() -> None:
+    assert not watch((0, 0, 10), pitch=-60)
+
+
+def test_a_wall_hides_and_a_low_one_does_not() -> None:
+    assert not watch((0, 0, 10), solids=[box((-3, 0, 5), (3, 3, 5.3))])
+    assert watch((0, 0, 10), solids=[box((-3, 0, 5), (3, 1.2, 5.3))])
+
+
+def test_seeing_is_not_mutual() -> None:
+    match = make_match(seats=2)
+    place(match, 0, (0, 0, 0), yaw=0)
+    place(match, 1, (0, 0, 10), yaw=0)
+    act(match, 1)
+    assert match.seen.agent_count[0].tolist() == [1, 0]
+
+
+def test_the_nearest_come_first_and_sixteen_at_most() -> None:
+    match = make_match(seats=20)
+    place(match, 0, (0, 0, -18))
+    for seat in range(1, 20):
+        place(match, seat, (((seat * 7) % 5) - 2, 0, -14 + seat * 1.5))
+    act(match, 1)
+    seen = match.seen.agents[0, 0]
+    assert match.seen.agent_count[0, 0] == 16
+    way = match.state.agents.position[0, seen] - match.state.agents.position[0, 0]
+    distances = np.linalg.norm(way, axis=1)
+    assert (np.diff(distances) >= 0).all()
+
+
+def boxes_seen(match: Match) -> list[int]:
+    return match.seen.supplies[0, 0, : match.seen.supply_count[0, 0]].tolist()
+
+
+def test_boxes_are_known_within_20_metres_even_behind_walls() -> None:
+    wall = box((-3, 0, 5), (3, 3, 5.3))
+    match = make_match("gathering", world=flat_world(80, [wall]))
+    place(match, 0, (0, 0, 0))
+    supplies = match.state.supplies
+    supplies.quantity[:] = 0
+    for slot, z in enumerate((19.9, 20.1, 6.0)):
+        supplies.position[0, slot] = (0, 0, z)
+        supplies.quantity[0, slot], supplies.appears[0, slot] = 1, 0
+    act(match, 1)
+    assert boxes_seen(match) == [2, 0]
+
+
+def test_the_dead_see_nothing_and_are_not_seen() -> None:
+    match = make_match(seats=2, rules=Rules(shot_damage=100))
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10), yaw=180)
+    act(match, 1, seat_0={"shoot": 1})
+    assert match.seen.agent_count[0].tolist() == [0, 0]

@@ -1,0 +1,123 @@
+"""Rulings on the weapon: what a shot costs, hits and stops at."""
+
+import numpy as np
+import pytest
+
+from builders import act, box, flat_world, make_match, place
+from wildscav_engine.geometry.world import Solid, World
+from wildscav_engine.match import Match
+from wildscav_engine.rules import Rules
+
+SHOOT = {"shoot": 1}
+
+
+def duel(solids: list[Solid] | None = None, rules: Rules | None = None) -> Match:
+    """Seat 0 looks north at seat 1, ten metres away, who looks back."""
+    world: World = flat_world(solids=solids or [])
+    match = make_match(seats=2, world=world, rules=rules or Rules())
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10), yaw=180)
+    return match
+
+
+def test_a_hit_takes_20_health_and_is_told_to_both() -> None:
+    match = duel()
+    act(match, 1, seat_0=SHOOT)
+    agents = match.state.agents
+    assert agents.health[0].tolist() == [100, 80]
+    assert agents.hit_seat[0].tolist() == [1, -1]
+    assert agents.hit_by_seat[0].tolist() == [-1, 0]
+    assert agents.fired[0].tolist() == [True, False]
+    assert agents.shot_end[0, 0] == pytest.approx([0, 1.5, 9.55])
+
+
+def test_news_of_a_hit_lasts_one_step() -> None:
+    match = duel()
+    act(match, 1, seat_0=SHOOT)
+    act(match, 1)
+    assert match.state.agents.hit_seat[0, 0] == -1
+    assert match.state.agents.hit_by_seat[0, 1] == -1
+    assert not match.state.agents.fired[0, 0]
+
+
+def test_the_weapon_fires_five_times_a_second() -> None:
+    match = duel()
+    act(match, 10, seat_0=SHOOT)
+    assert match.state.agents.shots[0, 0] == 5
+    assert match.state.agents.clip[0, 0] == 10
+
+
+@pytest.mark.parametrize(("yaw", "pitch", "hit"), [(0, 0, True), (2, 0, True), (4, 0, False), (0, -5, False)])
+def test_only_an_aimed_shot_hits(yaw: float, pitch: float, hit: bool) -> None:
+    match = duel()
+    place(match, 0, (0, 0, 0), yaw, pitch)
+    act(match, 1, seat_0=SHOOT)
+    assert (match.state.agents.hits[0, 0] == 1) == hit
+
+
+def test_a_wall_stops_a_shot_and_a_window_lets_it_through() -> None:
+    sill, lintel = box((-5, 0, 5), (5, 1.0, 5.25)), box((-5, 2.2, 5), (5, 3, 5.25))
+    wall = box((-5, 0, 5), (5, 3, 5.25))
+    for solids, hits in (([wall], 0), ([sill, lintel], 1)):
+        match = duel(solids)
+        act(match, 1, seat_0=SHOOT)
+        assert match.state.agents.hits[0, 0] == hits
+
+
+def test_a_shot_ends_in_the_first_body() -> None:
+    match = make_match(seats=3)
+    for seat, z in enumerate((0, 5, 10)):
+        place(match, seat, (0, 0, z))
+    act(match, 1, seat_0=SHOOT)
+    assert match.state.agents.health[0].tolist() == [100, 80, 100]
+
+
+def test_nobody_is_hit_beyond_the_range() -> None:
+    match = duel(rules=Rules(bullet_range=9.0))
+    act(match, 1, seat_0=SHOOT)
+    assert match.state.agents.hits[0, 0] == 0
+    assert match.state.agents.shot_end[0, 0, 2] == pytest.approx(9)
+
+
+def test_an_empty_clip_is_silent_until_a_reload_is_done() -> None:
+    match = duel(rules=Rules(shot_damage=0))
+    act(match, 40, seat_0=SHOOT)
+    assert match.state.agents.clip[0, 0] == 0
+    assert match.state.agents.shots[0, 0] == 15
+    act(match, 1, seat_0={"reload": 1})
+    act(match, 18, seat_0=SHOOT)
+    assert match.state.agents.shots[0, 0] == 15
+    act(match, 3, seat_0=SHOOT)
+    assert match.state.agents.spare_ammo[0, 0] == 45
+    assert match.state.agents.shots[0, 0] > 15
+
+
+def test_a_reload_takes_no_more_rounds_than_there_are() -> None:
+    match = duel(rules=Rules(spare_ammo=4, shot_damage=0))
+    act(match, 40, seat_0=SHOOT)
+    act(match, 21, seat_0={"reload": 1})
+    assert match.state.agents.clip[0, 0] == 4
+    assert match.state.agents.spare_ammo[0, 0] == 0
+
+
+def test_a_full_clip_is_not_reloaded() -> None:
+    match = duel()
+    act(match, 1, seat_0={"reload": 1})
+    assert match.state.agents.reload_left[0, 0] == 0
+
+
+def test_rounds_are_conserved() -> None:
+    match = duel(rules=Rules(shot_damage=0))
+    random = np.random.default_rng(0)
+    for _ in range(300):
+        act(match, 1, seat_0={"shoot": float(random.integers(2)), "reload": float(random.random() < 0.1)})
+        agents = match.state.agents
+        assert agents.clip[0, 0] + agents.spare_ammo[0, 0] + agents.shots[0, 0] == 75
+
+
+def test_shooting_is_no_part_of_gathering() -> None:
+    match = make_match("gathering", seats=2)
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10))
+    act(match, 5, seat_0=SHOOT)
+    assert match.state.agents.shots[0, 0] == 0

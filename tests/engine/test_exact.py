@@ -1,0 +1,124 @@
+"""Same spec and actions, same bits: at any thread count, batch size, process and processor."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+
+from wildscav_engine.batch import Batch
+from wildscav_engine.maps import generate_map
+from wildscav_engine.match import Match
+from wildscav_engine.set_up import MatchSetupError
+from wildscav_engine.spec import MapConfig, MatchSpec
+
+CONFIGS = (MapConfig(size=60, houses=2, storeys=(1, 2)), MapConfig(size=80, houses=3, vegetation=0.9))
+SEATS = ("submission", "fighter", "gatherer", "fighter", "walker")
+STEPS = 60
+
+
+def specs(count: int) -> list[MatchSpec]:
+    return [
+        MatchSpec.model_validate(
+            {
+                "track": "battle",
+                "map": {"config": CONFIGS[index % 2].model_dump(), "seed": index % 3},
+                "seed": index,
+                "seats": SEATS[: 3 + index % 3],
+                "time_limit": 60,
+            }
+        )
+        for index in range(count)
+    ]
+
+
+def actions(index: int, step: int) -> np.ndarray:
+    """Some actions of the submission's seat, the same for the same match and step."""
+    row = np.zeros((len(SEATS), 8), np.float32)
+    row[0] = (
+        (index * 37 + step * 11) % 360,
+        (step * 7 + index) % 11,
+        3,
+        0.1,
+        step % 9 == 0,
+        1,
+        1,
+        step % 20 == 0,
+    )
+    return row
+
+
+def digests_alone(count: int) -> list[int]:
+    found = []
+    for index, spec in enumerate(specs(count)):
+        match = Match(spec)
+        for step in range(STEPS):
+            match.step(actions(index, step)[: match.seats])
+        found.append(match.digest)
+    return found
+
+
+def digests_together(count: int, threads: int) -> list[int]:
+    batch = Batch(specs(count))
+    for step in range(STEPS):
+        batch.step(np.array([actions(index, step) for index in range(count)]), threads=threads)
+    return [int(digest) for digest in batch.state.matches.digest]
+
+
+@pytest.fixture(scope="module")
+def alone() -> list[int]:
+    return digests_alone(64)
+
+
+def test_a_batch_of_64_plays_as_64_batches_of_one(alone: list[int]) -> None:
+    assert digests_together(64, threads=1) == alone
+    assert len(set(alone)) == 64
+
+
+def test_two_threads_play_as_one(alone: list[int]) -> None:
+    if numba.config.NUMBA_NUM_THREADS < 2:
+        pytest.skip("this machine has one core")
+    assert digests_together(64, threads=2) == alone
+
+
+def others() -> list[pytest.ParameterSet]:
+    """Environments that make Numba or NumPy compute in other ways."""
+    from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+
+    has = " ".join(feature for feature in __cpu_dispatch__ if __cpu_features__.get(feature))
+    return [
+        pytest.param({}, id="another process"),
+        pytest.param({"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}, id="a generic processor"),
+        pytest.param({"NPY_DISABLE_CPU_FEATURES": has}, id="NumPy without AVX2 and AVX-512"),
+    ]
+
+
+@pytest.mark.parametrize("environment", others())
+def test_other_processes_and_processors_play_the_same(alone: list[int], environment: dict[str, str]) -> None:
+    code = (
+        "import test_exact as t; from wildscav_engine.maps import generate_map\n"
+        "print([generate_map(c, 5).digest for c in t.CONFIGS], t.digests_alone(4))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=Path(__file__).parent,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    maps = [generate_map(config, 5).digest for config in CONFIGS]
+    assert done.stdout.strip() == f"{maps} {alone[:4]}"
+
+
+def test_matches_that_differ_in_track_or_rules_cannot_share_a_batch() -> None:
+    first, second = specs(2)
+    with pytest.raises(MatchSetupError, match="same track"):
+        Batch([first, second.model_copy(update={"track": "gathering"})])
+    with pytest.raises(MatchSetupError, match="same frames_per_action"):
+        Batch([first, second.model_copy(update={"frames_per_action": 3})])
+    with pytest.raises(MatchSetupError, match="at least one"):
+        Batch([])

@@ -1,0 +1,93 @@
+"""Rulings on when a match ends and what counts."""
+
+import pytest
+
+from builders import act, make_match, place
+from wildscav_engine.match import Match, MatchSetupError
+from wildscav_engine.tracks import TRACKS
+
+
+def navigate(target: tuple[float, float, float], **spec: object) -> Match:
+    return make_match("navigation", start=(0, 0, 0), target=target, **spec)
+
+
+def test_reaching_the_target_ends_navigation_with_the_time_used() -> None:
+    match = navigate((10, 0, 0))
+    while not match.over:
+        act(match, 1, seat_0={"walk_direction": 90, "walk_speed": 5})
+    # 9 m at 5 m/s: the target counts from 1 m away, tested every frame of 0.1 m.
+    metrics = match.result().seats[0].metrics
+    assert metrics["success"] == 1
+    assert metrics["used_time"] == pytest.approx(1.8, abs=0.021)
+    assert metrics["time"] == metrics["used_time"]
+    assert metrics["punish_time"] == 0
+
+
+def test_a_target_missed_costs_twice_the_way_left_at_10_metres_a_second() -> None:
+    match = navigate((15, 0, 0), time_limit=3)
+    act(match, 100)
+    metrics = match.result().seats[0].metrics
+    assert metrics == {"time": 6.0, "used_time": 3.0, "punish_time": 3.0, "success": 0.0}
+
+
+def test_running_past_the_target_between_two_steps_counts() -> None:
+    match = navigate((5.5, 0, 0.95), frames_per_action=50)
+    act(match, 1, seat_0={"walk_direction": 90, "walk_speed": 10})
+    assert match.over
+    assert match.state.matches.reached_by[0] == 0
+
+
+@pytest.mark.parametrize(("limit", "frames"), [(1.0, 50), (0.5, 25), (0.01, 1), (0.3, 15)])
+def test_the_time_limit_ends_a_match_to_the_frame(limit: float, frames: int) -> None:
+    match = make_match("gathering", time_limit=limit)
+    act(match, 100)
+    assert match.over
+    assert match.frame == frames
+
+
+def test_nothing_happens_after_the_end() -> None:
+    match = make_match("gathering", time_limit=1)
+    act(match, 30, seat_0={"walk_speed": 3})
+    assert match.step_number == 10
+    assert len(match.digests) == 10
+
+
+def test_the_score_of_gathering_and_battle_is_what_is_carried() -> None:
+    for track in ("gathering", "battle"):
+        match = make_match(track)
+        match.state.agents.supplies[0, 0] = 17
+        assert match.result().seats[0].metrics["supplies"] == 17
+
+
+def test_a_start_outside_the_map_is_refused_by_name() -> None:
+    with pytest.raises(MatchSetupError, match=r"start is at x = 25.*outside the map"):
+        make_match("navigation", start=(25, 0, 0))
+    with pytest.raises(MatchSetupError, match="target is at"):
+        make_match("navigation", target=(0, 0, -99))
+
+
+@pytest.mark.parametrize("name", TRACKS)
+def test_every_track_measures_all_of_its_metrics(name: str) -> None:
+    match = make_match(name, seats=2)
+    act(match, 2)
+    for seat in match.result().seats:
+        assert list(seat.metrics) == [metric.name for metric in TRACKS[name].metrics]
+    assert TRACKS[name].name == name
+
+
+def test_starts_keep_apart_and_differ_by_seed() -> None:
+    first, second = make_match(seats=6, seed=1), make_match(seats=6, seed=2)
+    places = first.state.agents.position[0]
+    assert len({tuple(place) for place in places.tolist()}) == 6
+    assert (places != second.state.agents.position[0]).any()
+
+
+def test_private_seeds_tell_seats_apart() -> None:
+    match = make_match(seats=4)
+    assert len({match.start_info(seat).seed for seat in range(4)}) == 4
+
+
+def test_a_place_given_in_the_spec_is_put_onto_the_ground() -> None:
+    match = navigate((10, -5, 0))
+    place(match, 0, (0, 0, 0))
+    assert match.start_info(0).target == (10, 0, 0)
