@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.geometry.world import CELL, Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps.game_map import GameMap

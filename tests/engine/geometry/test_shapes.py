@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from wildscav_engine.geometry.shapes import Pose, box, gable_roof, polygon, pose, rounded_polygon, stack
 from wildscav_engine.geometry.world import Kind, Solid
 

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+
 from wildscav_engine.geometry.shapes import box, pose
 from wildscav_engine.geometry.world import Kind, build_world
 from wildscav_engine.maps import MapError, generate, generate_map, map_of

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+
 from wildscav_engine.body import BODY_HEIGHT
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.terrain import ground_at

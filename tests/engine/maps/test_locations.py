@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
 from wildscav_engine.geometry.shapes import box, pose
 from wildscav_engine.geometry.terrain import ground_at, water_at

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.sites import footprints_of, place_houses
 from wildscav_engine.maps.terrain import (

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps import generate_map

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.generate import plans_and_sites
