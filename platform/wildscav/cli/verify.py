@@ -41,7 +41,7 @@ def _check(path: Path) -> tuple[bool, int | None, str]:
     try:
         result = verify_record(read_record(path))
     except RecordError as error:
-        return False, None, str(error)
+        return False, None, str(error).removeprefix(f"{path}: ")
     except OSError as error:
         return False, None, describe(error)
     return result.holds, result.step, result.message
