@@ -15,7 +15,9 @@ from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
 from wildscav_evaluator.sinks import sinks
 from wildscav_evaluator.tables import ranked, track_table
-from wildscav_evaluator.workers import Workers
+from wildscav_evaluator.workers import WorkerDiedError, Workers
+
+INTERRUPTED = 130  # exit code, as shells have it
 
 
 def run_session(plan: Plan, database: Path) -> None:
@@ -27,7 +29,12 @@ def run_session(plan: Plan, database: Path) -> None:
     """
     check_names(plan.submissions)
     with output_folder(plan.out):
-        results = _evaluate(plan)
+        try:
+            results = _evaluate(plan)
+        except KeyboardInterrupt:
+            raise UserError(f"interrupted: {plan.out} has records, but no results", INTERRUPTED) from None
+        except WorkerDiedError as error:
+            raise UserError(str(error)) from error
         for track in results.tracks:
             console.print()
             console.print(track_table(results, track))

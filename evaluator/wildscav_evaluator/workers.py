@@ -130,7 +130,6 @@ def _next_job(worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker
 def _work(connection: Connection) -> None:
     """Do what is asked until nobody asks any more. Runs in the worker's process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the evaluation, which then ends us
-    signal.signal(signal.SIGTERM, _leave)
     end_with_parent()
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
         while True:
@@ -141,7 +140,11 @@ def _work(connection: Connection) -> None:
                 warm()
                 connection.send(WARM)
             else:
-                connection.send(run_job(runner, message))
+                # Only a match has agents to be stopped; elsewhere a worker may end on the spot.
+                signal.signal(signal.SIGTERM, _leave)
+                result = run_job(runner, message)
+                signal.signal(signal.SIGTERM, signal.SIG_DFL)
+                connection.send(result)
 
 
 def _leave(number: int, _: object) -> None:
