@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Submissions = Annotated[
     list[Path],
-    typer.Argument(help="Folders with a submission.toml.", metavar="SUBMISSION…", show_default=False),
+    typer.Argument(help="Folders with a submission.toml.", metavar="SUBMISSION", show_default=False),
 ]
 
 

@@ -22,7 +22,11 @@ class ResultSink(Protocol):
 
 
 def sinks(database: str) -> Iterator[ResultSink]:
-    """Make every sink that is installed; there may be none."""
+    """Make every sink that is installed with all that it needs; there may be none."""
     for entry_point in entry_points(group=GROUP):
-        sink: ResultSink = entry_point.load()(database)
+        try:
+            made = entry_point.load()
+        except ModuleNotFoundError:
+            continue  # its extra was not asked for
+        sink: ResultSink = made(database)
         yield sink

@@ -14,11 +14,11 @@ def verify(
     ],
 ) -> None:
     """Play records again and compare every step. Exit code 0 only if all hold."""
-    from rich.table import Table
+    from rich.table import Column, Table
 
     from wildscav.console import console, error_console
 
-    table = Table("record", "holds", "first difference", "")
+    table = Table(Column("record", overflow="fold"), "holds", "first difference", "")
     failed: list[str] = []
     with error_console.status("re-simulating") as status:
         for path in records:
