@@ -28,7 +28,7 @@ SPEC = MatchSpec(
     time_limit=60.0,
     seed=5,
 )
-NAMES = ("ada", "bo", "cleo", "dev", "eli", "fay")
+NAMES = tuple(f"fighter {seat + 1}" for seat in range(6))
 FOLLOWED, MOMENT = 4, 0.8  # seat; s
 TITLE_BAR = 37  # pixels at the top that say what the machine draws with
 SIZE = (1280, 720)
