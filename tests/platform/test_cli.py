@@ -155,7 +155,7 @@ def test_replay_writes_a_recording_and_says_how_to_open_it(record: Path, tmp_pat
     [
         (
             ModuleNotFoundError("No module named 'sqlalchemy'", name="sqlalchemy"),
-            r"pip install 'wildscav\[leaderboard\]'",
+            "pip install 'wildscav[leaderboard]'",
         ),
         (ValueError("it is broken"), "ValueError: it is broken"),
     ],

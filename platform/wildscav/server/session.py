@@ -1,37 +1,27 @@
-"""One hosted match: the lockstep between the engine and the seats' streams.
-
-A step opens with an observation to every seat that listens. It closes as soon as every seat in the match has
-answered, at the latest when the time of the last one is up. A seat that has not answered yet gets no further
-observation until it does; then it gets the one of the step that is open. So nothing piles up at a slow agent,
-and a stalled one holds up no buffer.
-"""
+"""One hosted match, from the first seat that is taken to the last message."""
 
 import asyncio
+import time
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import grpc
-import numpy as np
-from numpy.typing import NDArray
 
 from wildscav.errors import WildscavError
 from wildscav.proto.match_pb2 import Action, MatchOver, ServerMessage
 from wildscav.server.deadlines import Clock
+from wildscav.server.lockstep import Lockstep
 from wildscav.server.reports import MatchOutcome, SeatStatus
 from wildscav.server.seat import Seat
-from wildscav.server.snapshot import match_info, take_snapshot
-from wildscav.wire.actions import ACTION_FIELDS, decode_action
+from wildscav.server.snapshot import match_info
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct, encode_match_info, encode_seat_result
-from wildscav.wire.observations import Snapshot, encode_observation
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 CLOSING_TIME = 1.0  # s that seats have to take the match's last message
-BREATH = 0.005  # s of playing without waiting after which other matches get their turn
-LAG = 0.01  # s that the loop may be late with a deadline before the seats are given that time back
 
 
 class MatchCancelledError(WildscavError):
@@ -49,30 +39,13 @@ class HostedMatch:
     """
 
     def __init__(self, match: "Match", names: Sequence[str], seats: Sequence[Seat], clock: Clock) -> None:
-        from wildscav_engine.rules import FRAME
-
         self.match = match
         self.names = tuple(names)
         self._seats = {seat.number: seat for seat in seats}
         self._clock = clock
-        self._loop = asyncio.get_running_loop()
-        self._frame_time = FRAME
-        self._outside = tuple(
-            column for column in range(len(ACTION_FIELDS)) if column not in match.track.fields
-        )
+        self._lockstep = Lockstep(match, seats, clock)
         self._joined = asyncio.Event()  # nobody is waited for any more
-        self._cut_time = float("inf")  # of the loop's clock, when the match is cut
-        self._cut_at: int | None = None
         self._playing = False
-        # The open step:
-        self._snapshot: Snapshot | None = None  # None: no step is open
-        self._rows: NDArray[np.float32] = np.zeros((match.seats, len(ACTION_FIELDS)), np.float32)
-        self._pending: set[Seat] = set()  # who has not answered yet
-        self._opened = 0.0  # of the loop's clock
-        self._due = 0.0  # of the loop's clock, when to look at it again
-        self._excused = False  # whether the server's own delay has been made good
-        self._closed: asyncio.Future[None] = self._loop.create_future()
-        self._timer: asyncio.TimerHandle | None = None
         self._goodbyes: dict[int, ServerMessage] = {}
         self._task = asyncio.create_task(self._run(), name="match")
 
@@ -147,33 +120,11 @@ class HostedMatch:
         """Wait for what a seat that owes no answer is to be sent next: an observation, or the end."""
         if seat.number in self._goodbyes:
             return self._goodbyes[seat.number]
-        if self._snapshot is not None and seat in self._pending and seat.asked < self._snapshot.step:
-            return self._observe(seat, self._snapshot)
-        return await seat.message()
+        return self._lockstep.observation_for(seat) or await seat.message()
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
-        if self._snapshot is None or seat not in self._pending or seat.asked != self._snapshot.step:
-            seat.conduct.dropped_actions += 1
-            return
-        elapsed = self._loop.time() - self._opened
-        self._pending.discard(seat)
-        seat.times.append(elapsed)
-        if seat.bank.charge(elapsed):
-            self._accept(seat, message)
-        else:
-            seat.conduct.late_steps += 1
-            seat.conduct.dropped_actions += 1
-        self._settle()
-
-    def _accept(self, seat: Seat, message: Action) -> None:
-        action = decode_action(message, self._outside)
-        seat.conduct.steps_played += 1
-        if action.row is None:
-            seat.conduct.invalid_actions += 1
-        else:
-            seat.conduct.ignored_fields += action.ignored
-            self._rows[seat.number] = action.row
+        self._lockstep.receive(seat, message)
 
     def leave(self, seat: Seat, status: SeatStatus, detail: str) -> None:
         """Play a seat with no action from now on. Does nothing if it is gone already or the match is over."""
@@ -181,10 +132,8 @@ class HostedMatch:
             return
         seat.gone = True
         seat.mark(status, detail)
-        self._pending.discard(seat)
         self._check_joined()
-        if self._snapshot is not None:
-            self._settle()
+        self._lockstep.go_on_without(seat)
 
     # The match itself.
 
@@ -199,7 +148,7 @@ class HostedMatch:
             self._dismiss_all(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", f"the platform failed: {error}")
             raise
         finally:
-            self._disarm()
+            self._lockstep.stop()
 
     def _dismiss_all(self, code: grpc.StatusCode, reason: str, message: str) -> None:
         for seat in self._seats.values():
@@ -208,7 +157,7 @@ class HostedMatch:
 
     async def _wait_for_seats(self) -> None:
         self._check_joined()
-        timer = self._loop.call_later(self._clock.join_timeout, self._joined.set)
+        timer = asyncio.get_running_loop().call_later(self._clock.join_timeout, self._joined.set)
         await self._joined.wait()
         timer.cancel()
         self._playing = True
@@ -223,96 +172,13 @@ class HostedMatch:
             self._joined.set()
 
     async def _play(self) -> MatchOutcome:
-        """Play all steps."""
-        started = breathed = self._loop.time()
-        self._cut_time = started + self._clock.game_time_factor * self.match.spec.time_limit
-        while not self.match.over:
-            self._rows = np.zeros_like(self._rows)
-            if self._anybody():
-                await self._collect()
-            elif self._loop.time() - breathed > BREATH:
-                await asyncio.sleep(0)
-                breathed = self._loop.time()
-            self.match.step(self._rows)
-        seconds = self._loop.time() - started
+        """Play all steps and say goodbye."""
+        started = time.perf_counter()
+        await self._lockstep.play()
+        seconds = time.perf_counter() - started
         await self._say_goodbye()
         reports = {number: seat.report() for number, seat in self._seats.items()}
-        return MatchOutcome(self.match, reports, self._cut_at, seconds)
-
-    def _anybody(self) -> bool:
-        """Whether there is a seat to be asked."""
-        return self._cut_at is None and any(seat.present for seat in self._seats.values())
-
-    async def _collect(self) -> None:
-        """Open a step, wait for the answers, and close it."""
-        self._snapshot = take_snapshot(self.match)
-        self._closed = self._loop.create_future()
-        self._pending = {seat for seat in self._seats.values() if seat.present}
-        for seat in self._pending:
-            if seat.waits:
-                seat.hand_over(self._observe(seat, self._snapshot))
-        self._opened = self._loop.time()
-        self._excused = False
-        # Until the budget is used up, nobody's time is.
-        self._arm(self._opened + self._clock.step_budget)
-        await self._closed
-        self._disarm()
-        self._snapshot = None
-        if self._cut_at is None:
-            self._charge_the_late()
-
-    def _observe(self, seat: Seat, snapshot: Snapshot) -> ServerMessage:
-        seat.asked = snapshot.step
-        return encode_observation(
-            snapshot,
-            seat.number,
-            seconds_per_frame=self._frame_time,
-            time_bank=seat.bank.left,
-            tensors=seat.sense(self.match),
-        )
-
-    def _arm(self, when: float) -> None:
-        """Look at the clock again at a time of the loop's."""
-        self._disarm()
-        self._due = min(when, self._cut_time)
-        self._timer = self._loop.call_at(self._due, self._time_is_up)
-
-    def _disarm(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-
-    def _time_is_up(self) -> None:
-        lag = self._loop.time() - self._due
-        if lag > LAG and not self._excused:
-            # The server was busy, and answers may lie unread: the agents get that time back, once a step.
-            self._excused = True
-            self._opened += lag + LAG
-        self._close_or_wait()
-
-    def _settle(self) -> None:
-        """After one seat less is waited for: close the step if nobody else has time left."""
-        if not self._pending or self._loop.time() > self._opened + self._clock.step_budget:
-            self._close_or_wait()
-
-    def _close_or_wait(self) -> None:
-        """Close the step if all have answered or their time is up; else wait for the one with most time."""
-        now = self._loop.time()
-        if now >= self._cut_time and self._pending and self._cut_at is None:
-            self._cut_at = self.match.step_number
-        longest = max((seat.bank.allowed for seat in self._pending), default=0.0)
-        deadline = self._opened + longest
-        if not self._pending or now >= min(deadline, self._cut_time):
-            if not self._closed.done():
-                self._closed.set_result(None)
-        else:
-            self._arm(deadline)
-
-    def _charge_the_late(self) -> None:
-        elapsed = self._loop.time() - self._opened
-        for seat in self._pending:
-            seat.bank.charge(elapsed)
-            seat.times.append(elapsed)
-            seat.conduct.late_steps += 1
+        return MatchOutcome(self.match, reports, self._lockstep.cut_at, seconds)
 
     async def _say_goodbye(self) -> None:
         """Tell every seat that is still there how the match ended, and wait until it has heard."""
@@ -336,8 +202,8 @@ class HostedMatch:
         if seat.bank.used_up:
             late = seat.conduct.late_steps
             seat.mark(SeatStatus.TIMED_OUT, f"its time bank was used up; {late} steps were played without it")
-        elif self._cut_at is not None:
+        elif self._lockstep.cut_at is not None:
+            cut_at = self._lockstep.cut_at
             seat.mark(
-                SeatStatus.FINISHED,
-                f"the match ran out of wall time: no actions from step {self._cut_at} on",
+                SeatStatus.FINISHED, f"the match ran out of wall time: no actions from step {cut_at} on"
             )

@@ -1,0 +1,199 @@
+"""The lockstep between the engine and the seats' streams.
+
+A step opens with an observation to every seat that listens. It closes as soon as every seat in the match has
+answered, at the latest when the time of the last one is up. A seat that has not answered yet gets no further
+observation until it does; then it gets the one of the step that is open. So nothing piles up at a slow agent,
+and a stalled one holds up no buffer.
+
+Whoever brings the last answer closes the step: it is played and the next one opened right there, in that
+stream's task, because each turn of the event loop in between costs as much as the step itself.
+"""
+
+import asyncio
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav.proto.match_pb2 import Action, ServerMessage
+from wildscav.server.deadlines import Clock
+from wildscav.server.seat import Seat
+from wildscav.server.snapshot import take_snapshot
+from wildscav.wire.actions import ACTION_FIELDS, decode_action
+from wildscav.wire.observations import Snapshot, encode_observation
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+
+BREATH = 0.005  # s of playing without waiting after which other matches get their turn
+LAG = 0.01  # s that the loop may be late with a deadline before the seats are given that time back
+
+
+class Lockstep:
+    """Plays the steps of a match.
+
+    Args:
+        match: At its start.
+        seats: Those that agent processes fill.
+        clock: The limits of their time.
+    """
+
+    def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock) -> None:
+        from wildscav_engine.rules import FRAME
+
+        self.cut_at: int | None = None  # the step at which the wall clock ran out
+        self._match, self._seats, self._clock = match, seats, clock
+        self._loop = asyncio.get_running_loop()
+        self._frame_time = FRAME
+        columns = range(len(ACTION_FIELDS))
+        self._outside = tuple(column for column in columns if column not in match.track.fields)
+        self._done: asyncio.Future[None] = self._loop.create_future()  # nobody is asked any more
+        self._cut_time = float("inf")  # when the match is cut; this and the next two by the loop's clock
+        # The open step:
+        self._opened = 0.0
+        self._due = 0.0  # when to look at the clock again
+        self._excused = False  # whether the server's own delay has been made good
+        self._timer: asyncio.TimerHandle | None = None
+        self._snapshot: Snapshot | None = None  # None: no step is open
+        self._rows: NDArray[np.float32] = np.zeros((match.seats, len(ACTION_FIELDS)), np.float32)
+        self._pending: set[Seat] = set()  # who has not answered yet
+
+    async def play(self) -> None:
+        """Play the match to its end."""
+        self._cut_time = self._loop.time() + self._clock.game_time_factor * self._match.spec.time_limit
+        self._open()
+        await self._done
+        breathed = self._loop.time()
+        while not self._match.over:
+            self._match.step(np.zeros_like(self._rows))
+            if self._loop.time() - breathed > BREATH:
+                await asyncio.sleep(0)
+                breathed = self._loop.time()
+
+    def stop(self) -> None:
+        """Play no more steps."""
+        self._snapshot = None
+        self._pending.clear()
+        self._disarm()
+
+    # What the seats' streams do.
+
+    def observation_for(self, seat: Seat) -> ServerMessage | None:
+        """Return the open step's observation for a seat that has not had it yet; None: it must wait."""
+        if self._snapshot is None or seat not in self._pending or seat.asked == self._snapshot.step:
+            return None
+        return self._observe(seat, self._snapshot)
+
+    def receive(self, seat: Seat, message: Action) -> None:
+        """Take a seat's answer to its last observation."""
+        if self._snapshot is None or seat not in self._pending or seat.asked != self._snapshot.step:
+            seat.conduct.dropped_actions += 1
+            return
+        elapsed = self._loop.time() - self._opened
+        self._pending.discard(seat)
+        seat.times.append(elapsed)
+        if seat.bank.charge(elapsed):
+            self._accept(seat, message)
+        else:
+            seat.conduct.late_steps += 1
+            seat.conduct.dropped_actions += 1
+        self._settle()
+
+    def _accept(self, seat: Seat, message: Action) -> None:
+        action = decode_action(message, self._outside)
+        seat.conduct.steps_played += 1
+        if action.row is None:
+            seat.conduct.invalid_actions += 1
+        else:
+            seat.conduct.ignored_fields += action.ignored
+            self._rows[seat.number] = action.row
+
+    def go_on_without(self, seat: Seat) -> None:
+        """Wait for a seat no longer: it has gone."""
+        self._pending.discard(seat)
+        if self._snapshot is not None:
+            self._settle()
+
+    # One step.
+
+    def _open(self) -> None:
+        """Ask everyone for the next step, if there is one and anyone to be asked."""
+        present = [seat for seat in self._seats if seat.present]
+        if self._match.over or not present or self.cut_at is not None:
+            self._done.set_result(None)
+            return
+        self._snapshot = take_snapshot(self._match)
+        self._rows = np.zeros_like(self._rows)
+        self._pending = set(present)
+        for seat in present:
+            if seat.waits:
+                seat.hand_over(self._observe(seat, self._snapshot))
+        self._opened = self._loop.time()
+        self._excused = False
+        # Until the budget is used up, nobody's time is.
+        self._arm(self._opened + self._clock.step_budget)
+
+    def _observe(self, seat: Seat, snapshot: Snapshot) -> ServerMessage:
+        seat.asked = snapshot.step
+        return encode_observation(
+            snapshot,
+            seat.number,
+            seconds_per_frame=self._frame_time,
+            time_bank=seat.bank.left,
+            tensors=seat.sense(self._match),
+        )
+
+    def _settle(self) -> None:
+        """After one seat less is waited for: close the step if nobody else has time left."""
+        if not self._pending or self._loop.time() > self._opened + self._clock.step_budget:
+            self._close_or_wait()
+
+    def _close_or_wait(self) -> None:
+        """Close the step if all have answered or their time is up; else wait for the one with most time."""
+        now = self._loop.time()
+        longest = max((seat.bank.allowed for seat in self._pending), default=0.0)
+        deadline = self._opened + longest
+        if self._pending and now < min(deadline, self._cut_time):
+            self._arm(deadline)
+            return
+        if self._pending and now >= self._cut_time:
+            self.cut_at = self._match.step_number
+        else:
+            self._charge_the_late(now - self._opened)
+        self._close()
+
+    def _charge_the_late(self, elapsed: float) -> None:
+        for seat in self._pending:
+            seat.bank.charge(elapsed)
+            seat.times.append(elapsed)
+            seat.conduct.late_steps += 1
+
+    def _close(self) -> None:
+        """Play the step that is open, and open the next."""
+        self.stop()
+        try:
+            self._match.step(self._rows)
+            self._open()
+        except Exception as error:  # noqa: BLE001 - it is not the fault of the stream that runs this
+            self._done.set_exception(error)
+
+    # Its time.
+
+    def _arm(self, when: float) -> None:
+        """Look at the clock again at some time."""
+        self._disarm()
+        self._due = min(when, self._cut_time)
+        self._timer = self._loop.call_at(self._due, self._time_is_up)
+
+    def _disarm(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _time_is_up(self) -> None:
+        lag = self._loop.time() - self._due
+        if lag > LAG and not self._excused:
+            # The server was busy, and answers may lie unread: the agents get that time back, once a step.
+            self._excused = True
+            self._opened += lag + LAG
+        self._close_or_wait()
