@@ -1,0 +1,89 @@
+"""Steps a second of the engine itself: batches, single matches, threads, with and without depth maps."""
+
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+import typer
+from report import Figure, JsonFile, publish
+
+from wildscav_engine.actions import FIELDS, Field
+from wildscav_engine.batch import Batch
+from wildscav_engine.maps import generate_map
+from wildscav_engine.match import Match
+from wildscav_engine.sensors.depth import render_depth
+from wildscav_engine.spec import MapConfig, MatchSpec
+
+REPEATS = 5
+COUNTRY = generate_map(MapConfig(size=100, houses=4), 1)
+EYE = np.array([0.0, 1.5, 0.0])
+
+
+def spec(index: int, track: str, *seats: str) -> MatchSpec:
+    """A match that does not end while it is measured."""
+    return MatchSpec(track=track, map=COUNTRY.spec, seed=index, seats=seats, time_limit=80_000)
+
+
+def random_actions(matches: int, seats: int) -> np.ndarray:
+    """Eight different steps of random walks, (8, matches, seats, FIELDS)."""
+    random = np.random.default_rng(0)
+    rows = np.zeros((8, matches, seats, FIELDS), np.float32)
+    rows[..., Field.WALK_DIRECTION] = random.uniform(0, 360, rows.shape[:-1])
+    rows[..., Field.WALK_SPEED] = random.uniform(0, 10, rows.shape[:-1])
+    rows[..., Field.TURN] = random.uniform(-5, 5, rows.shape[:-1])
+    return rows
+
+
+def steps_per_second(step: Callable[[int], None], agents: int, steps: int) -> float:
+    """Return the median of agent-steps a second over some repeats, after one to warm up."""
+    rates = []
+    for _ in range(REPEATS + 1):
+        started = time.perf_counter()
+        for number in range(steps):
+            step(number)
+        rates.append(agents * steps / (time.perf_counter() - started))
+    return statistics.median(rates[1:])
+
+
+def batch_figure(matches: int, threads: int, depth: bool) -> Figure:
+    """Measure a batch of gathering matches of one agent."""
+    batch = Batch([spec(index, "gathering", "submission") for index in range(matches)], [COUNTRY] * matches)
+    actions = random_actions(matches, 1)
+    images = np.empty((matches, 10, 10), np.float32)
+    agents = batch.state.agents
+
+    def step(number: int) -> None:
+        batch.step(actions[number % 8], threads=threads)
+        if depth:
+            eyes = agents.position[:, 0] + EYE
+            render_depth(COUNTRY.world, eyes, agents.yaw[:, 0], agents.pitch[:, 0], 100.0, images)
+
+    rate = steps_per_second(step, matches, 200)
+    what = f"{matches} matches × 1 agent, {'10 × 10 depth' if depth else 'no sensors'}"
+    return Figure(what, rate, "agent-steps/s", f"{threads} thread{'s' if threads > 1 else ''}")
+
+
+def match_figure(name: str, *seats: str) -> Figure:
+    """Measure one battle through the Match class, one Python call a step."""
+    match = Match(spec(0, "battle", *seats), COUNTRY)
+    actions = random_actions(1, len(seats))[:, 0]
+    rate = steps_per_second(lambda number: match.step(actions[number % 8]), 1, 500)
+    return Figure(name, rate, "steps/s", "battle, one Python call a step")
+
+
+def main(json_file: JsonFile = None) -> None:
+    """Measure and print."""
+    figures = [
+        batch_figure(64, 1, depth=False),
+        batch_figure(64, 2, depth=False),
+        batch_figure(64, 1, depth=True),
+        match_figure("one match, 1 agent", "submission"),
+        match_figure("one match, 10 agents", *["submission"] * 10),
+        match_figure("one match, 10 robots that fight", *["fighter"] * 10),
+    ]
+    publish("Engine: steps per second", figures, json_file)
+
+
+if __name__ == "__main__":
+    typer.run(main)
