@@ -3,13 +3,13 @@
 Two runs of the same command give equal files, but for ``timings``.
 """
 
-import os
 from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wildscav.errors import UserError
+from wildscav_engine.files import write_whole
 
 RESULTS_FILE = "results.json"
 FORMAT = 1
@@ -139,22 +139,5 @@ def write_results(results: Results, folder: Path) -> Path:
         OSError: It cannot be written.
     """
     path = folder / RESULTS_FILE
-    write_atomically(path, results.model_dump_json(indent=1).encode() + b"\n")
+    write_whole(path, results.model_dump_json(indent=1).encode() + b"\n")
     return path
-
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that no reader, and no crash, ever sees half of it.
-
-    Raises:
-        OSError: It cannot be written; an older file at the path stays as it was.
-    """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        temporary.write_bytes(content)
-        temporary.replace(path)
-    except OSError as error:
-        # A full disk is noticed in the middle of a write, and that error does not say where.
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        temporary.unlink(missing_ok=True)

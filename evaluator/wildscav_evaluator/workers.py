@@ -21,6 +21,7 @@ from wildscav_evaluator.jobs import Job, JobResult, failed, run_job
 WARM = "warm"  # the message that asks a worker to compile all that matches need
 STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
 PR_SET_PDEATHSIG = 1
+REPLAYS_PER_WORKER = 40  # Rerun keeps some idle threads of every recording until its process ends
 
 
 class WorkerDiedError(Exception):
@@ -38,6 +39,7 @@ class Worker:
         theirs.close()
         self.job: Job | None = None
         self.dead = False
+        self.rendered = 0  # replays
 
     def give(self, job: Job) -> None:
         """Set it to a job. If it is gone already, ``take`` will say so."""
@@ -49,15 +51,18 @@ class Worker:
         """Return the result that is waiting; of a worker that died, the failure of its job."""
         job = cast(Job, self.job)
         try:
-            return cast(JobResult, self.connection.recv())
+            result = cast(JobResult, self.connection.recv())
         except (EOFError, OSError):
             self.dead = True
             self.process.join()
             return failed(job, f"the worker process died (exit code {self.process.exitcode})")
+        self.rendered += result.row.replay is not None
+        return result
 
     def close(self) -> None:
-        """Let it go when it has nothing to do."""
+        """Let it go while it has nothing to do."""
         self.connection.close()
+        self.process.join(STOP_TIME)
 
 
 class Workers:
@@ -73,7 +78,7 @@ class Workers:
     def __exit__(self, *_: object) -> None:
         """End all workers, and with them their agents."""
         for worker in self._workers:
-            worker.close()
+            worker.connection.close()
             worker.process.terminate()
         for worker in self._workers:
             worker.process.join(STOP_TIME)
@@ -109,11 +114,15 @@ class Workers:
             for connection in wait(list(busy)):
                 worker = busy.pop(cast(Connection, connection))
                 result = worker.take()
-                if worker.dead:
-                    self._workers.remove(worker)
-                    worker = self._start()
+                if worker.dead or worker.rendered >= REPLAYS_PER_WORKER:
+                    worker = self._replace(worker)
                 _next_job(worker, waiting, busy)
                 yield result
+
+    def _replace(self, worker: Worker) -> Worker:
+        self._workers.remove(worker)
+        worker.close()
+        return self._start()
 
     def _start(self) -> Worker:
         worker = Worker()

@@ -13,7 +13,6 @@ The checksum finds damage, not forgery: that takes ``verify_record``, which play
 """
 
 import json
-import os
 import struct
 import zlib
 from collections.abc import Sequence
@@ -28,6 +27,7 @@ from pydantic import ValidationError
 
 from wildscav_engine import ENGINE_VERSION
 from wildscav_engine.actions import FIELDS
+from wildscav_engine.files import write_whole
 from wildscav_engine.match import Match
 from wildscav_engine.result import MatchResult
 from wildscav_engine.spec import MatchSpec, one_line
@@ -94,15 +94,7 @@ def save(record: Record, path: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        temporary.write_bytes(encode(record))
-        temporary.replace(path)
-    except OSError as error:
-        # A full disk is noticed in the middle of a write, and that error does not say where.
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_whole(path, encode(record))
 
 
 def encode(record: Record) -> bytes:

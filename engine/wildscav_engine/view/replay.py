@@ -1,9 +1,9 @@
 """Replays: a record played again into a Rerun recording."""
 
-import os
 from pathlib import Path
 from threading import Lock
 
+from wildscav_engine.files import write_whole
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.spec import SUBMISSION
 from wildscav_engine.view.history import collect
@@ -46,21 +46,9 @@ def write_replay(record: Record, path: Path, *, follow: int | None = None, depth
     match, history = collect(resimulate(record), len(record.actions), seat if depth else None)
     with RENDERING:
         content = render(record, match.game_map, history, seat)
-    _write(path, content)
+    write_whole(path, content)
 
 
 def _followed(record: Record) -> int:
     seats = record.spec.seats
     return seats.index(SUBMISSION) if SUBMISSION in seats else 0
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Write a file by way of another one in its folder."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        part.write_bytes(content)
-        part.replace(path)
-    except OSError as error:  # a full disk would not say where
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        part.unlink(missing_ok=True)
