@@ -151,7 +151,7 @@ def test_a_silent_seat_costs_the_others_its_time_once(tmp_path: Path) -> None:
         assert (outcome.seats[0].steps_played, outcome.seats[0].late_steps) == (0, 20)
         assert outcome.seats[1].status == SeatStatus.FINISHED
         # 20 budgets and one bank are 1.1 s.
-        assert 1.05 <= outcome.seconds < 2.0
+        assert 1.05 <= outcome.seconds < 2.5
 
     serving(tmp_path, play)
 
@@ -189,7 +189,7 @@ def test_a_killed_agent_costs_nobody_any_time(tmp_path: Path) -> None:
         assert (outcome.seats[0].status, outcome.seats[0].steps_played) == (SeatStatus.LEFT, 5)
         assert outcome.seats[0].detail == "its stream ended"
         assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
-        assert outcome.seconds < 2.0  # the bank of 30 s was not waited for
+        assert outcome.seconds < 5.0  # the bank of 30 s was not waited for
 
     serving(tmp_path, play)
 
@@ -241,7 +241,7 @@ def test_a_seat_given_up_by_its_launcher_is_waited_for_no_longer(tmp_path: Path)
         assert [outcome.seats[seat].status for seat in range(3)] == ["left", "finished", "left"]
         assert outcome.seats[0].detail == "out of memory"
         assert outcome.seats[2].detail == "the process did not start"
-        assert outcome.seconds < 2.0
+        assert outcome.seconds < 5.0
 
     serving(tmp_path, play)
 
@@ -257,7 +257,7 @@ def test_a_match_ends_after_twice_its_game_time(tmp_path: Path) -> None:
         outcome = await hosted.finished()
         assert over.steps == outcome.match.step_number == 20
         assert outcome.cut_at == 0
-        assert 1.0 <= outcome.seconds < 1.5
+        assert 1.0 <= outcome.seconds < 2.0
         assert "ran out of wall time" in outcome.seats[1].detail
 
     serving(tmp_path, play)
@@ -271,7 +271,7 @@ def test_two_matches_at_once_do_not_wait_for_each_other(tmp_path: Path) -> None:
             await waiting.read()
             await seat.join(fast.tokens[0])
             await seat.play_out()
-            assert (await fast.finished()).seconds < 1.0
+            assert (await fast.finished()).seconds < 5.0
             assert slow.match.step_number == 0
             await waiting.act(0)
             await waiting.play_out()

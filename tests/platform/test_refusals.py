@@ -96,7 +96,7 @@ def test_a_seat_that_talks_nonsense_is_out_and_the_others_play_on(
         assert outcome.seats[0].status == SeatStatus.PROTOCOL_ERROR
         assert detail in outcome.seats[0].detail
         assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
-        assert outcome.seconds < 2.0
+        assert outcome.seconds < 5.0
 
     serving(tmp_path, play)
 
@@ -123,7 +123,7 @@ def test_a_huge_message_costs_its_seat_alone(tmp_path: Path) -> None:
         outcome = await hosted.finished()
         assert outcome.seats[0].status in {SeatStatus.LEFT, SeatStatus.PROTOCOL_ERROR}
         assert outcome.seats[1].steps_played == 20
-        assert outcome.seconds < 2.0
+        assert outcome.seconds < 5.0
 
     serving(tmp_path, play)
 

@@ -7,7 +7,7 @@ _warmed: list[bool] = []
 
 
 def warm() -> None:
-    """Play a step of a tiny match with every sensor, once a process.
+    """Play a tiny match with every sensor, once a process.
 
     Kernels compile (or load from their cache) when they first run. In the event loop that would hold up every
     other match, and its agents would pay for it from their time.
@@ -20,9 +20,11 @@ def warm() -> None:
     with _lock:
         if _warmed:
             return
-        tiny = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)))
-        match = Match(tiny)
+        small = MapSpec(config=MapConfig(size=40, houses=0))
+        match = Match(MatchSpec(track="navigation", map=small, time_limit=0.1))
+        match.start_info(0)
         for sensor in SENSORS.values():
             sensor.read(match, [0], sensor.parse({}))
         match.step(no_actions(1))
+        match.result()
         _warmed.append(True)
