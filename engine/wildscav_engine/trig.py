@@ -2,10 +2,13 @@
 
 The C library's versions differ between machines in the last bit, which would break exact replay. These
 are accurate to about 1e-15 (the tests compare them with the C library), and every operation in them is
-exactly rounded by IEEE 754. Angles are degrees, as everywhere in the game.
+exactly rounded by IEEE 754, the remainder ``np.fmod`` included, whose result is always exact. Angles are
+degrees, as everywhere in the game.
 """
 
 import math
+
+import numpy as np
 
 from wildscav_engine.kernel import kernel
 
@@ -17,9 +20,15 @@ TAN_15 = 0.2679491924311227  # tangent of 15°
 
 
 @kernel
+def within_turn(angle: float) -> float:
+    """Return any finite angle less whole turns, in (-360, 360) degrees with its sign; exact."""
+    return float(np.fmod(angle, 360.0))
+
+
+@kernel
 def wrap(angle: float) -> float:
-    """Return a finite angle as the same direction in (-180, 180] degrees."""
-    turned = angle - 360.0 * math.floor(angle / 360.0 + 0.5)
+    """Return any finite angle as the same direction in (-180, 180] degrees."""
+    turned = within_turn(angle)
     if turned <= -180.0:
         return turned + 360.0
     if turned > 180.0:
@@ -56,7 +65,12 @@ def _cosine_of_small(radians: float) -> float:
 
 @kernel
 def sine(angle: float) -> float:
-    """Return the sine of an angle in degrees; exact at multiples of 90°."""
+    """Return the sine of any finite angle in degrees; exact at multiples of 90°."""
+    return _sine_of_turn(within_turn(angle))
+
+
+@kernel
+def _sine_of_turn(angle: float) -> float:
     quarter = math.floor(angle / 90.0 + 0.5)
     rest = (angle - 90.0 * quarter) * RADIANS
     turn = int(quarter - 4.0 * math.floor(quarter / 4.0))
@@ -72,7 +86,7 @@ def sine(angle: float) -> float:
 @kernel
 def cosine(angle: float) -> float:
     """Return the cosine of an angle in degrees; exact at multiples of 90°."""
-    return sine(angle + 90.0)
+    return _sine_of_turn(within_turn(angle) + 90.0)
 
 
 @kernel

@@ -47,6 +47,12 @@ def test_angles_wrap_into_minus_180_to_180(angle: float, wrapped: float) -> None
     assert trig.wrap(float(angle)) == wrapped
 
 
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_any_finite_angle_is_a_direction(angle: float) -> None:
+    assert -180.0 < trig.wrap(angle) <= 180.0
+    assert trig.sine(angle) ** 2 + trig.cosine(angle) ** 2 == pytest.approx(1.0)
+
+
 @given(ANGLES)
 def test_wrapping_keeps_the_direction(angle: float) -> None:
     wrapped = trig.wrap(angle)

@@ -53,6 +53,16 @@ def test_an_impossible_walk_speed_is_no_action(action: dict[str, float]) -> None
     assert match.state.agents.yaw[0, 0] == 0
 
 
+@pytest.mark.parametrize("angle", [3e38, -3e38, 1e9])
+def test_absurd_but_finite_angles_are_directions_too(angle: float) -> None:
+    match = make_match()
+    place(match, 0, (0, 0, 0))
+    act(match, 10, seat_0={"walk_direction": angle, "walk_speed": 5, "turn": angle, "look": angle})
+    assert match.state.agents.walked[0, 0] == pytest.approx(5)
+    assert -180 < match.state.agents.yaw[0, 0] <= 180
+    assert abs(match.state.agents.pitch[0, 0]) == 90
+
+
 def test_turns_are_degrees_a_frame_and_looks_stop_at_straight_up_and_down() -> None:
     match = make_match()
     act(match, 1, seat_0={"turn": 10, "look": 3})
