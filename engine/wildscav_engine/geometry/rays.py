@@ -24,6 +24,40 @@ class Hit(NamedTuple):
     face: int  # index into World.faces; for terrain 0 for the south-eastern triangle, 1 for the other
 
 
+class Ray(NamedTuple):
+    """A ray in the world, and the same in units of cells from the map's corner."""
+
+    x: float  # m, where it starts; so y and z
+    y: float
+    z: float
+    dx: float  # unit vector of its direction; so dy and dz
+    dy: float
+    dz: float
+    east: float  # cells from the corner, where it starts
+    north: float
+    d_east: float  # cells a metre of its way
+    d_north: float
+    per_east: float  # metres of its way a cell, inf if it never crosses one
+    per_north: float
+
+
+@kernel
+def make_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Ray:
+    """Return a ray from where it starts, m, and the unit vector of its direction."""
+    east, north = (x - world.corner[0]) / CELL, (z - world.corner[1]) / CELL
+    per_east = CELL / dx if dx != 0.0 else np.inf
+    per_north = CELL / dz if dz != 0.0 else np.inf
+    return Ray(x, y, z, dx, dy, dz, east, north, dx / CELL, dz / CELL, per_east, per_north)
+
+
+class Step(NamedTuple):
+    """Where a ray is on its way through the grid."""
+
+    at: float  # m along the ray
+    row: int
+    column: int
+
+
 @kernel
 def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float, far: float) -> Hit:
     """Return the nearest hit of a ray.
@@ -41,127 +75,107 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
     Returns:
         The hit; at distance 0 if the ray starts inside a solid or below the ground.
     """
+    ray = make_ray(world, x, y, z, dx, dy, dz)
     rows, columns = world.water.shape
-    # In units of cells from the corner, so that cells are found by rounding down.
-    east, north = (x - world.corner[0]) / CELL, (z - world.corner[1]) / CELL
-    d_east, d_north = dx / CELL, dz / CELL
-    inverse_east = 1.0 / d_east if d_east != 0.0 else np.inf
-    inverse_north = 1.0 / d_north if d_north != 0.0 else np.inf
-    column, row = int(np.floor(east)), int(np.floor(north))
+    step = Step(0.0, int(np.floor(ray.north)), int(np.floor(ray.east)))
     best = Hit(np.inf, NOTHING_HIT, 0)
-    at = 0.0
-    while at < far and 0 <= row < rows and 0 <= column < columns:
-        block_row, block_column = row // BLOCK, column // BLOCK
-        edge_column = (block_column + 1) * BLOCK if d_east > 0.0 else block_column * BLOCK
-        edge_row = (block_row + 1) * BLOCK if d_north > 0.0 else block_row * BLOCK
-        out_east = (edge_column - east) * inverse_east if d_east != 0.0 else np.inf
-        out_north = (edge_row - north) * inverse_north if d_north != 0.0 else np.inf
-        leave = min(out_east, out_north, far)
-        if min(y + dy * at, y + dy * leave) > world.block_top[block_row, block_column]:
-            at = leave
-            if out_east <= out_north:
-                column = edge_column if d_east > 0.0 else edge_column - 1
-                row = _row_within(int(np.floor(north + d_north * at)), block_row)
-            else:
-                row = edge_row if d_north > 0.0 else edge_row - 1
-                column = _row_within(int(np.floor(east + d_east * at)), block_column)
+    while step.at < far and 0 <= step.row < rows and 0 <= step.column < columns:
+        block_row, block_column = step.row // BLOCK, step.column // BLOCK
+        over = _leave_square(ray, step, block_row * BLOCK, block_column * BLOCK, BLOCK, far)
+        if min(y + dy * step.at, y + dy * over.at) > world.block_top[block_row, block_column]:
+            step = over
             continue
-        while (
-            at < far
-            and 0 <= row < rows
-            and 0 <= column < columns
-            and row // BLOCK == block_row
-            and column // BLOCK == block_column
-        ):
-            next_east, next_north = np.inf, np.inf
-            if d_east != 0.0:
-                next_east = (column + (1 if d_east > 0.0 else 0) - east) * inverse_east
-            if d_north != 0.0:
-                next_north = (row + (1 if d_north > 0.0 else 0) - north) * inverse_north
-            leave = min(next_east, next_north, far)
-            if min(y + dy * at, y + dy * leave) <= world.cell_top[row, column]:
-                best = _nearer_in_cell(world, row, column, x, y, z, dx, dy, dz, at, leave, best)
-                # A solid may be met beyond this cell: then nearer things may still lie before it.
-                if best.distance <= leave:
-                    return best if best.distance <= far else Hit(np.inf, NOTHING_HIT, 0)
-            at = leave
-            if next_east <= next_north:
-                column += 1 if d_east > 0.0 else -1
-            else:
-                row += 1 if d_north > 0.0 else -1
+        step, best = _cross_block(world, ray, step, block_row, block_column, far, best)
+        # A solid may be met beyond where the ray is: then nearer things may still lie before it.
+        if best.distance <= step.at:
+            break
     return best if best.distance <= far else Hit(np.inf, NOTHING_HIT, 0)
 
 
 @kernel
-def _row_within(row: int, block: int) -> int:
-    """Keep a row (or column) that was found by rounding inside its block."""
-    return max(block * BLOCK, min(block * BLOCK + BLOCK - 1, row))
+def _leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: float) -> Step:
+    """Return the first step of a ray beyond a square of cells that it is in.
+
+    Args:
+        ray: The ray.
+        step: Where it is.
+        row: Least row of the square.
+        column: Least column.
+        side: Cells along each side.
+        far: m; the step goes no farther, and may then still be in the square.
+    """
+    edge_column = column + side if ray.d_east > 0.0 else column
+    edge_row = row + side if ray.d_north > 0.0 else row
+    out_east = (edge_column - ray.east) * ray.per_east if ray.d_east != 0.0 else np.inf
+    out_north = (edge_row - ray.north) * ray.per_north if ray.d_north != 0.0 else np.inf
+    at = min(out_east, out_north, far)
+    # The coordinate that crosses the edge is exact; the other stays inside the square, whatever is rounded.
+    if out_east <= out_north:
+        beyond = edge_column if ray.d_east > 0.0 else edge_column - 1
+        along = step.row if side == 1 else int(np.floor(ray.north + ray.d_north * at))
+        return Step(at, max(row, min(row + side - 1, along)), beyond)
+    beyond = edge_row if ray.d_north > 0.0 else edge_row - 1
+    along = step.column if side == 1 else int(np.floor(ray.east + ray.d_east * at))
+    return Step(at, beyond, max(column, min(column + side - 1, along)))
 
 
 @kernel
-def _nearer_in_cell(
-    world: World,
-    row: int,
-    column: int,
-    x: float,
-    y: float,
-    z: float,
-    dx: float,
-    dy: float,
-    dz: float,
-    at: float,
-    leave: float,
-    best: Hit,
-) -> Hit:
-    """Return the nearest of the best hit so far and the hits in one cell, which holds [at, leave]."""
-    distance, triangle = _meet_terrain(world, row, column, x, y, z, dx, dy, dz, at, leave)
+def _cross_block(
+    world: World, ray: Ray, step: Step, block_row: int, block_column: int, far: float, best: Hit
+) -> tuple[Step, Hit]:
+    """Walk a ray through the cells of a block until it leaves the block, hits something or ends."""
+    rows, columns = world.water.shape
+    while (
+        step.at < far
+        and step.row // BLOCK == block_row
+        and step.column // BLOCK == block_column
+        and 0 <= step.row < rows
+        and 0 <= step.column < columns
+    ):
+        over = _leave_square(ray, step, step.row, step.column, 1, far)
+        if min(ray.y + ray.dy * step.at, ray.y + ray.dy * over.at) <= world.cell_top[step.row, step.column]:
+            best = _nearer_in_cell(world, ray, step, over.at, best)
+        step = over
+        if best.distance <= step.at:
+            break
+    return step, best
+
+
+@kernel
+def _nearer_in_cell(world: World, ray: Ray, step: Step, leave: float, best: Hit) -> Hit:
+    """Return the nearest of the best hit so far and the hits in a cell, which the ray leaves at ``leave``."""
+    distance, triangle = _meet_terrain(world, ray, step, leave)
     if distance < best.distance:
         best = Hit(distance, TERRAIN_HIT, triangle)
-    cell = row * world.water.shape[1] + column
+    cell = step.row * world.water.shape[1] + step.column
     for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
         solid = world.cell_solids[item]
-        distance, face = meet_solid(world, solid, x, y, z, dx, dy, dz, best.distance)
+        distance, face = meet_solid(world, solid, ray, best.distance)
         if distance < best.distance:
             best = Hit(distance, solid, face)
     return best
 
 
 @kernel
-def _meet_terrain(
-    world: World,
-    row: int,
-    column: int,
-    x: float,
-    y: float,
-    z: float,
-    dx: float,
-    dy: float,
-    dz: float,
-    at: float,
-    leave: float,
-) -> tuple[float, int]:
+def _meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[float, int]:
     """Return where a ray goes below the two triangles of a cell, and which; inf if it does not."""
-    h00, h01 = world.heights[row, column], world.heights[row, column + 1]
-    h10, h11 = world.heights[row + 1, column], world.heights[row + 1, column + 1]
-    if min(y + dy * at, y + dy * leave) > max(h00, h01, h10, h11):
+    h00, h01 = world.heights[step.row, step.column], world.heights[step.row, step.column + 1]
+    h10, h11 = world.heights[step.row + 1, step.column], world.heights[step.row + 1, step.column + 1]
+    if min(ray.y + ray.dy * step.at, ray.y + ray.dy * leave) > max(h00, h01, h10, h11):
         return np.inf, 0
-    east, north = (x - world.corner[0]) / CELL - column, (z - world.corner[1]) / CELL - row
-    d_east, d_north = dx / CELL, dz / CELL
+    east, north = ray.east - step.column, ray.north - step.row
     # The diagonal is where east and north are equal.
-    gap, d_gap = east - north, d_east - d_north
+    gap, d_gap = east - north, ray.d_east - ray.d_north
     middle = leave
-    if d_gap != 0.0:
-        crossing = -gap / d_gap
-        if at < crossing < leave:
-            middle = crossing
-    start = at
+    if d_gap != 0.0 and step.at < -gap / d_gap < leave:
+        middle = -gap / d_gap
+    start, end = step.at, middle
     for _ in range(2):
-        end = middle
         south_east = gap + d_gap * (start + end) * 0.5 >= 0.0
         slope_east = h01 - h00 if south_east else h11 - h10
         slope_north = h11 - h01 if south_east else h10 - h00
-        above = y - (h00 + slope_east * east + slope_north * north)
-        d_above = dy - (slope_east * d_east + slope_north * d_north)
+        above = ray.y - (h00 + slope_east * east + slope_north * north)
+        d_above = ray.dy - (slope_east * ray.d_east + slope_north * ray.d_north)
         above_start, above_end = above + d_above * start, above + d_above * end
         if above_start <= 0.0:
             return start, 0 if south_east else 1
@@ -170,22 +184,12 @@ def _meet_terrain(
             return min(end, along), 0 if south_east else 1
         if middle == leave:
             break
-        start, middle = middle, leave
+        start, end = middle, leave
     return np.inf, 0
 
 
 @kernel
-def meet_solid(
-    world: World,
-    solid: int,
-    x: float,
-    y: float,
-    z: float,
-    dx: float,
-    dy: float,
-    dz: float,
-    nearest: float,
-) -> tuple[float, int]:
+def meet_solid(world: World, solid: int, ray: Ray, nearest: float) -> tuple[float, int]:
     """Return where a ray enters a solid and by which face; inf if it does not before ``nearest``.
 
     Clips the ray by each face: Cyrus & Beck, "Generalized Two- and Three-Dimensional Clipping", 1978.
@@ -193,8 +197,8 @@ def meet_solid(
     enter, leave, entered_by = 0.0, nearest, 0
     for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
         n_x, n_y, n_z = world.faces[face, 0], world.faces[face, 1], world.faces[face, 2]
-        outside = n_x * x + n_y * y + n_z * z - world.faces[face, 3]
-        speed = n_x * dx + n_y * dy + n_z * dz
+        outside = n_x * ray.x + n_y * ray.y + n_z * ray.z - world.faces[face, 3]
+        speed = n_x * ray.dx + n_y * ray.dy + n_z * ray.dz
         if speed < 0.0:
             crossing = -outside / speed
             if crossing > enter:

@@ -13,6 +13,7 @@ from wildscav_engine.geometry.rays import (
     TERRAIN_HIT,
     cast_ray,
     kind_of,
+    make_ray,
     meet_solid,
     sight_is_clear,
 )
@@ -68,8 +69,9 @@ def country() -> World:
 def by_brute_force(world: World, eye: np.ndarray, way: np.ndarray, far: float) -> float:
     """The nearest of all solids, and of the terrain by small steps and bisection."""
     nearest = far
+    ray = make_ray(world, *eye, *way)
     for solid in range(len(world.solid_kind)):
-        nearest = min(nearest, meet_solid(world, solid, *eye, *way, nearest)[0])
+        nearest = min(nearest, meet_solid(world, solid, ray, nearest)[0])
 
     def above(t: float) -> float:
         x, y, z = eye + way * t
