@@ -7,10 +7,11 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 from wildscav_evaluator.jobs import Job, JobResult
 from wildscav_evaluator.run import metric_infos
-from wildscav_evaluator.tables import number
+from wildscav_evaluator.tables import counted, number
 
 
 class Line:
@@ -34,7 +35,8 @@ class Line:
         """The mean score so far, as text."""
         if not self.scores:
             return "-"
-        return f"{number(sum(self.scores) / len(self.scores), self.metric)} {self.metric.title}"
+        unit = f" {self.metric.unit}" if self.metric.unit and not self.metric.title.endswith("rate") else ""
+        return f"{number(sum(self.scores) / len(self.scores), self.metric)}{unit} {self.metric.title}"
 
 
 class EvaluationProgress:
@@ -68,15 +70,15 @@ class EvaluationProgress:
         self._bar.advance(self._task)
         row = result.row
         if row.fault is not None:
-            self._say(f"[red]{result.job.stem}: {row.status}, {row.fault}'s fault[/red]", row.detail)
+            self._say(f"{result.job.stem}: {row.status}, {row.fault}'s fault", row.detail, "red")
         if result.complaint:
-            self._say("[yellow]note[/yellow]", result.complaint)
+            self._say("note", result.complaint, "yellow")
         if line.done == line.total and not self._console.is_terminal:
-            self._say(f"{line.submission} on {line.track}", f"{line.done} matches, {line.score}")
+            self._say(f"{line.submission} on {line.track}", f"{counted(line.done, 'match')}, {line.score}")
 
-    def _say(self, marked: str, plain: str) -> None:
-        self._console.print(f"{marked}: ", end="", soft_wrap=True)
-        self._console.print(plain, markup=False, highlight=False, soft_wrap=True)
+    def _say(self, what: str, detail: str, style: str = "") -> None:
+        # One text with no options: the table below it is drawn again with the options of this print.
+        self._console.print(Text.assemble((what, style), f": {detail}"))
 
     def _render(self) -> Group:
         table = Table.grid(padding=(0, 2))
