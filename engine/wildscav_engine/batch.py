@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, Field, no_actions
 from wildscav_engine.kernel import array_kernel, parallel_kernel
@@ -35,6 +35,8 @@ class Batch:
         """
         self.specs = tuple(specs)
         self.maps = tuple(maps) if maps is not None else tuple(map_of(spec.map) for spec in specs)
+        if len(self.maps) != len(self.specs):
+            raise MatchSetupError(f"{len(self.maps)} maps are given for {len(self.specs)} matches")
         first = _shared(self.specs)
         self.track = TRACKS[first.track]
         self.rules = first.rules
@@ -53,9 +55,10 @@ class Batch:
         for index, setup in enumerate(self.setups):
             self.state.matches.map_index[index] = places[id(self.maps[index])]
             place_match(self.state, index, setup)
-        self._play(play_batch, no_actions(len(self.specs) * seats), opening=True)
+        nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
+        self._play(play_batch, nothing, opening=True)
 
-    def step(self, actions: NDArray[np.float32], *, threads: int = 1) -> NDArray[np.float32]:
+    def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
         """Play one step of every match that is not over.
 
         Args:
@@ -66,21 +69,45 @@ class Batch:
 
         Returns:
             (B, A, FIELDS), the actions as they were played.
+
+        Raises:
+            ValueError: The actions have another shape or are no real numbers, or there are too few or too
+                many threads.
         """
+        rows = check_actions(actions, self.state.agents.present.shape)
         play = play_batch
-        if threads > 1:
+        if threads != 1:
             numba.set_num_threads(threads)
             play = play_batch_in_threads
-        return self._play(play, actions, opening=False)
+        return self._play(play, rows, opening=False)
 
     def _play(
         self, play: Callable[..., None], actions: NDArray[np.float32], *, opening: bool
     ) -> NDArray[np.float32]:
         """Open the matches or play one step, and return the actions as played."""
-        played = np.array(actions, np.float32).reshape(len(self.specs), -1, FIELDS)
         held = self.frames_per_action
-        play(self.bank, *self.state, self.seen, played, self.allowed, held, self.rules, opening)
-        return played
+        play(self.bank, *self.state, self.seen, actions, self.allowed, held, self.rules, opening)
+        return actions
+
+
+def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Return a copy of some actions, having checked that they are what a kernel expects.
+
+    Args:
+        actions: Rows of FIELDS numbers.
+        shape: What they must have before the last axis: (B, A), or (A,).
+
+    Raises:
+        ValueError: They have another shape, or are no real numbers.
+    """
+    rows = np.asarray(actions)
+    if rows.shape != (*shape, FIELDS) or rows.dtype.kind not in "biuf":
+        wanted = (*shape, FIELDS)
+        raise ValueError(
+            f"actions are {rows.dtype} of shape {rows.shape}, must be real numbers of shape {wanted}"
+        )
+    with np.errstate(over="ignore"):  # too large for 32 bits becomes infinite, which is no action
+        return np.array(rows, np.float32, order="C")
 
 
 def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.actions import FIELDS, no_actions
-from wildscav_engine.batch import Batch
+from wildscav_engine.actions import no_actions
+from wildscav_engine.batch import Batch, check_actions
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.result import MatchResult, SeatResult
 from wildscav_engine.sensors.visibility import Seen
@@ -94,22 +94,31 @@ class Match:
         return int(self.state.matches.digest[0])
 
     def start_info(self, seat: int) -> StartInfo:
-        """Return what a seat is told before the first step."""
+        """Return what a seat is told before the first step.
+
+        Raises:
+            ValueError: The match has no such seat.
+        """
+        if not 0 <= seat < self.seats:
+            raise ValueError(f"there is no seat {seat}; the seats are 0 to {self.seats - 1}")
         setup = self._batch.setups[0]
         target = None if setup.target is None else _triple(setup.target)
         seed = seed_of_seat(self.spec, seat)
         return StartInfo(_triple(setup.starts[seat]), target, seat, seed, setup.waves)
 
-    def step(self, actions: NDArray[np.float32] | None = None) -> None:
+    def step(self, actions: ArrayLike | None = None) -> None:
         """Play one step; nothing happens once the match is over.
 
         Args:
             actions: (A, FIELDS), as ``Batch.step`` takes them; None for no action of anyone.
+
+        Raises:
+            ValueError: The actions have another shape or are no real numbers.
         """
         if self.over:
             return
-        rows = no_actions(self.seats) if actions is None else actions
-        self.actions_played.append(self._batch.step(rows.reshape(1, self.seats, FIELDS))[0])
+        rows = no_actions(self.seats) if actions is None else check_actions(actions, (self.seats,))
+        self.actions_played.append(self._batch.step(rows[np.newaxis])[0])
         self.digests.append(self.digest)
 
     def play_out(self) -> None:

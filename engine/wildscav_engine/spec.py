@@ -112,6 +112,11 @@ class MatchSpec(Spec):
 
         if self.track not in TRACKS:
             raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(TRACKS)}")
+        track = TRACKS[self.track]
+        if self.target is not None and not track.has_target:
+            raise ValueError(f"target is given, but {self.track} has no target")
+        if self.supplies is not None and not track.has_supplies:
+            raise ValueError(f"supplies are given, but {self.track} has no supplies")
         for seat, name in enumerate(self.seats):
             if name != SUBMISSION and name not in ROBOTS:
                 allowed = ", ".join([SUBMISSION, *ROBOTS])

@@ -122,3 +122,28 @@ def test_matches_that_differ_in_track_or_rules_cannot_share_a_batch() -> None:
         Batch([first, second.model_copy(update={"frames_per_action": 3})])
     with pytest.raises(MatchSetupError, match="at least one"):
         Batch([])
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        np.zeros((2, 4, 8)),
+        np.zeros((2, 6, 8)),
+        np.zeros((1, 5, 8)),
+        np.zeros(80),
+        np.zeros((2, 5, 8), complex),
+    ],
+)
+def test_actions_of_another_shape_are_refused_before_a_kernel_sees_them(rows: np.ndarray) -> None:
+    batch = Batch([specs(3)[2]] * 2)
+    with pytest.raises(ValueError, match=r"must be real numbers of shape \(2, 5, 8\)"):
+        batch.step(rows)
+
+
+def test_a_match_takes_lists_and_refuses_other_shapes() -> None:
+    match = Match(specs(1)[0])
+    match.step([[0.0] * 8] * 3)
+    with pytest.raises(ValueError, match=r"must be real numbers of shape \(3, 8\)"):
+        match.step(np.zeros((8, 3)))
+    with pytest.raises(ValueError, match="there is no seat -1; the seats are 0 to 2"):
+        match.start_info(-1)

@@ -16,6 +16,8 @@ from wildscav_engine.spec import MapConfig, MatchSpec, SupplyConfig, one_line
             "seat 0 is filled by 'wizard'; allowed are submission",
         ),
         ({"track": "battle", "seats": []}, "seats"),
+        ({"track": "battle", "target": [0, 0, 0]}, "target is given, but battle has no target"),
+        ({"track": "navigation", "supplies": {}}, "supplies are given, but navigation has no supplies"),
         ({"track": "battle", "time_limit": 0}, "time_limit: Input should be greater than 0, not 0"),
         ({"track": "battle", "seed": -1}, "seed"),
         ({"track": "battle", "rules": {"gravity": 1}}, "no rule is called gravity"),

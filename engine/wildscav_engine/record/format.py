@@ -36,6 +36,8 @@ MAGIC = b"WILDSCAV"
 FORMAT_VERSION = 1
 PREAMBLE = struct.Struct("<8sHI")
 CHECKSUM_SIZE = 32  # bytes
+ARRAYS_LIMIT = 1 << 30  # bytes, unpacked: no record makes its reader run out of memory
+HEADER_KEYS = {"spec", "map_digest", "engine_version", "names", "result", "steps"}
 SUFFIX = ".wsr"
 
 
@@ -107,7 +109,7 @@ def encode(record: Record) -> bytes:
         "result": record.result.model_dump(mode="json"),
         "steps": record.steps,
     }
-    text = json.dumps(header, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
+    text = canonical(header)
     arrays = record.actions.astype("<f4").tobytes() + record.digests.astype("<u8").tobytes()
     body = PREAMBLE.pack(MAGIC, FORMAT_VERSION, len(text)) + text + zlib.compress(arrays, 6)
     return body + blake2b(body, digest_size=CHECKSUM_SIZE).digest()
@@ -144,24 +146,35 @@ def decode(data: bytes) -> Record:
     if blake2b(body, digest_size=CHECKSUM_SIZE).digest() != checksum:
         raise RecordError("cut short or edited: its checksum does not match")
     try:
-        header = json.loads(body[PREAMBLE.size : PREAMBLE.size + header_size])
-        return _assemble(header, zlib.decompress(body[PREAMBLE.size + header_size :]))
+        text, packed = body[PREAMBLE.size :][:header_size], body[PREAMBLE.size + header_size :]
+        header = json.loads(text)
+        if canonical(header) != text:
+            raise ValueError("its header is not in canonical form")
+        return _assemble(header, packed)
     except ValidationError as error:
         raise RecordError(f"its header is not valid: {one_line(error)}") from None
-    except (ValueError, KeyError, TypeError, zlib.error) as error:
+    except (ValueError, KeyError, TypeError, RecursionError, zlib.error) as error:
         raise RecordError(f"its contents are not valid: {error}") from None
 
 
-def _assemble(header: dict[str, Any], arrays: bytes) -> Record:
+def canonical(header: dict[str, Any]) -> bytes:
+    """Return a header as JSON in the one form that it may have."""
+    return json.dumps(header, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+def _assemble(header: dict[str, Any], packed: bytes) -> Record:
     """Build a record from its parts, checking that they fit each other."""
+    if set(header) != HEADER_KEYS:
+        raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     spec = MatchSpec.model_validate(header["spec"])
     steps, seats = int(header["steps"]), len(spec.seats)
     names = tuple(str(name) for name in header["names"])
-    action_bytes = steps * seats * FIELDS * 4
     if len(names) != seats:
         raise ValueError(f"{len(names)} names for {seats} seats")
-    if steps < 0 or len(arrays) != action_bytes + steps * 8:
-        raise ValueError(f"its arrays do not hold {steps} steps of {seats} seats")
+    if not 0 <= steps <= spec.step_limit:
+        raise ValueError(f"{steps} steps, of a match of {spec.step_limit} at most")
+    action_bytes = steps * seats * FIELDS * 4
+    arrays = _unpack(packed, action_bytes + steps * 8)
     actions = np.frombuffer(arrays[:action_bytes], "<f4").reshape(steps, seats, FIELDS)
     return Record(
         spec=spec,
@@ -172,3 +185,14 @@ def _assemble(header: dict[str, Any], arrays: bytes) -> Record:
         actions=actions.astype(np.float32),
         digests=np.frombuffer(arrays[action_bytes:], "<u8").astype(np.uint64),
     )
+
+
+def _unpack(packed: bytes, size: int) -> bytes:
+    """Return what was compressed, which must have just this size; never unpacks more than that."""
+    if size > ARRAYS_LIMIT:
+        raise ValueError(f"its arrays would have {size} bytes, {ARRAYS_LIMIT} are allowed")
+    unpacker = zlib.decompressobj()
+    arrays = unpacker.decompress(packed, size + 1)
+    if len(arrays) != size or not (unpacker.eof or size == 0) or unpacker.unused_data:
+        raise ValueError(f"its arrays do not have the {size} bytes that its steps and seats take")
+    return arrays

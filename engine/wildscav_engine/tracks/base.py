@@ -49,6 +49,11 @@ class Track(Protocol):
         """Whether reaching the target ends the match."""
         ...
 
+    @property
+    def has_supplies(self) -> bool:
+        """Whether there are supply boxes."""
+        ...
+
     def supplies(self, spec: MatchSpec) -> SupplyConfig | None:
         """Return where supplies lie, None for a track without any."""
         ...

@@ -17,6 +17,7 @@ class Battle:
     title = "Supply battle"
     fields = frozenset(Field)
     has_target = False
+    has_supplies = True
     metrics = (
         Metric("supplies", "supplies", "", lower_is_better=False),
         Metric("kills", "kills", "", lower_is_better=False),

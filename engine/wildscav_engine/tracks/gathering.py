@@ -17,6 +17,7 @@ class Gathering:
     title = "Supply gathering"
     fields = MOVES | {Field.PICK_UP}
     has_target = False
+    has_supplies = True
     metrics = (Metric("supplies", "supplies", "", lower_is_better=False),)
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:

@@ -15,12 +15,16 @@ PUNISHED_SPEED = 10.0  # m/s: a target not reached costs twice the time that the
 
 
 class Navigation:
-    """The target reached within the time limit: used time. Not reached: plus 2 · distance left / 10 s."""
+    """The target reached within the time limit: used time. Not reached: plus 2 · distance left / 10 s.
+
+    With several agents it is a race: the first at the target ends the match for all.
+    """
 
     name = "navigation"
     title = "Navigation"
     fields = MOVES
     has_target = True
+    has_supplies = False
     metrics = (
         Metric("time", "used + punish time", "s", lower_is_better=True),
         Metric("used_time", "used time", "s", lower_is_better=True),

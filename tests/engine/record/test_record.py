@@ -1,10 +1,13 @@
 """Records: what they keep, and what verification finds."""
 
 import dataclasses
+import json
 import os
 import resource
 import subprocess
 import sys
+import zlib
+from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +27,7 @@ from wildscav_engine.record import (
     verify_record,
     write_record,
 )
-from wildscav_engine.record.format import decode, encode
+from wildscav_engine.record.format import PREAMBLE, canonical, decode, encode
 from wildscav_engine.spec import MapConfig, MatchSpec
 
 
@@ -172,3 +175,37 @@ def test_a_match_can_be_written_as_it_stands(country: GameMap, tmp_path: Path) -
     match.step()
     write_record(tmp_path / "one.wsr", match, ["me"])
     assert read_record(tmp_path / "one.wsr").steps == 1
+
+
+def with_header(record: Record, text: bytes, arrays: bytes) -> bytes:
+    body = PREAMBLE.pack(b"WILDSCAV", 1, len(text)) + text + zlib.compress(arrays)
+    return body + blake2b(body, digest_size=32).digest()
+
+
+def test_a_bomb_is_refused_without_unpacking_it(record: Record) -> None:
+    data = encode(record)
+    header = json.loads(data[PREAMBLE.size :][: PREAMBLE.unpack_from(data)[2]])
+    with pytest.raises(RecordError, match="do not have the"):
+        decode(with_header(record, canonical(header), bytes(1 << 28)))
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        (b"[" * 100_000, "not valid"),
+        (b'{"steps":1}', "must have"),
+        (b'{ "steps":1}', "canonical"),
+        (b"[]", "not valid"),
+        (b"\xff", "not valid"),
+    ],
+)
+def test_a_strange_header_with_a_right_checksum_is_refused(record: Record, header: bytes, said: str) -> None:
+    with pytest.raises(RecordError, match=said):
+        decode(with_header(record, header, b""))
+
+
+def test_more_steps_than_the_match_can_have_are_refused(record: Record) -> None:
+    data = encode(record)
+    header = json.loads(data[PREAMBLE.size :][: PREAMBLE.unpack_from(data)[2]])
+    with pytest.raises(RecordError, match="80 at most"):
+        decode(with_header(record, canonical({**header, "steps": 10**9}), b""))
