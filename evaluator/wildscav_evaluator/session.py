@@ -1,11 +1,9 @@
 """An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
 
-import shutil
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from wildscav.console import console
+from wildscav.console import command, console
 from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
@@ -13,7 +11,7 @@ from wildscav_evaluator.output import output_folder
 from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
-from wildscav_evaluator.sinks import sinks
+from wildscav_evaluator.sinks import ResultSink, sinks
 from wildscav_evaluator.tables import ranked, track_table
 from wildscav_evaluator.workers import WorkerDiedError, Workers
 
@@ -28,6 +26,9 @@ def run_session(plan: Plan, database: Path) -> None:
             its matches, after everything else was shown and kept.
     """
     check_names(plan.submissions)
+    kept_by = tuple(sinks(str(database)))
+    for sink in kept_by:
+        sink.check()
     with output_folder(plan.out):
         try:
             results = _evaluate(plan)
@@ -38,7 +39,7 @@ def run_session(plan: Plan, database: Path) -> None:
         for track in results.tracks:
             console.print()
             console.print(track_table(results, track))
-        complaints = list(_keep(results, plan, database))
+        complaints = list(_keep(results, plan, kept_by, database))
         complaints += [
             _all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
         ]
@@ -56,7 +57,7 @@ def _evaluate(plan: Plan) -> Results:
             return evaluate(plan, workers, jobs, progress.add)
 
 
-def _keep(results: Results, plan: Plan, database: Path) -> Iterator[str]:
+def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
     """Write the results and hand them to the sinks; say where all is, and yield what went wrong."""
     console.print()
     try:
@@ -67,7 +68,7 @@ def _keep(results: Results, plan: Plan, database: Path) -> Iterator[str]:
     recorded = sum(row.record is not None for row in rows)
     _say("records", f"{plan.out / RECORDS} ({recorded} matches)")
     _say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
-    for sink in sinks(str(database)):
+    for sink in kept_by:
         try:
             _say("database", sink.store(results))
             _say("", f"standings: {command('wildscav')} leaderboard --db {database}")
@@ -101,13 +102,3 @@ def _all_failed(evaluation: Evaluation, out: Path) -> str:
     first = evaluation.matches[0]
     see = f" (its log: {out / first.log})" if first.log else ""
     return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"
-
-
-def command(name: str) -> str:
-    """Return what to type to run a program that was installed with this one."""
-    beside = Path(sys.executable).parent / name
-    found = shutil.which(name)
-    if found is not None and Path(found).absolute() == beside.absolute():
-        return name
-    here = Path.cwd()
-    return str(beside.relative_to(here) if beside.is_relative_to(here) else beside)

@@ -10,7 +10,7 @@ from rich import box
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from wildscav.console import console
+from wildscav.console import command, console
 from wildscav.errors import UserError
 from wildscav.server import HostedMatch
 from wildscav_engine.record import SUFFIX, read_record, write_record
@@ -19,7 +19,6 @@ from wildscav_evaluator.jobs import FINISHED
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.run import metric_infos
 from wildscav_evaluator.seating import BATTLE_ROBOTS
-from wildscav_evaluator.session import command
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.tables import add_columns, heading, number
 from wildscav_evaluator.warm import warm

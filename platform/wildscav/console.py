@@ -1,6 +1,28 @@
-"""The consoles that every command prints to."""
+"""What every command prints with: the consoles, and how text and commands are shown."""
+
+import shutil
+import sys
+from pathlib import Path
 
 from rich.console import Console
 
 console = Console()
 error_console = Console(stderr=True)
+
+
+def printable(text: str) -> str:
+    """Return a text that cannot steer a terminal: whatever is no plain character stands as its escape."""
+    return "".join(
+        character if character.isprintable() else character.encode("unicode_escape").decode()
+        for character in text
+    )
+
+
+def command(name: str) -> str:
+    """Return what to type to run a program that was installed with this one."""
+    beside = Path(sys.executable).parent / name
+    found = shutil.which(name)
+    if found is not None and Path(found).absolute() == beside.absolute():
+        return name
+    here = Path.cwd()
+    return str(beside.relative_to(here) if beside.is_relative_to(here) else beside)

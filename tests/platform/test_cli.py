@@ -8,6 +8,7 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import grpc
@@ -21,6 +22,7 @@ from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server import MatchServer, SeatStatus
 from wildscav.wire.errors import reason_of
 from wildscav_engine.record import read_record, write_record
+from wildscav_engine.record.format import save
 from wildscav_engine.tracks import TRACKS
 
 COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
@@ -143,11 +145,36 @@ def test_verify_tells_good_records_from_bad_ones(record: Path, tmp_path: Path) -
 
 def test_replay_writes_a_recording_and_says_how_to_open_it(record: Path, tmp_path: Path) -> None:
     pytest.importorskip("rerun")
-    done = wildscav("replay", record, "-o", tmp_path / "match.rrd")
+    done = wildscav("replay", record, "-o", tmp_path / "match.rrd", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert f"rerun {tmp_path / 'match.rrd'}" in done.stdout
+    assert f"{Path(sys.executable).parent / 'rerun'} {tmp_path / 'match.rrd'}" in done.stdout
     assert (tmp_path / "match.rrd").stat().st_size > 1000
     assert wildscav("replay", record, "--follow", 2).returncode == 2
+
+
+@pytest.mark.parametrize("way", ["same", "link", "default"])
+def test_a_replay_never_overwrites_its_record(record: Path, tmp_path: Path, way: str) -> None:
+    before = record.read_bytes()
+    arguments: dict[str, list[Path | str]] = {
+        "same": [record, "-o", record],
+        "link": [record, "-o", tmp_path / "link"],
+        "default": [tmp_path / "match.rrd"],
+    }
+    (tmp_path / "link").symlink_to(record)
+    (tmp_path / "match.rrd").hardlink_to(record)
+    done = wildscav("replay", *arguments[way])
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "is the record itself" in done.stderr
+    assert record.read_bytes() == (tmp_path / "match.rrd").read_bytes() == before
+
+
+def test_a_match_that_cannot_be_set_up_again_is_one_clear_line(record: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    save(replace(read_record(record), map_digest="\x1b[31melsewhere"), tmp_path / "other.wsrec")
+    done = wildscav("replay", tmp_path / "other.wsrec")
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert "other.wsrec: played on map \\x1b[31melsewhere" in done.stderr
+    assert not (tmp_path / "other.rrd").exists()
 
 
 @pytest.mark.parametrize(

@@ -137,7 +137,9 @@ def main() -> None:
 
 
 def _fail(message: str, exit_code: int) -> None:
-    typer.echo(f"wildscav: {' '.join(message.split())}", err=True)
+    from wildscav.console import printable
+
+    typer.echo(f"wildscav: {printable(' '.join(message.split()))}", err=True)
     sys.exit(exit_code)
 
 

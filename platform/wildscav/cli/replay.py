@@ -1,9 +1,11 @@
 """``wildscav replay``: render a record as a Rerun recording."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 
 from wildscav.errors import UserError
 
@@ -20,9 +22,9 @@ def replay(
     depth: Annotated[bool, typer.Option(help="Draw the followed agent's depth map.")] = True,
 ) -> None:
     """Render a record as a replay that can be watched in 3D."""
-    from wildscav.console import console, error_console
+    from wildscav.console import command, console, error_console
     from wildscav_engine.record import RecordError, read_record
-    from wildscav_engine.view import write_replay
+    from wildscav_engine.view import ViewError, write_replay
 
     try:
         played = read_record(record)
@@ -33,7 +35,20 @@ def replay(
             f"--follow is {follow}; the match has seats 0 to {len(played.names) - 1}", exit_code=2
         )
     path = output or record.with_suffix(".rrd")
-    with error_console.status(f"rendering {path.name}"):
-        write_replay(played, path, follow=follow, depth=depth)
-    console.print(f"{path}: {path.stat().st_size / 1e6:.1f} MB. Open it with:", highlight=False)
-    console.print(f"  rerun {path}", highlight=False, soft_wrap=True)
+    if path.exists() and path.samefile(record):
+        raise UserError(
+            f"{path} is the record itself, which the replay would overwrite: name another --output",
+            exit_code=2,
+        )
+    with error_console.status(f"rendering {escape(path.name)}"):
+        try:
+            write_replay(played, path, follow=follow, depth=depth)
+        except RecordError as error:
+            raise UserError(f"{record}: {error}") from None
+        except ViewError as error:
+            raise UserError(str(error)) from None
+    lines = (
+        f"{path}: {path.stat().st_size / 1e6:.1f} MB. Open it with:",
+        f"  {command('rerun')} {shlex.quote(str(path))}",
+    )
+    console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
