@@ -12,6 +12,14 @@ GROUP = "wildscav.result_sinks"
 class ResultSink(Protocol):
     """A place that keeps results. Made with the text of ``--db``."""
 
+    def check(self) -> None:
+        """See, before anything is played, whether results can be kept; leave nothing behind that is new.
+
+        Raises:
+            UserError: They cannot.
+        """
+        ...
+
     def store(self, evaluations: Results) -> str:
         """Keep results, all or nothing, and return a line that says where.
 

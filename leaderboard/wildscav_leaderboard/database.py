@@ -1,15 +1,36 @@
 """Opening the database, and the one line that says why it cannot be opened."""
 
+import contextlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sqlalchemy import Engine, create_engine, inspect
+from sqlalchemy import Connection, Engine, create_engine, inspect
 from sqlalchemy.exc import DatabaseError, OperationalError
 from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError
 from wildscav_leaderboard.models import Base
+
+
+def check_writable(path: Path) -> None:
+    """See whether ``writing`` would work: an old database is only opened, a new one made and removed.
+
+    Raises:
+        UserError: It would not.
+    """
+    new = not path.exists()
+    folders = [folder for folder in path.absolute().parents if not folder.exists()]
+    try:
+        with _opened_to_write(path) as connection:
+            if new:
+                connection.commit()  # shows a full disk
+        if new:
+            path.unlink()
+    finally:
+        for folder in folders:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
 
 
 @contextmanager
@@ -19,14 +40,25 @@ def writing(path: Path) -> Iterator[Session]:
     Raises:
         UserError: It cannot be made or written, or is something else.
     """
+    with _opened_to_write(path) as connection, Session(connection) as session:
+        yield session
+        session.flush()
+        connection.commit()
+
+
+@contextmanager
+def _opened_to_write(path: Path) -> Iterator[Connection]:
+    """Yield a connection in a transaction in which our tables are made; it is lost unless committed."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"cannot make the folder of the database {path}: {error.strerror}") from error
-    with _one_line(path), _engine(path) as engine:
-        Base.metadata.create_all(engine)
-        with Session(engine) as session, session.begin():
-            yield session
+    with _nothing_half_made(path), _one_line(path), _engine(path) as engine, engine.connect() as connection:
+        # Takes the database at once, so that making tables is part of the transaction.
+        connection.exec_driver_sql("BEGIN IMMEDIATE")
+        _check_ours(path, connection, may_be_empty=True)
+        Base.metadata.create_all(connection)
+        yield connection
 
 
 @contextmanager
@@ -40,12 +72,30 @@ def reading(path: Path) -> Iterator[Session]:
         raise UserError(
             f"there is no database {path}: `wildscav evaluate` makes it, or name another with --db", 2
         )
-    with _one_line(path), _engine(path) as engine:
-        missing = set(Base.metadata.tables) - set(inspect(engine).get_table_names())
-        if missing:
-            raise UserError(f"{path} is a database, but not a leaderboard's: name another with --db", 2)
-        with Session(engine) as session:
+    with _one_line(path), _engine(path) as engine, engine.connect() as connection:
+        _check_ours(path, connection, may_be_empty=False)
+        with Session(connection) as session:
             yield session
+
+
+def _check_ours(path: Path, connection: Connection, *, may_be_empty: bool) -> None:
+    """Refuse a database that has not all of our tables: it is somebody else's."""
+    tables = set(inspect(connection).get_table_names())
+    if may_be_empty and not tables:
+        return
+    if set(Base.metadata.tables) - tables:
+        raise UserError(f"{path} is a database, but not a leaderboard's: name another with --db", 2)
+
+
+@contextmanager
+def _nothing_half_made(path: Path) -> Iterator[None]:
+    """Remove an empty file that a database which came to nothing left behind, if it was not there before."""
+    was_there = path.exists()
+    try:
+        yield
+    finally:
+        if not was_there and path.is_file() and path.stat().st_size == 0:
+            path.unlink()
 
 
 @contextmanager

@@ -7,7 +7,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator import results
-from wildscav_leaderboard.database import writing
+from wildscav_evaluator.tables import counted
+from wildscav_leaderboard.database import check_writable, writing
 from wildscav_leaderboard.models import Evaluation, MatchResult, Score, Submission
 
 
@@ -16,6 +17,14 @@ class DatabaseSink:
 
     def __init__(self, path: str) -> None:
         self._path = Path(path)
+
+    def check(self) -> None:
+        """See whether the database can be written; one that is not there yet is not made.
+
+        Raises:
+            UserError: It cannot, or is not a leaderboard's.
+        """
+        check_writable(self._path)
 
     def store(self, evaluations: results.Results) -> str:
         """Store all evaluations, or none, and return a line that says where.
@@ -26,7 +35,8 @@ class DatabaseSink:
         with writing(self._path) as session:
             for evaluation in evaluations.evaluations:
                 _store(session, evaluations, evaluation)
-        return f"{len(evaluations.evaluations)} evaluations are in the database {self._path}"
+        count = len(evaluations.evaluations)
+        return f"{counted(count, 'evaluation')} {'is' if count == 1 else 'are'} in the database {self._path}"
 
 
 def _store(session: Session, whole: results.Results, evaluation: results.Evaluation) -> None:

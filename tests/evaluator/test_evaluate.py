@@ -16,6 +16,7 @@ from wildscav_evaluator.results import Results, read_results
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.suites import suite
 from wildscav_evaluator.warm import warm
+from wildscav_leaderboard.database import writing
 
 Submit = Callable[..., Submission]
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
@@ -180,6 +181,8 @@ def test_bad_options_are_usage_errors(wildscav: Command, arguments: list[str]) -
 
 def test_a_full_disk_is_one_clear_line_after_the_tables(submit: Submit, tmp_path: Path) -> None:
     walker, out = submit("walker", WALKER), tmp_path / "out"
+    with writing(out / "db"):
+        pass  # there already, it passes the check before the first match
     arguments = ["evaluate", walker.folder, f"--out={out}", f"--db={out / 'db'}", "--replays=none"]
     done = run_with_file_limit(arguments)
 
@@ -187,6 +190,19 @@ def test_a_full_disk_is_one_clear_line_after_the_tables(submit: Submit, tmp_path
     assert f"the results could not be kept: {out / 'results.json'}: " in complaint(done)
     assert "navigation · suite quick" in done.stdout
     assert not list(out.rglob("results.json*")), "no half-written file is left"
+
+
+def test_what_cannot_be_kept_in_the_database_is_not_played(
+    submit: Submit, wildscav: Command, tmp_path: Path
+) -> None:
+    walker, out = submit("walker", WALKER), tmp_path / "out"
+    (tmp_path / "db").write_text("a letter " * 200)
+
+    done = wildscav("evaluate", walker.folder, f"--out={out}", f"--db={tmp_path / 'db'}")
+
+    assert done.returncode == 1
+    assert "is not a leaderboard's database" in complaint(done)
+    assert not out.exists()
 
 
 def run_with_file_limit(arguments: list[object]) -> "subprocess.CompletedProcess[str]":

@@ -1,5 +1,9 @@
 """The sink: every evaluation once, all of it or nothing."""
 
+import contextlib
+import sqlite3
+import subprocess
+import sys
 from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -83,6 +87,55 @@ def test_what_cannot_be_written_is_one_clear_line(
 
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def foreign(path: Path) -> None:
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        connection.execute("CREATE TABLE recipes (name TEXT)")
+        connection.commit()
+
+
+@pytest.mark.parametrize("use", ["check", "store"])
+def test_a_strangers_database_is_refused_and_stays_as_it_is(
+    make_results: Make, tmp_path: Path, use: str
+) -> None:
+    path = tmp_path / "recipes.db"
+    foreign(path)
+    before = path.read_bytes()
+    sink = DatabaseSink(str(path))
+
+    with pytest.raises(UserError, match="is a database, but not a leaderboard's"):
+        sink.check() if use == "check" else sink.store(make_results({("homing", "navigation"): [1.0]}))
+
+    assert path.read_bytes() == before
+
+
+def test_a_check_leaves_nothing_new_behind_and_nothing_old_changed(
+    make_results: Make, tmp_path: Path
+) -> None:
+    path = tmp_path / "new" / "folder" / "wildscav.db"
+    sink = DatabaseSink(str(path))
+
+    sink.check()
+    assert list(tmp_path.iterdir()) == []
+
+    assert sink.store(make_results({("homing", "navigation"): [1.0]})).startswith("1 evaluation is in")
+    before = path.read_bytes()
+    sink.check()
+    assert path.read_bytes() == before
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_full_disk_leaves_no_empty_database(tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    code = f"from wildscav_leaderboard.sink import DatabaseSink; DatabaseSink({str(path)!r}).check()"
+    # Nothing beyond 512 or 1024 bytes can be written: as on a full disk, writes fail.
+    command = ["sh", "-c", 'ulimit -f 1 && exec "$@"', "sh", sys.executable, "-c", code]
+
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+
+    assert "cannot be used" in done.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_cannot_be_made_is_one_clear_line(make_results: Make) -> None:
