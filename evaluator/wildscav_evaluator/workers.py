@@ -8,6 +8,7 @@ import asyncio
 import contextlib
 import ctypes
 import multiprocessing
+import os
 import signal
 import sys
 from collections import deque
@@ -34,7 +35,7 @@ class Worker:
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
-        self.process: BaseProcess = context.Process(target=_work, args=(theirs,), daemon=True)
+        self.process: BaseProcess = context.Process(target=_work, args=(theirs, os.getpid()), daemon=True)
         self.process.start()
         theirs.close()
         self.job: Job | None = None
@@ -136,10 +137,15 @@ def _next_job(worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker
         busy[worker.connection] = worker
 
 
-def _work(connection: Connection) -> None:
-    """Do what is asked until nobody asks any more. Runs in the worker's process."""
+def _work(connection: Connection, parent: int) -> None:
+    """Do what is asked until nobody asks any more. Runs in the worker's process.
+
+    Args:
+        connection: Where jobs come from and results go.
+        parent: The process that started this one.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the evaluation, which then ends us
-    end_with_parent()
+    end_with_parent(parent)
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
         while True:
             message = connection.recv()
@@ -161,7 +167,13 @@ def _leave(number: int, _: object) -> None:
     raise SystemExit(128 + number)
 
 
-def end_with_parent() -> None:
-    """Have Linux end this process in good order when its parent is gone, however that came about."""
+def end_with_parent(parent: int) -> None:
+    """Have Linux end this process in good order when its parent is gone, however that came about.
+
+    Args:
+        parent: The process that started this one.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        if os.getppid() != parent:  # it was gone before Linux was told
+            raise SystemExit(128 + signal.SIGTERM)

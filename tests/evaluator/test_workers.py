@@ -1,5 +1,8 @@
 """Workers: one that dies costs the match that it was at, and nothing else."""
 
+import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -89,3 +92,14 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Sub
         assert agent.exists()
 
     assert not agent.exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of a parent's end")
+def test_a_worker_whose_parent_is_gone_before_it_began_ends_at_once() -> None:
+    code = "import os; from wildscav_evaluator.workers import end_with_parent; end_with_parent({})"
+
+    with_parent = [sys.executable, "-c", code.format("os.getppid()")]
+    without = [sys.executable, "-c", code.format("os.getppid() + 1")]
+
+    assert subprocess.run(with_parent).returncode == 0
+    assert subprocess.run(without).returncode == 128 + signal.SIGTERM
