@@ -7,7 +7,7 @@ from wildscav.console import command, console
 from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
-from wildscav_evaluator.output import output_folder
+from wildscav_evaluator.output import check_out, output_folder
 from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
@@ -26,6 +26,7 @@ def run_session(plan: Plan, database: Path) -> None:
             its matches, after everything else was shown and kept.
     """
     check_names(plan.submissions)
+    check_out(plan.out, plan.submissions)
     kept_by = tuple(sinks(str(database)))
     for sink in kept_by:
         sink.check()

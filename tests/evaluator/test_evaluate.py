@@ -13,7 +13,7 @@ import pytest
 from wildscav_engine.record import read_record, save, verify_record
 from wildscav_evaluator.output import output_folder
 from wildscav_evaluator.results import Results, read_results
-from wildscav_evaluator.submission import Submission
+from wildscav_evaluator.submission import Submission, folder_digest
 from wildscav_evaluator.suites import suite
 from wildscav_evaluator.warm import warm
 from wildscav_leaderboard.database import writing
@@ -160,18 +160,23 @@ def test_an_evaluation_into_a_used_folder_replaces_what_was_there_and_no_more(
         ),
         (["{walker}", "--track", "battle"], 2, "'walker' does not play battle"),
         (["{walker}", "{walker}"], 2, "two submissions are called 'walker'"),
+        (["{walker}", "--out", "{walker}"], 2, "walker is the folder of a submission"),
+        (["{walker}", "--out", "{walker}/out/deep"], 2, "walker/out/deep is in the folder of a submission"),
+        (["{walker}", "--out", "{other}/out"], 2, "other/out is in the folder of a submission"),
         (["{walker}", "--out", "/dev/null/out"], 1, "cannot make the output folder /dev/null/out"),
     ],
 )
 def test_bad_input_is_one_clear_line(
     wildscav: Command, submit: Submit, arguments: list[str], code: int, says: str
 ) -> None:
-    walker = submit("walker", WALKER).folder
+    walker, other = submit("walker", WALKER), submit("other", WALKER)
+    folders = {"walker": walker.folder, "other": other.folder}
 
-    done = wildscav("evaluate", *(argument.format(walker=walker) for argument in arguments))
+    done = wildscav("evaluate", *(argument.format(**folders) for argument in arguments))
 
     assert done.returncode == code
     assert says in complaint(done)
+    assert walker.digest == folder_digest(walker.folder)
 
 
 @pytest.mark.parametrize("arguments", [["--suite", "slow"], ["--jobs", "0"], ["--seed", "x"], []])
@@ -219,5 +224,6 @@ def test_two_evaluations_do_not_write_into_one_folder(
     with output_folder(tmp_path / "out"):
         done = evaluate(wildscav, walker.folder, out=tmp_path / "out")
 
+    assert [path.name for path in (tmp_path / "out").iterdir() if path.is_file()] == []
     assert done.returncode == 1
     assert "another evaluation is writing to" in complaint(done)
