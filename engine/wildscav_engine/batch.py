@@ -140,6 +140,7 @@ def agents_of(agents: Agents, match: int, seats: int) -> Agents:
         agents.on_ground[match][:seats],
         agents.in_water[match][:seats],
         agents.walked[match][:seats],
+        agents.reached[match][:seats],
         agents.health[match][:seats],
         agents.respawn_left[match][:seats],
         agents.invincible_left[match][:seats],

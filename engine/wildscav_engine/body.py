@@ -13,6 +13,6 @@ TAN_SLOPE_LIMIT = 1.0
 COS_SLOPE_LIMIT = 0.7071067811865476
 SLIDE_SPEED = 5.0  # m/s, downhill on steeper ground
 GRAVITY = 9.81  # m/s²
-JUMP_SPEED = 5.0  # m/s upwards: 1.27 m high, 1.02 s long on level ground
+JUMP_SPEED = 5.0  # m/s upwards: 1.27 m high, 1.02 s long on level ground; none in water or on steep ground
 FALL_SPEED_LIMIT = 50.0  # m/s
 EDGE_MARGIN = 0.5  # m between the body's axis and the edge of the map

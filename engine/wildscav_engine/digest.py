@@ -82,7 +82,7 @@ def digest_step(
         digest = _mix_counts(digest, counts)
     for counts in (agents.hit_seat, agents.hit_by_seat, agents.gained):
         digest = _mix_counts(digest, counts)
-    for flags in (agents.on_ground, agents.in_water, agents.fired):
+    for flags in (agents.on_ground, agents.in_water, agents.reached, agents.fired):
         digest = _mix_flags(digest, flags)
     # Where boxes lie follows from the spec and from where agents died, so it need not be read each step.
     digest = _mix_counts(digest, supplies.quantity)

@@ -36,6 +36,9 @@ class Stream(IntEnum):
     RESPAWN = 14
     ROBOT = 15
     AGENT_SEED = 16
+    WAVE_CENTER = 17
+    TURNS = 18
+    BOX_SERIAL = 19
     SUITE = 20
 
 

@@ -9,6 +9,7 @@ from wildscav_engine.body import EDGE_MARGIN
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.locations import is_clear
 from wildscav_engine.rng import Dice, Stream, philox
 from wildscav_engine.robots import ROBOTS
 from wildscav_engine.rules import FRAMES_PER_SECOND
@@ -65,7 +66,7 @@ def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
     """Decide starts, target and supplies of a match.
 
     Raises:
-        MatchSetupError: A start or target is outside the map.
+        MatchSetupError: A start or target is outside the map or inside something.
     """
     track = TRACKS[spec.track]
     starts = _choose_starts(spec, game_map)
@@ -114,13 +115,16 @@ def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: 
     """Return a place of the spec, lifted onto the ground.
 
     Raises:
-        MatchSetupError: It is outside the map.
+        MatchSetupError: It is outside the map, or inside something.
     """
     x, y, z = place
     limit = game_map.config.size / 2 - EDGE_MARGIN
     if max(abs(x), abs(z)) > limit:
         raise MatchSetupError(f"{name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
-    return np.array([x, max(y, ground_at(game_map.world, x, z).height), z])
+    standing = max(y, ground_at(game_map.world, x, z).height)
+    if not is_clear(game_map.world, x, standing + LIFT, z):
+        raise MatchSetupError(f"{name} is at x = {x}, y = {y}, z = {z}: inside something")
+    return np.array([x, standing, z])
 
 
 def _choose_boxes(
@@ -128,7 +132,7 @@ def _choose_boxes(
 ) -> tuple[tuple[Boxes, ...], tuple[WaveInfo, ...]]:
     boxes, waves = [], []
     seed = np.uint64(spec.seed)
-    for number, wave in enumerate(config.waves):
+    for number, wave in enumerate(sorted(config.waves, key=lambda wave: wave.time)):
         x, z = _center_of(spec, game_map, wave, number)
         waves.append(WaveInfo(wave.time, (x, z), wave.radius))
         appears = round(wave.time * FRAMES_PER_SECOND)
@@ -146,7 +150,7 @@ def _center_of(spec: MatchSpec, game_map: GameMap, wave: SupplyWave, number: int
     if wave.center is not None:
         return wave.center
     places = game_map.indoor if len(game_map.indoor) else game_map.outdoor
-    place = places[Dice(spec.seed, Stream.SUPPLY_PLACE, agent=number).integer(0, len(places) - 1)]
+    place = places[Dice(spec.seed, Stream.WAVE_CENTER, agent=number).integer(0, len(places) - 1)]
     return float(place[0]), float(place[2])
 
 
@@ -178,10 +182,16 @@ def place_match(state: State, match: int, setup: Setup) -> None:
             supplies.position[match],
             supplies.quantity[match],
             supplies.appears[match],
-            supplies.serial[match],
         )
         first += len(boxes.places)
     matches.next_serial[match] = first
+    supplies.serial[match, :first] = _serials(spec.seed, first)
+
+
+def _serials(seed: int, count: int) -> NDArray[np.int64]:
+    """Return (count,) the numbers from 0 on, shuffled: a box's number must not tell where others lie."""
+    words = [philox(np.uint64(seed), Stream.BOX_SERIAL, 0, 0, slot)[0] for slot in range(count)]
+    return np.argsort(np.argsort(np.array(words, np.uint64), kind="stable"), kind="stable")
 
 
 def seed_of_seat(spec: MatchSpec, seat: int) -> int:

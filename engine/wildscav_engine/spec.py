@@ -56,7 +56,7 @@ class MapSpec(Spec):
 class SupplyWave(Spec):
     """Supply boxes that appear at one moment, thickest around a centre."""
 
-    time: Annotated[float, Field(ge=0)] = 0.0  # s; 0 is the start of the match
+    time: Annotated[float, Field(ge=0, le=86_400)] = 0.0  # s; 0 is the start of the match
     center: tuple[float, float] | None = None  # x, z in m; None: a random indoor location
     radius: Annotated[float, Field(ge=1, le=1000)] = 50.0  # m, standard deviation of the heat map
     outdoor_richness: Annotated[float, Field(ge=0, le=50)] = 20.0  # % of outdoor grid points at the center

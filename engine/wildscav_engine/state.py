@@ -27,6 +27,7 @@ class Agents(NamedTuple):
     on_ground: NDArray[np.bool_]  # (B, A)
     in_water: NDArray[np.bool_]  # (B, A)
     walked: NDArray[np.float64]  # (B, A) m, horizontal way so far
+    reached: NDArray[np.bool_]  # (B, A) whether it is at the target
     health: NDArray[np.int32]  # (B, A) hp, 0 = dead
     respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent comes back
     invincible_left: NDArray[np.int32]  # (B, A) frames
@@ -71,7 +72,7 @@ class Matches(NamedTuple):
     over: NDArray[np.bool_]  # (B,)
     target: NDArray[np.float64]  # (B, 3) m
     has_target: NDArray[np.bool_]  # (B,) whether reaching the target ends the match
-    reached_by: NDArray[np.int64]  # (B,) the seat that reached it, or NOBODY
+    reached_by: NDArray[np.int64]  # (B,) a seat that reached it, or NOBODY
     next_serial: NDArray[np.int64]  # (B,) for the next box dropped
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
 
@@ -99,6 +100,7 @@ def allocate_state(matches: int, seats: int, slots: int) -> State:
         on_ground=np.zeros((b, a), np.bool_),
         in_water=np.zeros((b, a), np.bool_),
         walked=np.zeros((b, a)),
+        reached=np.zeros((b, a), np.bool_),
         **{name: np.zeros((b, a), np.int32) for name in _COUNTS},
         fired=np.zeros((b, a), np.bool_),
         shot_end=np.zeros((b, a, 3)),

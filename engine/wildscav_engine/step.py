@@ -16,6 +16,7 @@ from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.systems.damage import apply_damage, bring_back, equip
 from wildscav_engine.systems.motion import Bodies, move
 from wildscav_engine.systems.supplies import pick_up
+from wildscav_engine.systems.turns import Turns, draw_turns, seat_at
 from wildscav_engine.systems.weapons import handle_weapon, shoot
 from wildscav_engine.trig import wrap
 
@@ -80,21 +81,22 @@ def play_frame(
 ) -> None:
     """Play one frame, in place. The order below is the rulebook."""
     seats = actions.shape[0]
+    turns = draw_turns(matches.seed[match], matches.frame[match], seats)
+    # Times are counted from the frame after: whoever dies now has the whole respawn time before it.
+    bring_back(world, agents, matches, match, rules)
     for turn in range(seats):
-        # Who moves first rotates, so that no seat always wins a doorway.
-        _turn_and_move(world, agents, (turn + matches.frame[match]) % seats, actions, rules)
+        _turn_and_move(world, agents, seat_at(turns, turn), actions, rules)
     matches.frame[match] += 1
     # The target is tested every frame, so that nobody runs through it between two steps.
-    _test_target(agents, matches, match, rules)
-    pick_up(agents, supplies, actions, matches.frame[match], rules)
+    _test_target(agents, matches, match, turns, rules)
+    pick_up(agents, supplies, actions, turns, matches.frame[match], rules)
     for seat in range(seats):
         if agents.health[seat] > 0:
             handle_weapon(agents, seat, actions[seat, Field.RELOAD] != 0.0, rules)
     # Everyone has moved before anyone shoots, so no agent gains by coming first.
-    shoot(world, agents, actions, rules)
+    shoot(world, agents, actions, turns, rules)
     # Damage lands after the last shot: two agents can kill each other in one frame.
     apply_damage(agents, supplies, matches, match, rules)
-    bring_back(world, agents, matches, match, rules)
     if matches.frame[match] >= matches.frame_limit[match]:
         matches.over[match] = True
 
@@ -172,16 +174,19 @@ def _turn_and_move(
 
 
 @kernel
-def _test_target(agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
-    """End the match when the first agent is at the target (3D, from the soles)."""
+def _test_target(agents: Agents, matches: Matches, match: int, turns: Turns, rules: Rules) -> None:
+    """End the match when agents are at the target (3D, from the soles): all of them have reached it."""
     if not matches.has_target[match]:
         return
     target, reach = matches.target[match], rules.target_distance
-    for seat in range(agents.health.shape[0]):
+    for turn in range(turns.seats):
+        seat = seat_at(turns, turn)
         dx = agents.position[seat, 0] - target[0]
         dy = agents.position[seat, 1] - target[1]
         dz = agents.position[seat, 2] - target[2]
         near = dx * dx + dy * dy + dz * dz <= reach * reach
-        if near and agents.health[seat] > 0 and matches.reached_by[match] == NOBODY:
-            matches.reached_by[match] = seat
+        if near and agents.health[seat] > 0:
+            agents.reached[seat] = True
             matches.over[match] = True
+            if matches.reached_by[match] == NOBODY:
+                matches.reached_by[match] = seat

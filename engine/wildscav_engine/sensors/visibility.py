@@ -97,9 +97,10 @@ def sees_body(world: World, agents: Agents, seat: int, other: int, view_angle: f
     eye_y = agents.position[seat, 1] + EYE_HEIGHT
     eye_z = agents.position[seat, 2]
     dx, dz = agents.position[other, 0] - eye_x, agents.position[other, 2] - eye_z
-    if abs(wrap(arctangent(dx, dz) - agents.yaw[seat])) > view_angle * 0.5:
-        return False
     level = np.sqrt(dx * dx + dz * dz)
+    # Right above or below there is no compass direction: the pitch alone decides.
+    if level > 0.0 and abs(wrap(arctangent(dx, dz) - agents.yaw[seat])) > view_angle * 0.5:
+        return False
     for height in BODY_POINTS:
         point_y = agents.position[other, 1] + height
         pitch = arctangent(eye_y - point_y, level)

@@ -78,7 +78,7 @@ def move(
         on_ground: Whether it stands on something.
         walk_direction: Degrees, compass.
         walk_speed: m/s. In the air it steers as on the ground: there is no inertia sideways.
-        jump: Whether to jump; only from the ground.
+        jump: Whether to jump; only from the ground, and not in water or on ground too steep to stand on.
         water_speed_factor: What is left of the walk speed in water.
 
     Returns:
@@ -89,6 +89,9 @@ def move(
     speed = walk_speed
     if here.y < water_at(world, here.x, here.z):
         speed *= water_speed_factor
+        jump = False
+    if _on_steep_ground(world, here):
+        jump = False
     way_x = speed * FRAME * sine(walk_direction)
     way_z = speed * FRAME * cosine(walk_direction)
     way_x, way_z = _inside_edges(world, here, way_x, way_z)
@@ -170,8 +173,25 @@ def _walk(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float)
     landed = _settle(world, bodies, reached)
     if landed.y < ground_at(world, landed.x, landed.z).height - 1e-9:
         return Moved(here.x, here.y, here.z, 0.0, True)  # no room between ground and ceiling
+    if _on_steep_ground(world, landed) and _climbs(here, landed):
+        return Moved(here.x, here.y, here.z, 0.0, True)
     on_ground = _stands(world, bodies, landed)
     return Moved(landed.x, landed.y, landed.z, 0.0, on_ground)
+
+
+@kernel
+def _on_steep_ground(world: World, at: Point) -> bool:
+    """Return whether a body touches ground too steep to stand on."""
+    ground = ground_at(world, at.x, at.z)
+    steepness = np.sqrt(ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z)
+    return bool(steepness > TAN_SLOPE_LIMIT and at.y <= ground.height + TOUCHING)
+
+
+@kernel
+def _climbs(here: Point, there: Point) -> bool:
+    """Return whether a move leads upwards more steeply than anybody can walk."""
+    dx, dz = there.x - here.x, there.z - here.z
+    return there.y - here.y > TAN_SLOPE_LIMIT * np.sqrt(dx * dx + dz * dz) + TOUCHING
 
 
 @kernel
@@ -202,10 +222,10 @@ def _over_ground(world: World, here: Point, way_x: float, way_z: float) -> Point
 @kernel
 def _off_steep_ground(world: World, here: Point, way_x: float, way_z: float) -> tuple[float, float]:
     """Let a body that stands on ground too steep slide downhill."""
+    if not _on_steep_ground(world, here):
+        return way_x, way_z
     ground = ground_at(world, here.x, here.z)
     steepness = np.sqrt(ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z)
-    if steepness <= TAN_SLOPE_LIMIT or here.y > ground.height + TOUCHING:
-        return way_x, way_z
     slide = SLIDE_SPEED * FRAME / steepness
     way_x, way_z = way_x - ground.slope_x * slide, way_z - ground.slope_z * slide
     share = FARTHEST / max(FARTHEST, np.sqrt(way_x * way_x + way_z * way_z))
@@ -267,12 +287,28 @@ def _fly(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float, 
             rise = min(rise, 0.0)
         way = _slip(way, contact)
     ground = ground_at(world, at.x, at.z).height
+    if at.y <= ground and _on_steep_ground(world, Point(at.x, ground, at.z)) and ground > here.y:
+        # It flew against a steep slope: it falls or rises where it is.
+        return _fly_straight(world, bodies, here, rise)
     if at.y <= ground:
         landed = True
         up = _sweep(world, bodies, at, Point(0.0, ground - at.y, 0.0))
         if up.fraction < 1.0:
             return Moved(here.x, here.y, here.z, 0.0, True)  # no room between ground and ceiling
         at = Point(at.x, ground, at.z)
+    return Moved(at.x, at.y, at.z, 0.0 if landed else rise, landed)
+
+
+@kernel
+def _fly_straight(world: World, bodies: Bodies, here: Point, rise: float) -> Moved:
+    """Rise or fall without going sideways."""
+    ground = ground_at(world, here.x, here.z).height
+    way = Point(0.0, max(rise * FRAME, ground - here.y), 0.0)
+    contact = _sweep(world, bodies, here, way)
+    at = _along(here, way, contact.fraction)
+    landed = at.y <= ground or (contact.fraction < 1.0 and contact.n_y >= COS_SLOPE_LIMIT)
+    if contact.fraction < 1.0 and contact.n_y < 0.0:
+        rise = min(rise, 0.0)
     return Moved(at.x, at.y, at.z, 0.0 if landed else rise, landed)
 
 

@@ -13,6 +13,7 @@ from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.rng import Stream, Word, integer_in, uniform
 from wildscav_engine.rules import Rules
 from wildscav_engine.state import Agents, Matches, Supplies
+from wildscav_engine.systems.turns import Turns, seat_at
 from wildscav_engine.trig import exponential
 
 
@@ -85,9 +86,8 @@ def fill_boxes(
     position: NDArray[np.float64],
     quantity: NDArray[np.int32],
     appearance: NDArray[np.int32],
-    serial: NDArray[np.int32],
 ) -> None:
-    """Put boxes with random quantities into slots from ``first`` on; box n of a match has serial n.
+    """Put boxes with random quantities into slots from ``first`` on.
 
     Args:
         places: (N, 3) m.
@@ -96,10 +96,9 @@ def fill_boxes(
         appears: Frame from which they are there.
         seed: Of the match.
         first: Slot of the first box.
-        position: (S, 3) m, written; the other three are (S,).
+        position: (S, 3) m, written; the other two are (S,).
         quantity: Written.
         appearance: Written.
-        serial: Written.
     """
     for index in range(places.shape[0]):
         slot = first + index
@@ -107,7 +106,6 @@ def fill_boxes(
             position[slot, axis] = places[index, axis]
         quantity[slot] = integer_in(low, high, seed, Stream.SUPPLY_QUANTITY, 0, 0, slot)
         appearance[slot] = appears
-        serial[slot] = slot
 
 
 @kernel
@@ -133,15 +131,16 @@ def nearest_box(agents: Agents, supplies: Supplies, seat: int, frame: int, reach
 
 @kernel
 def pick_up(
-    agents: Agents, supplies: Supplies, actions: NDArray[np.float32], frame: int, rules: Rules
+    agents: Agents,
+    supplies: Supplies,
+    actions: NDArray[np.float32],
+    turns: Turns,
+    frame: int,
+    rules: Rules,
 ) -> None:
-    """Let every living agent that wants to pick up take the nearest box in reach.
-
-    Who comes first rotates with the frame, so that no seat always wins a box that two reach at once.
-    """
-    seats = agents.health.shape[0]
-    for turn in range(seats):
-        seat = (turn + frame) % seats
+    """Let every living agent that wants to pick up take the nearest box in reach, in the frame's order."""
+    for turn in range(turns.seats):
+        seat = seat_at(turns, turn)
         if agents.health[seat] <= 0 or actions[seat, Field.PICK_UP] == 0.0:
             continue
         slot = nearest_box(agents, supplies, seat, frame, rules.pick_up_distance)

@@ -10,6 +10,7 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel
 from wildscav_engine.rules import Rules, frames
 from wildscav_engine.state import NOBODY, Agents
+from wildscav_engine.systems.turns import Turns, seat_at
 from wildscav_engine.trig import cosine, sine
 
 
@@ -31,7 +32,7 @@ def handle_weapon(agents: Agents, seat: int, reload: bool, rules: Rules) -> None
 
 
 @kernel
-def shoot(world: World, agents: Agents, actions: NDArray[np.float32], rules: Rules) -> None:
+def shoot(world: World, agents: Agents, actions: NDArray[np.float32], turns: Turns, rules: Rules) -> None:
     """Fire the weapons of all agents that shoot in this frame.
 
     Nobody is hurt yet, the damage is only noted: two agents can kill each other in one frame.
@@ -40,9 +41,11 @@ def shoot(world: World, agents: Agents, actions: NDArray[np.float32], rules: Rul
         world: The static world.
         agents: The agents of the match.
         actions: (A, FIELDS).
+        turns: The frame's order; of several hits on one agent, the last counts as who hit it.
         rules: The rules.
     """
-    for seat in range(agents.health.shape[0]):
+    for turn in range(turns.seats):
+        seat = seat_at(turns, turn)
         if agents.health[seat] <= 0 or actions[seat, Field.SHOOT] == 0.0:
             continue
         if agents.clip[seat] <= 0 or agents.fire_left[seat] > 0 or agents.reload_left[seat] > 0:

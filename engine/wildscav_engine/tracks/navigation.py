@@ -17,7 +17,8 @@ PUNISHED_SPEED = 10.0  # m/s: a target not reached costs twice the time that the
 class Navigation:
     """The target reached within the time limit: used time. Not reached: plus 2 · distance left / 10 s.
 
-    With several agents it is a race: the first at the target ends the match for all.
+    With several agents it is a race: the first at the target ends the match for all. Whoever is there in the
+    same frame has reached it, too.
     """
 
     name = "navigation"
@@ -37,7 +38,7 @@ class Navigation:
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
         """Return used and punish time, their sum, and whether this seat reached the target."""
-        reached = match.state.matches.reached_by[0] == seat
+        reached = bool(match.state.agents.reached[0, seat])
         used = match.frame * FRAME
         way = match.state.matches.target[0] - match.state.agents.position[0, seat]
         distance = float(np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]))

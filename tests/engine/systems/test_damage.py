@@ -51,6 +51,18 @@ def test_the_dead_come_back_after_10_seconds_with_everything_but_half_their_supp
     assert match.game_map.outdoor.tolist().count(agents.position[0, 1].tolist()) == 1
 
 
+def test_the_dead_wait_500_frames_to_the_frame() -> None:
+    match = make_match(seats=2, rules=Rules(shot_damage=100), frames_per_action=1)
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10))
+    act(match, 1, seat_0={"shoot": 1})
+    act(match, 499)
+    assert match.state.agents.health[0, 1] == 0
+    act(match, 1)
+    assert match.state.agents.health[0, 1] == 100
+    assert match.state.agents.invincible_left[0, 1] == 500
+
+
 def test_the_dead_do_nothing_and_are_no_obstacle() -> None:
     match = duel()
     act(match, 1, seat_0={"shoot": 1})

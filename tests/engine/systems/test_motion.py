@@ -151,6 +151,35 @@ def test_ground_is_climbed_up_to_45_degrees(slope: float, climbs: bool) -> None:
     assert (position(match)[0] < 0.01) != climbs
 
 
+@pytest.mark.parametrize("degrees", [47, 50, 60, 75, 85])
+@pytest.mark.parametrize("action", [{"walk_speed": 10}, {"walk_speed": 10, "jump": 1}])
+def test_nobody_climbs_steeper_ground_at_any_speed_jumping_or_not(
+    degrees: float, action: dict[str, float]
+) -> None:
+    match = make_match(world=flat_world(slope=math.tan(math.radians(degrees))))
+    place(match, 0, (0, 0, 0))
+    act(match, 100, seat_0={"walk_direction": 90, **action})
+    assert position(match)[0] < 0.7
+
+
+@pytest.mark.parametrize("jump", [0, 1])
+def test_a_cliff_is_not_walked_up_from_level_ground(jump: float) -> None:
+    world = flat_world()
+    world.heights[:, 12:] = 8.0  # 8 m up within one cell, from x = 2 to x = 4
+    match = make_match(world=world)
+    place(match, 0, (-5, 0, 0))
+    act(match, 50, seat_0={"walk_direction": 90, "walk_speed": 10, "jump": jump})
+    assert position(match)[0] < 2.7
+    assert position(match)[1] < 2.5
+
+
+def test_nobody_jumps_in_water() -> None:
+    match = make_match(world=flat_world(water=0.8))
+    place(match, 0, (0, 0, 0))
+    act(match, 20, seat_0={"walk_direction": 90, "walk_speed": 10, "jump": 1})
+    assert position(match) == pytest.approx([10, 0, 0])
+
+
 def test_whoever_stands_on_steeper_ground_slides_down() -> None:
     match = make_match(world=flat_world(slope=1.2))
     place(match, 0, (0, 0, 0))

@@ -71,6 +71,32 @@ def test_two_at_one_box_get_it_once() -> None:
     assert match.state.agents.supplies[0].sum() == 3
 
 
+@pytest.mark.parametrize(("one", "other"), [(0, 1), (3, 4), (9, 0), (2, 7)])
+def test_no_seat_has_an_advantage_over_another(one: int, other: int) -> None:
+    won = {one: 0, other: 0}
+    match = make_match("gathering", seats=10, supplies=RICH, frames_per_action=1, time_limit=60)
+    for seat in range(10):
+        place(match, seat, (seat - 15, 0, 10))
+    place(match, one, (0, 0, 0))
+    place(match, other, (1, 0, 0))
+    for _ in range(400):
+        boxes_at(match, (0.5, 0, 0))
+        act(match, 1, **{f"seat_{seat}": {"pick_up": 1} for seat in won})
+        for seat in won:
+            won[seat] += int(match.state.agents.gained[0, seat] > 0)
+    assert won[one] + won[other] == 400
+    assert abs(won[one] - won[other]) < 80  # four standard deviations
+
+
+def test_numbers_of_boxes_do_not_tell_where_they_lie() -> None:
+    match = make_match("gathering", supplies=RICH)
+    supplies = match.state.supplies
+    there = supplies.quantity[0] > 0
+    serials = supplies.serial[0, there]
+    assert sorted(serials) == list(range(len(serials)))
+    assert abs(np.corrcoef(serials, supplies.position[0, there, 2])[0, 1]) < 0.4
+
+
 def test_a_wave_appears_at_its_second() -> None:
     waves = (
         SupplyWave(center=(0, 0), radius=1000, outdoor_richness=50),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from builders import act, make_match, place
+from builders import act, box, flat_world, make_match, place
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.tracks import TRACKS
 
@@ -45,6 +45,19 @@ def test_the_time_limit_ends_a_match_to_the_frame(limit: float, frames: int) -> 
     assert match.frame == frames
 
 
+def test_two_at_the_target_in_one_frame_have_both_reached_it() -> None:
+    match = make_match("navigation", seats=3, target=(5, 0, 0))
+    for seat, spot in enumerate(((3.55, 0, 0), (6.45, 0, 0), (-9, 0, 0))):
+        place(match, seat, spot)
+    act(
+        match,
+        10,
+        seat_0={"walk_direction": 90, "walk_speed": 5},
+        seat_1={"walk_direction": 270, "walk_speed": 5},
+    )
+    assert [seat.metrics["success"] for seat in match.result().seats] == [1, 1, 0]
+
+
 def test_nothing_happens_after_the_end() -> None:
     match = make_match("gathering", time_limit=1)
     act(match, 30, seat_0={"walk_speed": 3})
@@ -64,6 +77,12 @@ def test_a_start_outside_the_map_is_refused_by_name() -> None:
         make_match("navigation", start=(25, 0, 0))
     with pytest.raises(MatchSetupError, match="target is at"):
         make_match("navigation", target=(0, 0, -99))
+
+
+def test_a_start_inside_a_wall_is_refused() -> None:
+    world = flat_world(solids=[box((-1, 0, -1), (1, 3, 1))])
+    with pytest.raises(MatchSetupError, match=r"start is at x = 0.*inside something"):
+        make_match("navigation", world=world, start=(0, 0, 0))
 
 
 @pytest.mark.parametrize("name", TRACKS)
