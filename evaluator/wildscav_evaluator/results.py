@@ -50,6 +50,9 @@ class MatchRow(Part):
     status: str
     fault: Fault | None = None  # whose, if something went wrong
     detail: str = ""  # what went wrong, in one line
+    actions: int = 0  # answers of the agent that came in time
+    invalid_actions: int = 0  # those with a number out of its range, played as no action
+    ignored_fields: int = 0  # set though the track has no such action, in all actions together
     metrics: dict[str, float] | None = None  # none if the match came to no result
     record: str | None = None  # path in the output folder
     replay: str | None = None  # path in the output folder
@@ -87,6 +90,7 @@ class MatchTiming(Part):
     wall: float  # s, with starting the agent and writing the record
     steps: int
     late_steps: int  # steps in which the agent was too late and played no action
+    dropped_actions: int = 0  # answers to steps that were over
     think_time: float  # s, of all steps
     think_p50: float  # s
     think_p99: float  # s

@@ -3,9 +3,12 @@
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from rich.text import Text
+
 from wildscav.console import command, console
 from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
+from wildscav_evaluator.conduct import evaluation_remark
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
 from wildscav_evaluator.output import check_out, output_folder
 from wildscav_evaluator.progress import EvaluationProgress
@@ -40,6 +43,7 @@ def run_session(plan: Plan, database: Path) -> None:
         for track in results.tracks:
             console.print()
             console.print(track_table(results, track))
+        _remark(results)
         complaints = list(_keep(results, plan, kept_by, database))
         complaints += [
             _all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
@@ -56,6 +60,15 @@ def _evaluate(plan: Plan) -> Results:
             workers.warm()
         with progress.shown():
             return evaluate(plan, workers, jobs, progress.add)
+
+
+def _remark(results: Results) -> None:
+    """Say which submissions' actions were not as they must be."""
+    lines = [line for one in results.evaluations if (line := evaluation_remark(one))]
+    if lines:
+        console.print()
+    for line in lines:
+        console.print(Text.assemble(("note: ", "yellow"), line))
 
 
 def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 from rich import box
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 from wildscav.console import command, console
 from wildscav.errors import UserError
 from wildscav.server import HostedMatch
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.conduct import remark
 from wildscav_evaluator.jobs import FINISHED
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.run import metric_infos
@@ -81,6 +83,7 @@ def play_single(
         warm()
     played = asyncio.run(_play_with_progress(seating))
     console.print(_table(seating, played))
+    _remark(seating, played)
     _write(played, seating, record, replay)
     remove_empty_logs(paths)
     if any(path.exists() for path in paths):
@@ -129,6 +132,14 @@ def _table(seating: Seating, played: Played) -> Table:
         report = played.seats.get(seat.seat)
         table.add_row(str(seat.seat), seating.names[seat.seat], *values, report.status if report else "robot")
     return table
+
+
+def _remark(seating: Seating, played: Played) -> None:
+    """Say which agents' actions were not as they must be."""
+    for seat, report in played.seats.items():
+        line = remark(seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions)
+        if line is not None:
+            console.print(Text.assemble(("note: ", "yellow"), line))
 
 
 def _write(played: Played, seating: Seating, record: Path | None, replay: Path | None) -> None:

@@ -113,6 +113,23 @@ def check_table(output: str) -> None:
     assert ".rrd" in output
 
 
+def test_invalid_actions_are_counted_and_told(wildscav: Command, submit: Submit, tmp_path: Path) -> None:
+    runner = submit("runner", "    def act(self, observation): return Action(walk_speed=99.0, shoot=True)")
+    walker = submit("walker", WALKER)
+
+    done = evaluate(wildscav, runner.folder, walker.folder, out=tmp_path, track="navigation", replays="none")
+
+    first, second = read_results(tmp_path / "results.json").evaluations
+    assert done.returncode == 0
+    assert all(row.invalid_actions == row.actions > 100 for row in first.matches)
+    assert all(row.invalid_actions == row.ignored_fields == 0 < row.actions for row in second.matches)
+    total = sum(row.actions for row in first.matches)
+    said = " ".join(done.stdout.split())
+    assert f"runner on navigation: {total:,} of {total:,} actions were invalid" in said
+    assert "walk_speed must be 0 to 10 m/s" in said
+    assert "walker on navigation: " not in said.replace("walker on navigation: 5 matches", "")
+
+
 def test_a_record_with_one_action_changed_no_longer_holds(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:
