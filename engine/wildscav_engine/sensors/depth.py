@@ -27,10 +27,10 @@ HALF_WIDTH = 0.5773502691896257  # tangent of half the field of view, 30°
 
 
 class DepthConfig(SensorConfig):
-    """How many pixels, and how far they see."""
+    """How many pixels, at most those of the paper's largest depth map, and how far they see."""
 
-    width: Annotated[int, Field(ge=1, le=640)] = 38  # pixels
-    height: Annotated[int, Field(ge=1, le=480)] = 22  # pixels
+    width: Annotated[int, Field(ge=1, le=380)] = 38  # pixels
+    height: Annotated[int, Field(ge=1, le=220)] = 22  # pixels
     far: Annotated[float, Field(gt=0, le=2000)] = 100.0  # m
 
 

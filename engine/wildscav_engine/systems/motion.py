@@ -191,7 +191,7 @@ def _on_steep_ground(world: World, at: Point) -> bool:
 def _climbs(here: Point, there: Point) -> bool:
     """Return whether a move leads upwards more steeply than anybody can walk."""
     dx, dz = there.x - here.x, there.z - here.z
-    return there.y - here.y > TAN_SLOPE_LIMIT * np.sqrt(dx * dx + dz * dz) + TOUCHING
+    return bool(there.y - here.y > TAN_SLOPE_LIMIT * np.sqrt(dx * dx + dz * dz) + TOUCHING)
 
 
 @kernel

@@ -2,9 +2,18 @@
 
 A seat has a budget for each step, and a bank for the whole match that pays for time beyond the budget. Once
 the bank is used up, an answer that is not there within the budget is late: the step is played without it.
+
+What one seat may take never costs another its actions. But a match must end: in all, its steps wait no longer
+than ``game_time_factor`` times its game time. So the budget and the bank are cut to what a match of that
+length has room for, and when all seats together have used up its patience beyond the budgets, every further
+step waits for its budget alone.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wildscav_engine.spec import MatchSpec
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +31,17 @@ class Clock:
                 raise ValueError(f"clock: {name} is {getattr(self, name)}, must be above 0")
         if not self.time_bank >= 0:
             raise ValueError(f"clock: time_bank is {self.time_bank}, must not be below 0")
+
+    def fitted(self, spec: "MatchSpec") -> "Clock":
+        """Return the clock of one match: no budget and no bank beyond what the match has room for."""
+        longest = self.game_time_factor * spec.time_limit
+        budget = min(self.step_budget, longest / spec.step_limit)
+        fitted = replace(self, step_budget=budget)
+        return replace(fitted, time_bank=min(self.time_bank, fitted.patience(spec)))
+
+    def patience(self, spec: "MatchSpec") -> float:
+        """Return how long all steps of a match may wait beyond their budgets, s."""
+        return max(0.0, self.game_time_factor * spec.time_limit - self.step_budget * spec.step_limit)
 
 
 class TimeBank:

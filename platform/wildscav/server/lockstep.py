@@ -42,15 +42,14 @@ class Lockstep:
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock) -> None:
         from wildscav_engine.rules import FRAME
 
-        self.cut_at: int | None = None  # the step at which the wall clock ran out
         self._match, self._seats, self._clock = match, seats, clock
         self._loop = asyncio.get_running_loop()
         self._frame_time = FRAME
         columns = range(len(ACTION_FIELDS))
         self._outside = tuple(column for column in columns if column not in match.track.fields)
         self._done: asyncio.Future[None] = self._loop.create_future()  # nobody is asked any more
-        self._cut_time = float("inf")  # when the match is cut; this and the next two by the loop's clock
-        # The open step:
+        self._patience = clock.patience(match.spec)  # s that steps may still wait beyond their budgets
+        # The open step; times by the loop's clock:
         self._opened = 0.0
         self._due = 0.0  # when to look at the clock again
         self._excused = False  # whether the server's own delay has been made good
@@ -61,7 +60,6 @@ class Lockstep:
 
     async def play(self) -> None:
         """Play the match to its end."""
-        self._cut_time = self._loop.time() + self._clock.game_time_factor * self._match.spec.time_limit
         self._open()
         await self._done
         breathed = self._loop.time()
@@ -90,15 +88,24 @@ class Lockstep:
         if self._snapshot is None or seat not in self._pending or seat.asked != self._snapshot.step:
             seat.conduct.dropped_actions += 1
             return
-        elapsed = self._loop.time() - self._opened
         self._pending.discard(seat)
-        seat.times.append(elapsed)
-        if seat.bank.charge(elapsed):
+        if self._charge(seat, self._loop.time()):
             self._accept(seat, message)
         else:
             seat.conduct.late_steps += 1
             seat.conduct.dropped_actions += 1
         self._settle()
+
+    def _charge(self, seat: Seat, now: float) -> bool:
+        """Charge a seat for the open step, and return whether it had the time."""
+        elapsed = now - self._asked_at(seat)
+        seat.times.append(elapsed)
+        return seat.bank.charge(elapsed)
+
+    def _asked_at(self, seat: Seat) -> float:
+        """Return from when a seat's time for the open step counts: it may still owe an older answer."""
+        asked = self._snapshot is not None and seat.asked == self._snapshot.step
+        return seat.asked_at if asked else self._opened
 
     def _accept(self, seat: Seat, message: Action) -> None:
         action = decode_action(message, self._outside)
@@ -120,29 +127,34 @@ class Lockstep:
     def _open(self) -> None:
         """Ask everyone for the next step, if there is one and anyone to be asked."""
         present = [seat for seat in self._seats if seat.present]
-        if self._match.over or not present or self.cut_at is not None:
+        if self._match.over or not present:
             self._done.set_result(None)
             return
         self._snapshot = take_snapshot(self._match)
         self._rows = np.zeros_like(self._rows)
         self._pending = set(present)
-        for seat in present:
-            if seat.waits:
-                seat.hand_over(self._observe(seat, self._snapshot))
         self._opened = self._loop.time()
+        waiting = [seat for seat in present if seat.waits]
+        messages = [self._observe(seat, self._snapshot) for seat in waiting]
+        # Nobody pays for the time that the others' observations take to make.
+        self._opened = self._loop.time()
+        for seat, message in zip(waiting, messages, strict=True):
+            seat.asked_at = self._opened
+            seat.hand_over(message)
         self._excused = False
         # Until the budget is used up, nobody's time is.
         self._arm(self._opened + self._clock.step_budget)
 
     def _observe(self, seat: Seat, snapshot: Snapshot) -> ServerMessage:
-        seat.asked = snapshot.step
-        return encode_observation(
+        message = encode_observation(
             snapshot,
             seat.number,
             seconds_per_frame=self._frame_time,
             time_bank=seat.bank.left,
             tensors=seat.sense(self._match),
         )
+        seat.asked, seat.asked_at = snapshot.step, self._loop.time()
+        return message
 
     def _settle(self) -> None:
         """After one seat less is waited for: close the step if nobody else has time left."""
@@ -152,22 +164,17 @@ class Lockstep:
     def _close_or_wait(self) -> None:
         """Close the step if all have answered or their time is up; else wait for the one with most time."""
         now = self._loop.time()
-        longest = max((seat.bank.allowed for seat in self._pending), default=0.0)
-        deadline = self._opened + longest
-        if self._pending and now < min(deadline, self._cut_time):
+        free = self._opened + self._clock.step_budget
+        asked = max((self._asked_at(seat) + seat.bank.allowed for seat in self._pending), default=now)
+        deadline = min(asked, free + self._patience)
+        if self._pending and now < deadline:
             self._arm(deadline)
             return
-        if self._pending and now >= self._cut_time:
-            self.cut_at = self._match.step_number
-        else:
-            self._charge_the_late(now - self._opened)
-        self._close()
-
-    def _charge_the_late(self, elapsed: float) -> None:
+        self._patience = max(0.0, self._patience - max(0.0, now - free))
         for seat in self._pending:
-            seat.bank.charge(elapsed)
-            seat.times.append(elapsed)
+            self._charge(seat, now)
             seat.conduct.late_steps += 1
+        self._close()
 
     def _close(self) -> None:
         """Play the step that is open, and open the next."""
@@ -183,7 +190,7 @@ class Lockstep:
     def _arm(self, when: float) -> None:
         """Look at the clock again at some time."""
         self._disarm()
-        self._due = min(when, self._cut_time)
+        self._due = when
         self._timer = self._loop.call_at(self._due, self._time_is_up)
 
     def _disarm(self) -> None:
@@ -196,4 +203,6 @@ class Lockstep:
             # The server was busy, and answers may lie unread: the agents get that time back, once a step.
             self._excused = True
             self._opened += lag + LAG
+            for seat in self._pending:
+                seat.asked_at += lag + LAG
         self._close_or_wait()

@@ -75,5 +75,4 @@ class MatchOutcome:
 
     match: "Match"
     seats: dict[int, SeatReport] = field(default_factory=dict)  # of the submission seats
-    cut_at: int | None = None  # the step at which the wall clock ran out; the rest was played with no action
     seconds: float = 0.0  # wall time of the steps

@@ -41,6 +41,7 @@ class Seat:
         self.refusal: RefusalError | None = None  # why its stream was ended
         self.gone = False  # plays no action for the rest of the match
         self.asked = -1  # step of the last observation that it was handed
+        self.asked_at = 0.0  # when, by the loop's clock
         self.conduct = Conduct()
         self.times = array("d")  # s, of each step
         self._waiter: asyncio.Future[ServerMessage] | None = None  # done when its next message is there

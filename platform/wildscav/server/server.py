@@ -112,7 +112,7 @@ class MatchServer:
             raise ValueError(f"{len(names)} names for {len(spec.seats)} seats")
         if wrong := set(sensors or {}) - set(numbers):
             raise ValueError(f"sensors for seat {min(wrong)}, which no submission fills")
-        clock = clock or Clock()
+        clock = (clock or Clock()).fitted(spec)
         seats = []
         for number in numbers:
             wanted = parse_sensors((sensors or {}).get(number, {}))

@@ -178,7 +178,7 @@ class HostedMatch:
         seconds = time.perf_counter() - started
         await self._say_goodbye()
         reports = {number: seat.report() for number, seat in self._seats.items()}
-        return MatchOutcome(self.match, reports, self._lockstep.cut_at, seconds)
+        return MatchOutcome(self.match, reports, seconds)
 
     async def _say_goodbye(self) -> None:
         """Tell every seat that is still there how the match ended, and wait until it has heard."""
@@ -199,11 +199,14 @@ class HostedMatch:
                 stream.cancel()
 
     def _mark_finished(self, seat: Seat) -> None:
+        own, steps = seat.conduct.steps_played, self.match.step_number
         if seat.bank.used_up:
-            late = seat.conduct.late_steps
-            seat.mark(SeatStatus.TIMED_OUT, f"its time bank was used up; {late} steps were played without it")
-        elif self._lockstep.cut_at is not None:
-            cut_at = self._lockstep.cut_at
             seat.mark(
-                SeatStatus.FINISHED, f"the match ran out of wall time: no actions from step {cut_at} on"
+                SeatStatus.TIMED_OUT,
+                f"its time bank was used up: {own} of {steps} steps were played with an answer of its own",
+            )
+        elif seat.conduct.late_steps:
+            seat.mark(
+                SeatStatus.FINISHED,
+                f"the match had no more time to wait: {own} of {steps} steps were played with its answer",
             )
