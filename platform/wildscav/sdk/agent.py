@@ -181,7 +181,8 @@ class Observation:
 class Agent:
     """Base of all agents: override ``act``, and ``reset`` for whatever must be set up first.
 
-    One object plays one match. The time for ``reset`` counts as the answer to the first observation.
+    One object plays one match. The time for ``reset`` counts as part of the first answer, once all seats have
+    joined.
     """
 
     def reset(self, match: MatchInfo) -> None:
