@@ -67,9 +67,10 @@ def play(
     size: Annotated[int, typer.Option(help="Side of the map, m.", min=40, max=2000)] = 100,
     seed: Annotated[int, typer.Option(help="Seed of the match.", min=0, max=2**64 - 1)] = 0,
     robots: Annotated[
-        int | None, typer.Option(help="Seats for robots. Default: in battle, up to six seats in all.", min=0)
+        int | None,
+        typer.Option(help="Seats for robots. Default: in battle, up to six seats in all.", min=0, max=999),
     ] = None,
-    time_limit: Annotated[float, typer.Option(help="Seconds of game time.", min=0.1)] = 60.0,
+    time_limit: Annotated[float, typer.Option(help="Seconds of game time.", min=0.1, max=86_400)] = 60.0,
     record: Annotated[Path | None, typer.Option(help="Keep the match as a record in this file.")] = None,
     replay: Annotated[
         Path | None, typer.Option(help="Render the match as a Rerun recording into this file (.rrd).")

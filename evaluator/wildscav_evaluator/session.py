@@ -8,6 +8,7 @@ from rich.text import Text
 from wildscav.console import command, console
 from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
+from wildscav_evaluator.complaints import raise_all
 from wildscav_evaluator.conduct import evaluation_remark
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
 from wildscav_evaluator.output import check_out, output_folder
@@ -48,8 +49,7 @@ def run_session(plan: Plan, database: Path) -> None:
         complaints += [
             _all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
         ]
-    if complaints:
-        raise UserError("; ".join(complaints))
+    raise_all(complaints)
 
 
 def _evaluate(plan: Plan) -> Results:

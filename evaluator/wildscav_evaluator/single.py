@@ -1,34 +1,42 @@
 """A single match for ``wildscav play``: its spec, its progress, its table and its files."""
 
 import asyncio
+import contextlib
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pydantic import ValidationError
 from rich import box
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
 from wildscav.console import command, console
-from wildscav.errors import UserError
+from wildscav.errors import UserError, describe
 from wildscav.server import HostedMatch
+from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import SUFFIX, read_record, write_record
-from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec
+from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
+from wildscav_evaluator.complaints import raise_all
 from wildscav_evaluator.conduct import remark
 from wildscav_evaluator.jobs import FINISHED
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.run import metric_infos
 from wildscav_evaluator.seating import BATTLE_ROBOTS
+from wildscav_evaluator.session import INTERRUPTED
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.tables import add_columns, heading, number
+from wildscav_evaluator.targets import check_targets
 from wildscav_evaluator.warm import warm
 
 if TYPE_CHECKING:
     from wildscav_engine.result import SeatResult
 
 BATTLE_SEATS = 6  # unless asked otherwise
+MAX_SEATS = 1000  # that a spec may have
 HOUSE_AREA = 2500.0  # m² of map for each house
 
 
@@ -45,21 +53,26 @@ def make_spec(
     """Return the spec of a match; the submissions have the first seats, robots the others.
 
     Raises:
-        UserError: The map's size is odd.
+        UserError: There is no such match: the map's size is odd, or there are too many seats, for example.
     """
     if size % 2:
         raise UserError(f"--size is {size}, must be even", exit_code=2)
     if robots is None:
         robots = max(0, BATTLE_SEATS - submissions) if track == "battle" else 0
+    if submissions + robots > MAX_SEATS:
+        raise UserError(f"--robots is {robots}, must leave at most {MAX_SEATS:,} seats in all", exit_code=2)
     filled_by = [BATTLE_ROBOTS[number % len(BATTLE_ROBOTS)] for number in range(robots)]
     houses = max(1, min(200, round(size * size / HOUSE_AREA)))
-    return MatchSpec(
-        track=track,
-        map=MapSpec(config=MapConfig(size=size, houses=houses), seed=map_seed),
-        seed=seed,
-        seats=(SUBMISSION,) * submissions + tuple(filled_by),
-        time_limit=time_limit,
-    )
+    try:
+        return MatchSpec(
+            track=track,
+            map=MapSpec(config=MapConfig(size=size, houses=houses), seed=map_seed),
+            seed=seed,
+            seats=(SUBMISSION,) * submissions + tuple(filled_by),
+            time_limit=time_limit,
+        )
+    except ValidationError as error:
+        raise UserError(f"there is no such match: {one_line(error)}", exit_code=2) from error
 
 
 def play_single(
@@ -73,22 +86,46 @@ def play_single(
     """Play a match, show how it went, and write what is asked for.
 
     Raises:
-        UserError: An agent failed; everything else was shown and written.
-        OSError: A file could not be written.
+        UserError: The match could not be played; or an agent failed, or a file could not be written, after
+            everything else was shown and written.
+        OSError: A log could not be written.
     """
+    check_targets(record, replay)
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
-    prepare_logs(paths)
     seating = Seating(spec, tuple(submissions), paths)
-    with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
-        warm()
-    played = asyncio.run(_play_with_progress(seating))
+    with _logging(logs, paths):
+        played = _play(seating)
     console.print(_table(seating, played))
     _remark(seating, played)
-    _write(played, seating, record, replay)
-    remove_empty_logs(paths)
+    complaints = list(_write(played, seating, record, replay))
     if any(path.exists() for path in paths):
         console.print(f"what the agents printed is in {logs}", soft_wrap=True)
-    _complain(played, seating)
+    raise_all([*complaints, *_failures(played, seating)])
+
+
+@contextmanager
+def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
+    """Begin the logs; at the end remove those that are empty, and the folder if nothing is in it."""
+    made = [parent for parent in folder.absolute().parents if not parent.exists()]
+    prepare_logs(logs)
+    try:
+        yield
+    finally:
+        remove_empty_logs(logs)
+        for empty in (folder, *made):
+            with contextlib.suppress(OSError):
+                empty.rmdir()
+
+
+def _play(seating: Seating) -> Played:
+    try:
+        with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
+            warm()
+        return asyncio.run(_play_with_progress(seating))
+    except KeyboardInterrupt:
+        raise UserError("interrupted: the match was not played to its end", INTERRUPTED) from None
+    except MatchSetupError as error:
+        raise UserError(str(error)) from error
 
 
 async def _play_with_progress(seating: Seating) -> Played:
@@ -142,30 +179,36 @@ def _remark(seating: Seating, played: Played) -> None:
             console.print(Text.assemble(("note: ", "yellow"), line))
 
 
-def _write(played: Played, seating: Seating, record: Path | None, replay: Path | None) -> None:
-    if record is None and replay is None:
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        path = record or Path(folder) / f"match{SUFFIX}"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_record(path, played.match, seating.names)
-        if record is not None:
+def _write(played: Played, seating: Seating, record: Path | None, replay: Path | None) -> Iterator[str]:
+    """Write what is asked for, and yield what went wrong. Neither file costs the other."""
+    if record is not None:
+        try:
+            write_record(record, played.match, seating.names)
             console.print(f"record: {record}", soft_wrap=True)
-        if replay is not None:
-            from wildscav_engine.view import write_replay
-
-            replay.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            yield f"the record could not be kept: {describe(error)}"
+    if replay is not None:
+        try:
             with console.status("rendering the replay"):
-                write_replay(read_record(path), replay, follow=seating.seats[0])
+                _render(played, seating, replay)
             console.print(f"replay: {replay}\n  {command('rerun')} {replay}", soft_wrap=True)
+        except OSError as error:
+            yield f"the replay could not be kept: {describe(error)}"
 
 
-def _complain(played: Played, seating: Seating) -> None:
-    failures = []
+def _render(played: Played, seating: Seating, replay: Path) -> None:
+    from wildscav_engine.view import write_replay
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"match{SUFFIX}"
+        write_record(path, played.match, seating.names)
+        write_replay(read_record(path), replay, follow=seating.seats[0])
+
+
+def _failures(played: Played, seating: Seating) -> Iterator[str]:
+    """Yield a line for every agent that did not play to the end."""
     for seat, log in zip(seating.seats, seating.logs, strict=True):
         report = played.seats[seat]
         if report.status != FINISHED:
             see = f" (its log: {log})" if log.exists() else ""
-            failures.append(f"{seating.names[seat]} {report.status.value}: {report.detail}{see}")
-    if failures:
-        raise UserError("; ".join(failures))
+            yield f"{seating.names[seat]} {report.status.value}: {report.detail}{see}"

@@ -1,0 +1,33 @@
+"""The files that ``wildscav play`` is to write, checked before the match."""
+
+import tempfile
+from pathlib import Path
+
+from wildscav.errors import UserError
+
+
+def check_targets(record: Path | None, replay: Path | None) -> None:
+    """See that a record and a replay can be written, if they are asked for; their folders are made.
+
+    Raises:
+        UserError: One cannot be written, or both are to be the same file.
+    """
+    if record is not None and replay is not None and record.resolve() == replay.resolve():
+        raise UserError(f"--record and --replay name the same file {record}: name two files", exit_code=2)
+    for option, path in (("--record", record), ("--replay", replay)):
+        if path is not None:
+            _check_target(option, path)
+
+
+def _check_target(option: str, path: Path) -> None:
+    if path.is_dir():
+        raise UserError(f"{option} {path} is a folder: name a file in it", exit_code=2)
+    if path.exists() and not path.is_file():
+        raise UserError(f"{option} {path} is not a plain file: name another", exit_code=2)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # Files are written beside their place and moved there whole, so it is the folder that counts.
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise UserError(f"{option} {path} cannot be written: {error.strerror}", exit_code=2) from error
