@@ -100,6 +100,20 @@ def test_an_agent_killed_in_mid_match_leaves_the_others_whole(submit: Submit, tm
         ("resetless", "    def reset(self, match): raise ValueError('no reason')", "ValueError: no reason"),
         ("crasher", "    def act(self, observation): return 1 / 0", "ZeroDivisionError"),
         ("speechless", "    def act(self, observation): pass", "it must return an Action"),
+        (
+            "verbose",
+            "    def act(self, observation): raise ValueError('no reason\\nat all\\n  whatever')",
+            "ValueError: no reason",
+        ),
+        (
+            "parent",  # its child holds its output open
+            """
+    def act(self, observation):
+        subprocess.Popen(["sleep", "3"], start_new_session=True)
+        raise ValueError("no reason")
+""",
+            "ValueError: no reason",
+        ),
         ("quitter", "    def act(self, observation): os._exit(0)", "exit code 0"),
     ],
 )

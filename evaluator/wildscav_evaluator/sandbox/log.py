@@ -6,6 +6,7 @@ from pathlib import Path
 LOG_LIMIT = 1_000_000  # bytes kept of one agent in one match
 TAIL = 4096  # bytes remembered for the reason of a failure
 CHUNK = 65_536  # bytes
+TRACEBACK = "Traceback (most recent call last):"
 
 
 class CappedLog:
@@ -26,9 +27,15 @@ class CappedLog:
                 if left == 0:
                     self._append(b"\n[the log is cut here]\n")
 
-    def last_line(self) -> str:
-        """Return the last line that says something, or nothing."""
+    def last_words(self) -> str:
+        """Return the first line of the exception that the log ends with, else its last line, or nothing."""
         lines = self._tail.decode("utf-8", "replace").splitlines()
+        starts = [number for number, line in enumerate(lines) if line.startswith(TRACEBACK)]
+        if starts:
+            # The frames are indented; a message may have many lines after its first.
+            for line in lines[starts[-1] + 1 :]:
+                if line.strip() and not line[0].isspace():
+                    return line.strip()
         return next((line.strip() for line in reversed(lines) if line.strip()), "")
 
     def _append(self, content: bytes) -> bool:

@@ -15,7 +15,7 @@ from pathlib import Path
 from wildscav_evaluator.sandbox.base import Launch
 from wildscav_evaluator.sandbox.log import CappedLog
 
-GRACE = 2.0  # s, for a stopped agent's output to end
+GRACE = 0.5  # s, for an ended agent's output to end; less than a match waits for the agent's last words
 KILL_ROUNDS = 1000  # the most looks at a session that keeps forking
 
 # Numerics libraries start a thread a core each; matches run side by side, one a core.
@@ -46,17 +46,34 @@ class ProcessSandbox:
         arguments = [sys.executable, "-c", STARTER]
         if sys.platform == "linux":
             arguments.append(str(os.getpid()))
-        process = await asyncio.create_subprocess_exec(
-            *arguments,
-            launch.entry_point,
-            cwd=launch.folder,
-            env=environment(launch),
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.STDOUT,
-            start_new_session=True,
-        )
-        return AgentProcess(process, CappedLog(launch.log))
+        # A pipe of our own: asyncio's would keep `wait` waiting for every child that holds it open.
+        ours, theirs = os.pipe()
+        try:
+            process = await asyncio.create_subprocess_exec(
+                *arguments,
+                launch.entry_point,
+                cwd=launch.folder,
+                env=environment(launch),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=theirs,
+                stderr=asyncio.subprocess.STDOUT,
+                start_new_session=True,
+            )
+        except BaseException:
+            os.close(ours)
+            raise
+        finally:
+            os.close(theirs)
+        return AgentProcess(process, CappedLog(launch.log), *await _open_stream(ours))
+
+
+async def _open_stream(pipe: int) -> tuple[asyncio.StreamReader, asyncio.ReadTransport]:
+    """Return the reading end of a pipe as a stream, and what closes it."""
+    stream = asyncio.StreamReader()
+    transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+        lambda: asyncio.StreamReaderProtocol(stream), os.fdopen(pipe, "rb", buffering=0)
+    )
+    return stream, transport
 
 
 def environment(launch: Launch) -> dict[str, str]:
@@ -75,18 +92,22 @@ def environment(launch: Launch) -> dict[str, str]:
 class AgentProcess:
     """One agent's process and all that it started."""
 
-    def __init__(self, process: asyncio.subprocess.Process, log: CappedLog) -> None:
-        self._process, self._log = process, log
-        if process.stdout is None:
-            raise ValueError("the process was started without a pipe for its output")
-        self._copying = asyncio.create_task(log.copy(process.stdout))
+    def __init__(
+        self,
+        process: asyncio.subprocess.Process,
+        log: CappedLog,
+        output: asyncio.StreamReader,
+        pipe: asyncio.ReadTransport,
+    ) -> None:
+        self._process, self._log, self._pipe = process, log, pipe
+        self._copying = asyncio.create_task(log.copy(output))
 
     async def ended(self) -> str:
         """Wait for the process to end. See ``RunningAgent.ended``."""
         code = await self._process.wait()
         await self._finish_log()
         words = f"exit code {code}" if code >= 0 else f"killed by {signal_name(-code)}"
-        last = self._log.last_line()
+        last = self._log.last_words()
         return f"the agent's process ended ({words})" + (f": {last}" if last else "")
 
     async def stop(self) -> None:
@@ -102,6 +123,8 @@ class AgentProcess:
         if late:
             self._copying.cancel()
             await asyncio.wait([self._copying])
+        self._pipe.close()
+        await asyncio.sleep(0)  # in which it is closed
 
 
 def signal_name(number: int) -> str:
