@@ -16,7 +16,7 @@ from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
 from wildscav_evaluator.sinks import ResultSink, sinks
-from wildscav_evaluator.tables import ranked, track_table
+from wildscav_evaluator.tables import counted, ranked, track_table
 from wildscav_evaluator.workers import WorkerDiedError, Workers
 
 INTERRUPTED = 130  # exit code, as shells have it
@@ -80,7 +80,7 @@ def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database:
         yield f"the results could not be kept: {describe(error)}"
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = sum(row.record is not None for row in rows)
-    _say("records", f"{plan.out / RECORDS} ({recorded} matches)")
+    _say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
     _say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
     for sink in kept_by:
         try:
@@ -92,7 +92,7 @@ def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database:
         _say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sum(row.replay is not None for row in rows)
     if replays:
-        _say("replays", f"{plan.out / REPLAYS} ({replays} matches), to be watched in Rerun")
+        _say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to be watched in Rerun")
     shown = _replay_to_show(results)
     if shown is not None:
         _say("", f"watch one: [bold]{command('rerun')} {plan.out / shown}[/bold]")
