@@ -26,7 +26,11 @@ def evaluate(
         typer.Option(help="Evaluate on this track; may be repeated. Default: all tracks of each submission."),
     ] = None,
     suite: Annotated[
-        Literal["quick", "official"], typer.Option(help="Which matches: a quick look, or the competition's.")
+        Literal["quick", "official"],
+        typer.Option(
+            help="Which matches. quick: 5 of navigation, 4 of gathering, 3 of battle, small and short. "
+            "official: the competition's 100, 100 and 10 on large maps."
+        ),
     ] = "quick",
     seed: Annotated[int, typer.Option(help="Seed of the suite: another seed gives other maps.", min=0)] = 0,
     jobs: Annotated[

@@ -16,7 +16,7 @@ from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
 from wildscav_evaluator.sinks import ResultSink, sinks
-from wildscav_evaluator.tables import counted, ranked, track_table
+from wildscav_evaluator.tables import LEGEND, counted, ranked, track_table
 from wildscav_evaluator.workers import WorkerDiedError, Workers
 
 INTERRUPTED = 130  # exit code, as shells have it
@@ -44,6 +44,7 @@ def run_session(plan: Plan, database: Path) -> None:
         for track in results.tracks:
             console.print()
             console.print(track_table(results, track))
+        console.print(f"\n{LEGEND}", style="dim")
         _remark(results)
         complaints = list(_keep(results, plan, kept_by, database))
         complaints += [

@@ -10,6 +10,7 @@ from wildscav_evaluator.results import Evaluation, MetricInfo, Results, Summary
 
 HEADING_WIDTH = 8
 NOTHING = "-"
+LEGEND = "↓ less is better, ↑ more is better. The first figure ranks."
 
 
 def track_table(results: Results, track: str) -> Table:
@@ -34,8 +35,6 @@ def new_table(title: str) -> Table:
         title=title,
         title_justify="left",
         title_style="bold",
-        caption="↓ less is better, ↑ more is better. The first figure ranks.",
-        caption_justify="left",
         box=box.SIMPLE_HEAD,
         padding=(0, 1, 0, 0),
         show_edge=False,
@@ -73,9 +72,7 @@ def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> 
         yield f"[bold]{mean}[/bold]" if position == 0 else mean
         if position == 0:
             yield (
-                NOTHING
-                if values is None
-                else f"{number(values.low, metric)} to {number(values.high, metric)}"
+                NOTHING if values is None else f"{number(values.low, metric)}–{number(values.high, metric)}"
             )
 
 

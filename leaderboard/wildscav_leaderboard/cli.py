@@ -21,6 +21,7 @@ def leaderboard(
     suite: Annotated[str | None, typer.Option(help="Only this suite.")] = None,
 ) -> None:
     """Show the standings on every track: the latest evaluation of each submission."""
+    from wildscav_evaluator.tables import LEGEND
     from wildscav_leaderboard.database import reading
     from wildscav_leaderboard.standings import standings
 
@@ -32,12 +33,15 @@ def leaderboard(
     for table in tables:
         console.print(table)
         console.print()
+    console.print(LEGEND, style="dim")
 
 
 def _table(one: "Standings") -> Table:
     from wildscav_evaluator import tables
 
-    table = tables.new_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
+    table = tables.new_table(
+        f"{one.track} · suite {one.suite} · seed {one.seed} · engine {one.engine_version}"
+    )
     # Rows without a score come last, so the first row knows the metrics if any row does.
     metrics = [_metric(score) for score in one.rows[0].evaluation.scores]
     tables.add_metrics(table, metrics)
@@ -49,7 +53,7 @@ def _table(one: "Standings") -> Table:
             f"{evaluation.submission.name} {evaluation.submission.version}",
             *tables.metric_cells(metrics, {score.name: _summary(score) for score in evaluation.scores}),
             tables.fault_cell(evaluation.faults, len(evaluation.matches)),
-            f"{evaluation.started:%y-%m-%d}",
+            f"{evaluation.started:%Y-%m-%d}",
         )
     return table
 

@@ -18,16 +18,20 @@ class Row(NamedTuple):
 
 
 class Standings(NamedTuple):
-    """The order on one suite of one track. Only evaluations of one seed played the same matches."""
+    """The order on one suite of one track.
+
+    Only evaluations of one seed on one version of the engine played the same matches.
+    """
 
     track: str
     suite: str
     seed: str
+    engine_version: str
     rows: tuple[Row, ...]
 
 
 def standings(session: Session, track: str | None = None, suite: str | None = None) -> Iterator[Standings]:
-    """Yield the standings of every track, suite and seed in the database, or of those asked for.
+    """Yield the standings of every track, suite, seed and engine in the database, or of those asked for.
 
     A submission stands there once, under its name, with its latest evaluation: a newer version replaces an
     older one even if it is worse, since it is the one that its author stands by.
@@ -35,15 +39,28 @@ def standings(session: Session, track: str | None = None, suite: str | None = No
     wanted = (
         select(Evaluation)
         .options(joinedload(Evaluation.submission), selectinload(Evaluation.scores))
-        .order_by(Evaluation.track, Evaluation.suite, Evaluation.seed, Evaluation.started, Evaluation.id)
+        .order_by(Evaluation.started, Evaluation.id)
     )
     if track is not None:
         wanted = wanted.where(Evaluation.track == track)
     if suite is not None:
         wanted = wanted.where(Evaluation.suite == suite)
-    for key, group in groupby(session.scalars(wanted), lambda row: (row.track, row.suite, row.seed)):
+    # Sorting is stable: within a key the latest evaluation stays the last.
+    for key, group in groupby(sorted(session.scalars(wanted), key=_place_of), _key):
         latest = {evaluation.submission.name: evaluation for evaluation in group}
         yield Standings(*key, tuple(rank(latest.values())))
+
+
+def _key(one: Evaluation) -> tuple[str, str, str, str]:
+    return one.track, one.suite, one.seed, one.engine_version
+
+
+def _place_of(one: Evaluation) -> tuple[int, tuple[str, str, str, str]]:
+    """Return what the standings are ordered by: the tracks as the engine lists them."""
+    from wildscav_engine.tracks import TRACKS
+
+    tracks = list(TRACKS)
+    return tracks.index(one.track) if one.track in tracks else len(tracks), _key(one)
 
 
 def rank(evaluations: Iterable[Evaluation]) -> Iterator[Row]:

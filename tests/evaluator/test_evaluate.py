@@ -58,10 +58,14 @@ def without_timings(out: Path) -> dict[str, object]:
 
 def complaint(done: "subprocess.CompletedProcess[str]") -> str:
     """The one line that says what is wrong."""
+    (line,) = complaints(done)
+    return line
+
+
+def complaints(done: "subprocess.CompletedProcess[str]") -> list[str]:
+    """The lines that say what is wrong, one a fault."""
     assert "Traceback" not in done.stderr + done.stdout
-    lines = [line for line in done.stderr.splitlines() if line.startswith("wildscav: ")]
-    assert len(lines) == 1, done.stderr
-    return lines[0]
+    return [line for line in done.stderr.splitlines() if line.startswith("wildscav: ")]
 
 
 def test_the_same_command_gives_the_same_results_and_a_failing_agent_harms_nobody(
@@ -201,7 +205,7 @@ def test_bad_options_are_usage_errors(wildscav: Command, arguments: list[str]) -
     assert wildscav("evaluate", *arguments, *(["folder"] if arguments else [])).returncode == 2
 
 
-def test_a_full_disk_is_one_clear_line_after_the_tables(submit: Submit, tmp_path: Path) -> None:
+def test_a_full_disk_is_one_clear_line_a_file_after_the_tables(submit: Submit, tmp_path: Path) -> None:
     walker, out = submit("walker", WALKER), tmp_path / "out"
     with writing(out / "db"):
         pass  # there already, it passes the check before the first match
@@ -209,7 +213,10 @@ def test_a_full_disk_is_one_clear_line_after_the_tables(submit: Submit, tmp_path
     done = run_with_file_limit(arguments)
 
     assert done.returncode == 1
-    assert f"the results could not be kept: {out / 'results.json'}: " in complaint(done)
+    results, database, matches = complaints(done)
+    assert f"the results could not be kept: {out / 'results.json'}: " in results
+    assert f"the database {out / 'db'} cannot be used: " in database
+    assert "walker failed in every match of navigation: " in matches
     assert "navigation · suite quick" in done.stdout
     assert not list(out.rglob("results.json*")), "no half-written file is left"
 

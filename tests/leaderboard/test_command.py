@@ -33,7 +33,7 @@ def test_it_prints_a_table_for_every_track(make_results: Make, tmp_path: Path) -
     done = leaderboard("--db", path)
 
     assert done.returncode == 0, done.stderr
-    gathering, navigation = done.stdout.split("navigation ·")
+    navigation, gathering = done.stdout.split("gathering ·")
     lines = [line.split() for line in gathering.splitlines()]
     assert [line[:4] for line in lines if line[1:2] in (["hunter"], ["homing"])] == [
         ["1", "hunter", "1.0.0", "30.5"],
