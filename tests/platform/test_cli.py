@@ -13,10 +13,12 @@ from pathlib import Path
 
 import grpc
 import pytest
+from rich.console import Console
 from tests.platform.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.cli import main
 from wildscav.cli.init import submission_name
+from wildscav.cli.verify import verify
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server import MatchServer, SeatStatus
@@ -131,7 +133,8 @@ def record(tmp_path: Path) -> Path:
 def test_the_record_of_a_served_match_verifies(record: Path) -> None:
     done = wildscav("verify", record)
     assert done.returncode == 0, done.stderr
-    assert "yes" in done.stdout
+    lines = [" ".join(line.split()) for line in done.stdout.splitlines()]
+    assert lines[-3:] == ["match.wsrec holds 20 steps", "", "1 of 1 record holds"]
 
 
 def test_verify_tells_good_records_from_bad_ones(record: Path, tmp_path: Path) -> None:
@@ -140,7 +143,33 @@ def test_verify_tells_good_records_from_bad_ones(record: Path, tmp_path: Path) -
     done = wildscav("verify", record, cut, tmp_path / "none.wsrec")
     assert done.returncode == 1
     assert "2 of 3 records do not hold" in done.stderr
-    assert done.stdout.count("yes") == 1
+    assert "1 of 3 records holds" in done.stdout
+    assert (done.stdout.count(" holds "), done.stdout.count(" FAILS ")) == (1, 2)
+
+
+def test_what_a_record_says_cannot_steer_the_terminal(record: Path, tmp_path: Path) -> None:
+    hostile = "\x1b]0;mine\x07\x1b[2J[red]"
+    save(replace(read_record(record), engine_version=hostile), tmp_path / "version.wsrec")
+    save(replace(read_record(record), map_digest=hostile), tmp_path / "map\x1b[2J.wsrec")
+    done = wildscav("verify", tmp_path / "version.wsrec", tmp_path / "map\x1b[2J.wsrec")
+    assert done.returncode == 1
+    assert "(recorded by engine \\x1b]0;mine\\x07\\x1b[2J[red]; this one is" in done.stdout
+    assert not {"\x1b", "\x07"} & set(done.stdout + done.stderr)
+
+
+def test_many_records_are_a_line_each_in_a_narrow_terminal(
+    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("wildscav.console.console", Console(width=80))
+    paths = [tmp_path / "a" / f"battle-{number:03}-a-name-of-some-length.wsr" for number in range(3)]
+    paths[0].parent.mkdir()
+    for path in paths:
+        path.hardlink_to(record)
+    verify(paths)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 2 + 3 + 2
+    for line, path in zip(lines[2:5], paths, strict=True):
+        assert line.split()[:2] == [path.name, "holds"]
 
 
 def test_replay_writes_a_recording_and_says_how_to_open_it(record: Path, tmp_path: Path) -> None:

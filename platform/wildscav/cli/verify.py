@@ -1,11 +1,23 @@
 """``wildscav verify``: re-simulate records and compare every step."""
 
+import os
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from wildscav.errors import UserError, describe
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+class Finding(NamedTuple):
+    """What was found out about one record."""
+
+    path: Path
+    holds: bool
+    message: str  # one line, safe to print
 
 
 def verify(
@@ -13,35 +25,70 @@ def verify(
         list[Path], typer.Argument(help="Record files.", metavar="RECORD…", show_default=False)
     ],
 ) -> None:
-    """Play records again and compare every step. Exit code 0 only if all hold."""
-    from rich.table import Column, Table
+    """Play records again and compare every step. Exit code 0 only if all hold.
 
+    A record that holds is a true account of its match: what every seat did, and what came of it. The names
+    of the seats are not part of that; nothing proves who played.
+    """
     from wildscav.console import console, error_console
 
-    table = Table(Column("record", overflow="fold"), "holds", "first difference", "")
-    failed: list[str] = []
-    with error_console.status("re-simulating") as status:
+    findings: list[Finding] = []
+    with error_console.status("") as status:
         for path in records:
-            status.update(f"re-simulating {path.name}")
-            holds, step, message = _check(path)
-            verdict = "[green]yes[/green]" if holds else "[red]no[/red]"
-            table.add_row(str(path), verdict, "" if step is None else f"step {step}", message)
-            if not holds:
-                failed.append(f"{path}: {message}")
-    console.print(table)
+            status.update(f"re-simulating {len(findings) + 1} of {len(records)}")
+            findings.append(_check(path))
+    console.print(_table(findings))
+    failed = [one for one in findings if not one.holds]
+    held = f"{len(records) - len(failed)} of {_count(len(records))}"
+    console.print(f"\n{held} {'holds' if len(records) - len(failed) == 1 else 'hold'}", highlight=False)
     if failed:
         more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
-        raise UserError(f"{len(failed)} of {len(records)} records do not hold: {failed[0]}{more}")
+        raise UserError(
+            f"{len(failed)} of {_count(len(records))} {'does' if len(failed) == 1 else 'do'} not hold: "
+            f"{failed[0].path}: {failed[0].message}{more}"
+        )
 
 
-def _check(path: Path) -> tuple[bool, int | None, str]:
-    """Return whether a record holds, the first step that differs, and what else there is to say."""
+def _count(records: int) -> str:
+    return f"{records} record{'' if records == 1 else 's'}"
+
+
+def _table(findings: list[Finding]) -> "Table":
+    """Return a line for each record, named without the folder that all are in."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    from wildscav.console import printable
+
+    common = os.path.commonpath([one.path.absolute().parent for one in findings])
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False)
+    table.add_column("record", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    table.add_column("what was found", overflow="fold", min_width=24)
+    for path, holds, message in findings:
+        name = printable(str(path.absolute().relative_to(common)))
+        verdict = Text("holds", "green") if holds else Text("FAILS", "bold red")
+        table.add_row(Text(name, "" if holds else "bold"), verdict, Text(message))
+    return table
+
+
+def _check(path: Path) -> Finding:
+    """Play a record again. Whatever is wrong with it, the others are still to be checked."""
+    from wildscav.console import printable
+    from wildscav_engine import ENGINE_VERSION
     from wildscav_engine.record import RecordError, read_record, verify_record
 
     try:
-        result = verify_record(read_record(path))
+        record = read_record(path)
+        result = verify_record(record)
     except RecordError as error:
-        return False, None, str(error).removeprefix(f"{path}: ")
+        return Finding(path, False, printable(str(error).removeprefix(f"{path}: ")))
     except OSError as error:
-        return False, None, describe(error)
-    return result.holds, result.step, result.message
+        return Finding(path, False, printable(describe(error)))
+    except MemoryError:
+        return Finding(path, False, "its match does not fit into this machine's memory")
+    message = f"{record.steps} steps" if result.holds else result.message
+    if record.engine_version != ENGINE_VERSION:
+        message += f" (recorded by engine {record.engine_version}; this one is {ENGINE_VERSION})"
+    return Finding(path, result.holds, printable(message))
