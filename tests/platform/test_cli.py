@@ -323,6 +323,7 @@ def test_the_arena_asks_for_its_token_and_checks_what_it_is_given(tmp_path: Path
                 HostMatchRequest(spec_json=fine, names=["a", "b"]),
                 HostMatchRequest(spec_json=fine, sensors_json={0: '{"sonar": {}}'}),
                 HostMatchRequest(spec_json=fine, sensors_json={0: "7"}),
+                HostMatchRequest(spec_json=fine, sensors_json={0: "[" * 100_000}),
             ):
                 assert await reason(arena.HostMatch(request, metadata=good)) == "SPEC_INVALID", request
 

@@ -22,13 +22,18 @@ def serve(
         typer.Option(help="File with the secret that opening a match asks for. Needed beyond this machine."),
     ] = None,
 ) -> None:
-    """Run a match server (default 127.0.0.1:50051) until it is interrupted."""
+    """Run a match server (default 127.0.0.1:50051) until it is interrupted.
+
+    A match is opened by the Arena service of the protocol (HostMatch), which answers with a token for every
+    seat. An agent joins with WILDSCAV_ADDRESS and WILDSCAV_TOKEN in its environment, run by
+    python -m wildscav.sdk FOLDER.
+    """
     token = None if organizer_token_file is None else _read_token(organizer_token_file)
     asyncio.run(_serve(listen or ["127.0.0.1:50051"], token))
 
 
 def _read_token(path: Path) -> str:
-    token = path.read_text("utf-8").strip()
+    token = path.read_text("utf-8", errors="replace").strip()
     if len(token) < SHORTEST_TOKEN or not token.isascii() or not token.isprintable():
         raise UserError(
             f"{path} must hold a token of {SHORTEST_TOKEN} or more printable ASCII characters", exit_code=2
@@ -39,13 +44,17 @@ def _read_token(path: Path) -> str:
 async def _serve(addresses: list[str], token: str | None) -> None:
     from wildscav.console import console
     from wildscav.server import MatchServer
+    from wildscav.server.warm import warm
 
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stopped.set)
     server = MatchServer(arena=True, organizer_token=token)
-    for address in await server.start(addresses):
+    taken = await server.start(addresses)
+    with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
+        await asyncio.to_thread(warm)
+    for address in taken:
         console.print(f"listening on {address}", highlight=False)
     await stopped.wait()
     console.print("stopping", highlight=False)

@@ -75,8 +75,10 @@ class ArenaService(ArenaServicer):
             )
 
     async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
+        from pydantic import ValidationError
+
         from wildscav_engine.match import MatchSetupError
-        from wildscav_engine.spec import MatchSpec
+        from wildscav_engine.spec import MatchSpec, one_line
 
         if len(self._open) >= OPEN_LIMIT:
             raise RefusalError(
@@ -92,9 +94,9 @@ class ArenaService(ArenaServicer):
                 sensors={seat: _options(text) for seat, text in request.sensors_json.items()},
                 clock=clock,
             )
-        except (ValueError, MatchSetupError) as error:
+        except (ValueError, RecursionError, MatchSetupError) as error:
             del self._open[match_id]
-            message = " ".join(str(error).split())
+            message = one_line(error) if isinstance(error, ValidationError) else " ".join(str(error).split())
             raise RefusalError(grpc.StatusCode.INVALID_ARGUMENT, "SPEC_INVALID", message) from None
         except BaseException:
             del self._open[match_id]
