@@ -153,7 +153,7 @@ def decode(data: bytes) -> Record:
         return _assemble(header, packed)
     except ValidationError as error:
         raise RecordError(f"its header is not valid: {one_line(error)}") from None
-    except (ValueError, KeyError, TypeError, RecursionError, zlib.error) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError, zlib.error) as error:
         raise RecordError(f"its contents are not valid: {error}") from None
 
 

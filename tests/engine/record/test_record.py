@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import os
 import resource
 import subprocess
@@ -202,6 +203,13 @@ def test_a_bomb_is_refused_without_unpacking_it(record: Record) -> None:
 def test_a_strange_header_with_a_right_checksum_is_refused(record: Record, header: bytes, said: str) -> None:
     with pytest.raises(RecordError, match=said):
         decode(with_header(record, header, b""))
+
+
+def test_endless_steps_are_refused(record: Record) -> None:
+    data = encode(record)
+    header = json.loads(data[PREAMBLE.size :][: PREAMBLE.unpack_from(data)[2]])
+    with pytest.raises(RecordError, match="not valid"):
+        decode(with_header(record, canonical({**header, "steps": math.inf}), b""))
 
 
 def test_more_steps_than_the_match_can_have_are_refused(record: Record) -> None:
