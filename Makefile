@@ -1,6 +1,7 @@
 # Everything runs in .venv, which these targets make and keep up to date by themselves.
 PYTHON ?= python3
 BIN := .venv/bin
+BENCHMARKS := compile maps server steps
 .DEFAULT_GOAL := help
 
 .PHONY: help demo test test-slow check format bench proto clean
@@ -41,7 +42,7 @@ format: .venv/.dev ## Format the code and mend what can be mended by itself.
 	$(BIN)/ruff format .
 
 bench: .venv/.dev ## Run every benchmark; each prints a table.
-	@for file in benchmarks/bench_*.py; do $(BIN)/python $$file || exit 1; done
+	@for name in $(BENCHMARKS); do $(BIN)/python benchmarks/$$name.py || exit 1; done
 
 proto: .venv/.dev ## Generate the Python code of the protocol again.
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \

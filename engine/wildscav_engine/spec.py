@@ -29,30 +29,6 @@ class Spec(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class MapConfig(Spec):
-    """What kind of map to make. With a seed, it gives exactly one map."""
-
-    size: Annotated[int, Field(ge=40, le=2000, multiple_of=2)] = 100  # m, of each side
-    houses: Annotated[int, Field(ge=0, le=200)] = 4
-    density: Literal["low", "high"] = "low"  # houses scattered, or close together
-    storeys: tuple[Annotated[int, Field(ge=1, le=4)], Annotated[int, Field(ge=1, le=4)]] = (1, 2)
-    water: Annotated[float, Field(ge=0, le=0.4)] = 0.08  # share of the area under lakes, about
-    vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
-
-    @model_validator(mode="after")
-    def _storeys_ascend(self) -> Self:
-        if self.storeys[0] > self.storeys[1]:
-            raise ValueError(f"storeys is {self.storeys}: the first number must not be above the second")
-        return self
-
-
-class MapSpec(Spec):
-    """One map."""
-
-    config: MapConfig = MapConfig()
-    seed: Seed = 0
-
-
 class SupplyWave(Spec):
     """Supply boxes that appear at one moment, thickest around a centre."""
 
@@ -78,6 +54,51 @@ class SupplyConfig(Spec):
             if low > high:
                 raise ValueError(f"{name} is {(low, high)}: the first number must not be above the second")
         return self
+
+
+class Placement(Spec):
+    """Something that is put at one place of a map by hand."""
+
+    kind: Literal["house", "block", "tree", "bush", "rock"]
+    location: tuple[float, float]  # x, z in m, of its middle
+    area: tuple[Annotated[float, Field(gt=0, le=2000)], Annotated[float, Field(gt=0, le=2000)]] | None = None
+    # m, across and along. A house or a block has this size (None: as the generator draws one); trees, bushes
+    # and rocks fill it (None: a single one).
+    orientation: Annotated[float, Field(ge=-360, le=360)] = 0.0  # degrees, the yaw that its front faces
+    storeys: Annotated[int, Field(ge=1, le=4)] | None = None  # of a house; None: as the config says
+    height: Annotated[float, Field(gt=0, le=30)] = 2.0  # m, of a block
+    density: Annotated[float, Field(gt=0, le=1)] = 0.5  # of trees, bushes and rocks in an area; 1 is thick
+
+
+class MapConfig(Spec):
+    """What kind of map to make. With a seed, it gives exactly one map."""
+
+    size: Annotated[int, Field(ge=40, le=2000, multiple_of=2)] = 100  # m, of each side
+    relief: Annotated[float, Field(ge=0, le=2)] = 1.0  # 0 flat, 1 hills, 2 mountains
+    ruggedness: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 smooth downs and plains, 1 ridges and cliffs
+    water: Annotated[float, Field(ge=0, le=0.4)] = 0.08  # share of the area under lakes, about
+    houses: Annotated[int, Field(ge=0, le=200)] = 4  # beside those placed by hand
+    density: Literal["low", "high"] = "low"  # houses scattered, or close together along streets
+    storeys: tuple[Annotated[int, Field(ge=1, le=4)], Annotated[int, Field(ge=1, le=4)]] = (1, 2)
+    vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
+    placements: Annotated[tuple[Placement, ...], Field(max_length=1000)] = ()
+    # An imported height map or mesh that the map is made on, by its digest; None: generated ground.
+    base: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None
+    # What matches on this map use where their own spec says nothing; None: the track's default.
+    supplies: SupplyConfig | None = None
+
+    @model_validator(mode="after")
+    def _storeys_ascend(self) -> Self:
+        if self.storeys[0] > self.storeys[1]:
+            raise ValueError(f"storeys is {self.storeys}: the first number must not be above the second")
+        return self
+
+
+class MapSpec(Spec):
+    """One map."""
+
+    config: MapConfig = MapConfig()
+    seed: Seed = 0
 
 
 class MatchSpec(Spec):

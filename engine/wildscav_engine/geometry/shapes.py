@@ -18,6 +18,20 @@ BOX_FACES = np.array([[0, 1, 4], [2, 3, 6], [0, 1, 2], [4, 5, 6], [0, 2, 4], [1,
 ROOF_FACES = np.array([[0, 1, 4], [0, 2, 4], [1, 3, 5], [0, 1, 2], [4, 5, 6], [2, 6, 8], [3, 7, 8]])
 
 
+class Rectangle(NamedTuple):
+    """A rectangle in the axes of a pose, m: across from left to right, along from back to front."""
+
+    left: float
+    back: float
+    right: float
+    front: float
+
+    @property
+    def area(self) -> float:
+        """In m²."""
+        return (self.right - self.left) * (self.front - self.back)
+
+
 class Pose(NamedTuple):
     """Where a thing stands and how it is turned: its own axes are *across* (to its right) and *along*."""
 

@@ -29,6 +29,7 @@ class Kind(IntEnum):
     CROWN = 8
     ROCK = 9
     FURNITURE = 10
+    BUSH = 11
 
 
 class World(NamedTuple):

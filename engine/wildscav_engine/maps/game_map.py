@@ -3,12 +3,25 @@
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import blake2b
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.geometry.shapes import Pose, Rectangle, pose
 from wildscav_engine.geometry.world import World
 from wildscav_engine.spec import MapConfig, MapSpec
+
+
+# Raised by every change that makes another map of the same config and seed.
+GENERATOR_VERSION = 2
+
+
+class Room(NamedTuple):
+    """A room of a house: what lies between its walls."""
+
+    level: int  # 0 is the ground floor
+    area: Rectangle  # m, in the axes of the house
 
 
 @dataclass(frozen=True)
@@ -21,6 +34,13 @@ class House:
     ground: float  # m, height of its ground floor
     storeys: int
     storey_height: float  # m
+    wings: tuple[Rectangle, ...] = ()  # m, in its own axes: the outlines of its parts, walls included
+    rooms: tuple[Room, ...] = ()
+
+    @property
+    def pose(self) -> Pose:
+        """Its own axes: across, and along to its front."""
+        return pose(*self.center, self.yaw)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Solid, World, build_world
+from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap, House
 from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan, draw_plan
 from wildscav_engine.maps.houses import FLOOR_LIFT, build_house, doorsteps
@@ -17,10 +18,6 @@ from wildscav_engine.spec import MapConfig, MapSpec
 
 NO_HOUSE = -1
 DOORSTEP = 1.5  # m before an outer doorway, where one stands before going in
-
-
-class MapError(ValueError):
-    """No map can be made from a config and a seed."""
 
 
 def generate_map(config: MapConfig, seed: int) -> GameMap:

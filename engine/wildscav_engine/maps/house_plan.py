@@ -7,6 +7,7 @@ the left and on the right, so that no flight lies right above another and all ca
 
 from typing import NamedTuple
 
+from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.rng import Dice, Stream
 
 STOREY_HEIGHT = 3.0  # m, from floor to floor
@@ -22,20 +23,6 @@ LANDING = 1.2  # m, free at both ends of a flight
 HOLE_LEAD = 0.6  # m that the hole over a flight begins before its first step, for head room
 LARGE_HOUSE = 95.0  # m², from which on there is a back door
 FLIGHT_LENGTH = (STEPS - 1) * GOING
-
-
-class Rectangle(NamedTuple):
-    """A rectangle in the axes of a house, m."""
-
-    left: float
-    back: float
-    right: float
-    front: float
-
-    @property
-    def area(self) -> float:
-        """In m²."""
-        return (self.right - self.left) * (self.front - self.back)
 
 
 class Opening(NamedTuple):

@@ -1,6 +1,6 @@
 """Houses made of convex solids, from their plans."""
 
-from wildscav_engine.geometry.shapes import Pose, box, gable_roof
+from wildscav_engine.geometry.shapes import Pose, Rectangle, box, gable_roof
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.maps.house_plan import (
     GOING,
@@ -10,7 +10,6 @@ from wildscav_engine.maps.house_plan import (
     STOREY_HEIGHT,
     Flight,
     HousePlan,
-    Rectangle,
     Wall,
 )
 from wildscav_engine.maps.sites import Site
