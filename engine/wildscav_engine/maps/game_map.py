@@ -12,7 +12,6 @@ from wildscav_engine.geometry.shapes import Pose, Rectangle, pose
 from wildscav_engine.geometry.world import World
 from wildscav_engine.spec import MapConfig, MapSpec
 
-
 # Raised by every change that makes another map of the same config and seed.
 GENERATOR_VERSION = 2
 
