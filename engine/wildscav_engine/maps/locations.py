@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, TAN_SLOPE_LIMIT
+from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World, cell_of
 from wildscav_engine.kernel import array_kernel, kernel
-from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan, Rectangle
+from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan
 from wildscav_engine.maps.houses import FLOOR_LIFT
 from wildscav_engine.maps.sites import Site
 from wildscav_engine.rng import Dice, Stream, uniform_in
