@@ -206,6 +206,17 @@ def test_a_match_that_cannot_be_set_up_again_is_one_clear_line(record: Path, tmp
     assert not (tmp_path / "other.rrd").exists()
 
 
+def test_a_record_of_another_map_generator_says_so(record: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    old = replace(read_record(record), generator_version=1, engine_version="0.0.9")
+    save(old, tmp_path / "old.wsr")
+    for name in ("verify", "replay"):
+        done = wildscav(name, tmp_path / "old.wsr")
+        assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+        assert "played on a map of generator version 1, but this engine makes" in done.stderr
+        assert "play it with the engine that made it (0.0.9)" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("error", "message"),
     [

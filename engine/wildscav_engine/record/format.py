@@ -1,23 +1,13 @@
 """The record of a match: its spec and every action, small and exact.
 
-Layout, little-endian:
-
-    8 bytes   magic "WILDSCAV"
-    2 bytes   format version
-    4 bytes   length of the header
-    …         header: canonical JSON (sorted keys, no spaces, UTF-8)
-    …         zlib: actions, (T, A, FIELDS) float32, then digests, (T,) uint64
-    32 bytes  BLAKE2b of everything before
-
-The checksum finds damage, not forgery: that takes ``verify_record``, which plays the match again.
+Its layout is that of ``container``, with this payload, compressed: actions, (T, A, FIELDS) float32, then
+digests, (T,) uint64. The checksum finds damage, not forgery: that takes ``verify_record``, which plays the
+match again.
 """
 
-import json
-import struct
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -27,17 +17,16 @@ from pydantic import ValidationError
 
 from wildscav_engine import ENGINE_VERSION
 from wildscav_engine.actions import FIELDS
+from wildscav_engine.container import ContainerError, Layout, decompress, pack, unpack
 from wildscav_engine.files import write_whole
+from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.match import Match
 from wildscav_engine.result import MatchResult
 from wildscav_engine.spec import MatchSpec, one_line
 
-MAGIC = b"WILDSCAV"
-FORMAT_VERSION = 1
-PREAMBLE = struct.Struct("<8sHI")
-CHECKSUM_SIZE = 32  # bytes
+LAYOUT = Layout(b"WILDSCAV", 2, "a record of a match")
 ARRAYS_LIMIT = 1 << 30  # bytes, unpacked: no record makes its reader run out of memory
-HEADER_KEYS = {"spec", "map_digest", "engine_version", "names", "result", "steps"}
+HEADER_KEYS = {"spec", "map_digest", "generator_version", "engine_version", "names", "result", "steps"}
 SUFFIX = ".wsr"
 
 
@@ -51,6 +40,7 @@ class Record:
 
     spec: MatchSpec
     map_digest: str
+    generator_version: int  # of the maps
     engine_version: str
     names: tuple[str, ...]  # what the seats are called, one for each
     result: MatchResult
@@ -73,6 +63,7 @@ def record_of(match: Match, names: Sequence[str]) -> Record:
     return Record(
         spec=match.spec,
         map_digest=match.game_map.digest,
+        generator_version=GENERATOR_VERSION,
         engine_version=ENGINE_VERSION,
         names=tuple(names),
         result=match.result(),
@@ -104,15 +95,14 @@ def encode(record: Record) -> bytes:
     header = {
         "spec": record.spec.model_dump(mode="json"),
         "map_digest": record.map_digest,
+        "generator_version": record.generator_version,
         "engine_version": record.engine_version,
         "names": list(record.names),
         "result": record.result.model_dump(mode="json"),
         "steps": record.steps,
     }
-    text = canonical(header)
     arrays = record.actions.astype("<f4").tobytes() + record.digests.astype("<u8").tobytes()
-    body = PREAMBLE.pack(MAGIC, FORMAT_VERSION, len(text)) + text + zlib.compress(arrays, 6)
-    return body + blake2b(body, digest_size=CHECKSUM_SIZE).digest()
+    return pack(LAYOUT, header, zlib.compress(arrays, 6))
 
 
 def read_record(path: Path) -> Record:
@@ -137,32 +127,17 @@ def decode(data: bytes) -> Record:
     Raises:
         RecordError: What is wrong with them.
     """
-    if len(data) < PREAMBLE.size + CHECKSUM_SIZE or not data.startswith(MAGIC):
-        raise RecordError("not a record of a match")
-    _, version, header_size = PREAMBLE.unpack_from(data)
-    if version != FORMAT_VERSION:
-        raise RecordError(f"format version {version}, but this engine reads version {FORMAT_VERSION}")
-    body, checksum = data[:-CHECKSUM_SIZE], data[-CHECKSUM_SIZE:]
-    if blake2b(body, digest_size=CHECKSUM_SIZE).digest() != checksum:
-        raise RecordError("cut short or edited: its checksum does not match")
     try:
-        text, packed = body[PREAMBLE.size :][:header_size], body[PREAMBLE.size + header_size :]
-        header = json.loads(text)
-        if canonical(header) != text:
-            raise ValueError("its header is not in canonical form")
-        return _assemble(header, packed)
+        return _assemble(*unpack(LAYOUT, data))
+    except ContainerError as error:
+        raise RecordError(str(error)) from None
     except ValidationError as error:
         raise RecordError(f"its header is not valid: {one_line(error)}") from None
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError, zlib.error) as error:
         raise RecordError(f"its contents are not valid: {error}") from None
 
 
-def canonical(header: dict[str, Any]) -> bytes:
-    """Return a header as JSON in the one form that it may have."""
-    return json.dumps(header, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
-
-
-def _assemble(header: dict[str, Any], packed: bytes) -> Record:
+def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
     """Build a record from its parts, checking that they fit each other."""
     if set(header) != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
@@ -174,25 +149,18 @@ def _assemble(header: dict[str, Any], packed: bytes) -> Record:
     if not 0 <= steps <= spec.step_limit:
         raise ValueError(f"{steps} steps, of a match of {spec.step_limit} at most")
     action_bytes = steps * seats * FIELDS * 4
-    arrays = _unpack(packed, action_bytes + steps * 8)
+    size = action_bytes + steps * 8
+    if size > ARRAYS_LIMIT:
+        raise ValueError(f"its arrays would have {size} bytes, {ARRAYS_LIMIT} are allowed")
+    arrays = decompress(packed, size)
     actions = np.frombuffer(arrays[:action_bytes], "<f4").reshape(steps, seats, FIELDS)
     return Record(
         spec=spec,
         map_digest=str(header["map_digest"]),
+        generator_version=int(header["generator_version"]),
         engine_version=str(header["engine_version"]),
         names=names,
         result=MatchResult.model_validate(header["result"]),
         actions=actions.astype(np.float32),
         digests=np.frombuffer(arrays[action_bytes:], "<u8").astype(np.uint64),
     )
-
-
-def _unpack(packed: bytes, size: int) -> bytes:
-    """Return what was compressed, which must have just this size; never unpacks more than that."""
-    if size > ARRAYS_LIMIT:
-        raise ValueError(f"its arrays would have {size} bytes, {ARRAYS_LIMIT} are allowed")
-    unpacker = zlib.decompressobj()
-    arrays = unpacker.decompress(packed, size + 1)
-    if len(arrays) != size or not (unpacker.eof or size == 0) or unpacker.unused_data:
-        raise ValueError(f"its arrays do not have the {size} bytes that its steps and seats take")
-    return arrays

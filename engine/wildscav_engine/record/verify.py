@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from wildscav_engine import ENGINE_VERSION
-from wildscav_engine.maps import MapError, map_of
+from wildscav_engine.maps import GENERATOR_VERSION, MapError, map_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.record.format import Record, RecordError
@@ -31,6 +31,12 @@ def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Matc
     Raises:
         RecordError: The match cannot be set up, or its map is not the one it was played on.
     """
+    # Before the map is made, which may take long or fail in ways that say little.
+    if record.generator_version != GENERATOR_VERSION:
+        raise RecordError(
+            f"played on a map of generator version {record.generator_version}, but this engine makes those "
+            f"of version {GENERATOR_VERSION}: play it with the engine that made it ({record.engine_version})"
+        )
     try:
         match = Match(record.spec, game_map if game_map is not None else map_of(record.spec.map))
     except (MapError, MatchSetupError) as error:

@@ -77,6 +77,7 @@ def _check(path: Path) -> Finding:
     """Play a record again. Whatever is wrong with it, the others are still to be checked."""
     from wildscav.console import printable
     from wildscav_engine import ENGINE_VERSION
+    from wildscav_engine.maps import GENERATOR_VERSION
     from wildscav_engine.record import RecordError, read_record, verify_record
 
     try:
@@ -89,6 +90,7 @@ def _check(path: Path) -> Finding:
     except MemoryError:
         return Finding(path, False, "its match does not fit into this machine's memory")
     message = f"{record.steps} steps" if result.holds else result.message
-    if record.engine_version != ENGINE_VERSION:
+    # A record of another generator says itself which engine made it.
+    if record.engine_version != ENGINE_VERSION and record.generator_version == GENERATOR_VERSION:
         message += f" (recorded by engine {record.engine_version}; this one is {ENGINE_VERSION})"
     return Finding(path, result.holds, printable(message))

@@ -16,7 +16,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wildscav_engine.maps import generate_map
+from wildscav_engine.container import PREAMBLE, canonical
+from wildscav_engine.maps import GENERATOR_VERSION, generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
 from wildscav_engine.record import (
@@ -28,7 +29,7 @@ from wildscav_engine.record import (
     verify_record,
     write_record,
 )
-from wildscav_engine.record.format import PREAMBLE, canonical, decode, encode
+from wildscav_engine.record.format import LAYOUT, decode, encode
 from wildscav_engine.spec import MapConfig, MatchSpec
 
 
@@ -53,7 +54,7 @@ def test_a_record_reads_back_as_it_was_written(record: Record, tmp_path: Path) -
     path = tmp_path / "match.wsr"
     save(record, path)
     again = read_record(path)
-    for field in ("spec", "map_digest", "engine_version", "names", "result"):
+    for field in ("spec", "map_digest", "generator_version", "engine_version", "names", "result"):
         assert getattr(again, field) == getattr(record, field)
     assert (again.actions == record.actions).all()
     assert (again.digests == record.digests).all()
@@ -109,6 +110,19 @@ def test_another_map_is_named(record: Record) -> None:
     assert "map" in verification.message
 
 
+def test_a_map_of_another_generator_is_named_before_it_is_made(
+    record: Record, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wildscav_engine.record.verify.map_of", None)
+    old = dataclasses.replace(record, generator_version=1, engine_version="0.0.9")
+    verification = verify_record(decode(encode(old)))
+    assert not verification.holds
+    assert verification.message == (
+        "played on a map of generator version 1, but this engine makes those of version "
+        f"{GENERATOR_VERSION}: play it with the engine that made it (0.0.9)"
+    )
+
+
 @settings(max_examples=40)
 @given(st.data())
 def test_damage_anywhere_is_one_clear_line(record: Record, data: st.DataObject) -> None:
@@ -128,6 +142,10 @@ def test_damage_anywhere_is_one_clear_line(record: Record, data: st.DataObject) 
         (b"", "not a record"),
         (b"hello world, this is no record at all, but long enough", "not a record"),
         (b"WILDSCAV" + b"\x63\x00" + bytes(60), "format version 99"),
+        (
+            b"WILDSCAV" + b"\x01\x00" + bytes(60),
+            "format version 1, of an earlier engine; this one reads version 2",
+        ),
     ],
 )
 def test_what_is_no_record_is_refused(contents: bytes, said: str, tmp_path: Path) -> None:
@@ -179,7 +197,7 @@ def test_a_match_can_be_written_as_it_stands(country: GameMap, tmp_path: Path) -
 
 
 def with_header(record: Record, text: bytes, arrays: bytes) -> bytes:
-    body = PREAMBLE.pack(b"WILDSCAV", 1, len(text)) + text + zlib.compress(arrays)
+    body = PREAMBLE.pack(LAYOUT.magic, LAYOUT.version, len(text)) + text + zlib.compress(arrays)
     return body + blake2b(body, digest_size=32).digest()
 
 
