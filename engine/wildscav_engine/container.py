@@ -34,11 +34,14 @@ class Layout(NamedTuple):
     what: str  # it is, with its article
 
 
-def pack(layout: Layout, header: dict[str, Any], payload: bytes | bytearray) -> bytes:
-    """Return a header and a payload as one file; the same ones give the same bytes."""
+def pack(layout: Layout, header: dict[str, Any], *payload: bytes | memoryview) -> bytes:
+    """Return a header and the parts of a payload as one file; the same ones give the same bytes."""
     text = canonical(header)
-    body = b"".join((PREAMBLE.pack(layout.magic, layout.version, len(text)), text, payload))
-    return body + blake2b(body, digest_size=CHECKSUM_SIZE).digest()
+    parts = (PREAMBLE.pack(layout.magic, layout.version, len(text)), text, *payload)
+    checksum = blake2b(digest_size=CHECKSUM_SIZE)
+    for part in parts:
+        checksum.update(part)
+    return b"".join((*parts, checksum.digest()))
 
 
 def unpack(layout: Layout, data: bytes) -> tuple[dict[str, Any], memoryview]:

@@ -1,7 +1,8 @@
 """Maps: made from a config and a seed."""
 
+from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap, House, Room
-from wildscav_engine.maps.generate import generate_map, map_of
+from wildscav_engine.maps.generate import generate_map
 
 __all__ = ["GENERATOR_VERSION", "GameMap", "House", "MapError", "Room", "generate_map", "map_of"]

@@ -1,7 +1,5 @@
 """From a config and a seed to a map: terrain, houses, vegetation, and the places that can be reached."""
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,12 +60,6 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
 def plans_and_sites(config: MapConfig, seed: int) -> tuple[list[HousePlan], list[Site]]:
     """Return what the houses of a map are like inside, and where they stand."""
     return _settle(config, seed, make_terrain(config, seed))
-
-
-@lru_cache(maxsize=8)
-def map_of(spec: MapSpec) -> GameMap:
-    """Return the map of a spec; the last few are remembered."""
-    return generate_map(spec.config, spec.seed)
 
 
 def _settle(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[HousePlan], list[Site]]:
