@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import CELL, Kind, World
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
+from wildscav_engine.palette import WATER, of_solids, of_terrain, shaded
 from wildscav_engine.view import colors, frame
 
 # The layers of solids, each to be shown or hidden by itself.
@@ -20,6 +21,7 @@ LAYERS = {
     "world/houses/furniture": (Kind.FURNITURE,),
     "world/vegetation/trunks": (Kind.TRUNK,),
     "world/vegetation/crowns": (Kind.CROWN,),
+    "world/vegetation/bushes": (Kind.BUSH,),
     "world/rocks": (Kind.ROCK,),
 }
 EDGE_DEPTH = 3.0  # m of earth below the lowest ground
@@ -35,7 +37,7 @@ def static_scene(game_map: GameMap) -> Iterator[tuple[str, rr.AsComponents]]:
     water = water_mesh(world)
     if len(water.triangles):
         yield "world/water", _water(water)
-    base = colors.of_solids(world.solid_kind, game_map.solid_house)
+    base = of_solids(world.solid_kind, game_map.solid_house)
     for path, kinds in LAYERS.items():
         chosen = np.nonzero(np.isin(world.solid_kind, kinds))[0]
         if len(chosen):
@@ -47,7 +49,7 @@ def _flat_shaded(mesh: Mesh, base: NDArray[np.float64]) -> rr.Mesh3D:
     corners = mesh.vertices[mesh.triangles].astype(np.float64)  # (T, 3, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None]
-    lit = colors.shaded(base[mesh.solids], normals)
+    lit = shaded(base[mesh.solids], normals)
     order = frame.triangles(np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3))
     return rr.Mesh3D(
         vertex_positions=frame.points(corners.reshape(-1, 3)),
@@ -62,11 +64,11 @@ def _terrain(world: World) -> rr.Mesh3D:
     normals = np.stack([-slope_east, np.ones_like(slope_east), -slope_north], axis=-1).reshape(-1, 3)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     over_water = (world.heights - _water_nearby(world)).ravel()
-    base = colors.of_terrain(over_water, normals[:, 1], _dryness(world.heights.shape))
+    base = of_terrain(over_water, normals[:, 1], _dryness(world.heights.shape))
     return rr.Mesh3D(
         vertex_positions=frame.points(mesh.vertices),
         triangle_indices=frame.triangles(mesh.triangles),
-        vertex_colors=colors.shaded(base, normals),
+        vertex_colors=shaded(base, normals),
     )
 
 
@@ -125,5 +127,5 @@ def _water(mesh: Mesh) -> rr.Mesh3D:
     return rr.Mesh3D(
         vertex_positions=frame.points(mesh.vertices),
         triangle_indices=frame.triangles(mesh.triangles),
-        albedo_factor=colors.WATER,
+        albedo_factor=WATER,
     )
