@@ -1,251 +1,272 @@
-"""Where houses stand: dry, fairly level ground, clear of each other."""
+"""Where houses stand: in towns and hamlets along streets, or on farmsteads far apart."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.shapes import Pose, pose
-from wildscav_engine.geometry.world import CELL
-from wildscav_engine.kernel import kernel
-from wildscav_engine.maps.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint
+from wildscav_engine.maps.footprints import Site, corner_of, footprints_of, gap_between
+from wildscav_engine.maps.plots import EDGE_MARGIN, Place, Plots
+from wildscav_engine.maps.streets import (
+    SQUARE_DEPTH,
+    STATION,
+    STREET_WIDTH,
+    Street,
+    draw_road,
+    draw_streets,
+    town_center,
+)
+from wildscav_engine.maps.terrain import Terrain
 from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.spec import MapConfig
+from wildscav_engine.trig import cosine, sine
 
-EDGE_MARGIN = 3.0  # m between a house and the edge of the map
-SHORE_MARGIN = 0.25  # m that the natural ground under a house lies above the water
-STEEPEST_GROUND = 4.5  # m, greatest difference of natural heights under a house
-STEEPEST_JOIN = 0.3  # m up per m between the levels of two houses
-TOWN_CHOICES = 12
-SCATTERED_GAP, CLOSE_GAP = 9.0, 4.0  # m between houses
-STREET_WIDTH, STREET_SPACING = 8.0, 40.0  # m
-DARTS = 300  # places tried at random before all places are tried in order
-ATTEMPTS = 6
+__all__ = ["CLOSE_GAP", "EDGE_MARGIN", "Settlement", "Site", "corner_of", "footprints_of", "gap_between"]
 
+SCATTERED_GAP, CLOSE_GAP = 9.0, 4.0  # m between houses, on farmsteads and in towns
+WIDEST_SCATTER = 60.0  # m between farmsteads, where there is room
+LARGEST_HAMLET = 12  # houses; more may make several hamlets
+TOWN_APART = 110.0  # m of the map's side for each town
+TOWN_CHOICES = 40
+DARTS = 40  # places tried at random at each distance
+ATTEMPTS = 3
+LANE_STEP = 3  # points of a street for each segment of a lane
+LONGEST_PATH = 16.0  # m from a door to a lane
+FORECOURT = 8.0  # m that a street goes on after its last house
 
-class Site(NamedTuple):
-    """Where one house stands."""
-
-    pose: Pose
-    yaw: float  # degrees
-    size: tuple[float, float]  # m, across and along
-    ground: float  # m, height of the levelled ground
-
-    @property
-    def footprint(self) -> tuple[float, float, float, float, float, float]:
-        """The row that kernels take: x, z, sine and cosine of the yaw, half of each size."""
-        return (*self.pose, self.size[0] * 0.5, self.size[1] * 0.5)
+Size = tuple[float, float]  # m, across and along
 
 
-def footprints_of(sites: list[Site]) -> NDArray[np.float64]:
-    """Return (H, 6) the footprints of sites."""
-    return np.array([site.footprint for site in sites], np.float64).reshape(-1, 6)
+class Settlement(NamedTuple):
+    """The houses of a map and the lanes between them."""
+
+    sites: list[Site]
+    lanes: NDArray[np.float64]  # (L, 4) m, x and z of both ends of each segment of a lane's axis
 
 
 def place_houses(
-    config: MapConfig, seed: int, terrain: Terrain, sizes: list[tuple[float, float]]
+    config: MapConfig, seed: int, terrain: Terrain, sizes: Sequence[Size], fixed: Sequence[Site] = ()
 ) -> list[Site]:
-    """Return a site for as many houses of the given sizes in m as have room."""
-    best: list[Site] = []
+    """Return a site for as many houses of the given sizes in m as have room, see ``settle``."""
+    return settle(config, seed, terrain, sizes, fixed).sites
+
+
+def settle(
+    config: MapConfig, seed: int, terrain: Terrain, sizes: Sequence[Size], fixed: Sequence[Site] = ()
+) -> Settlement:
+    """Find places for houses, and lay the lanes between them.
+
+    Args:
+        config: Of the map.
+        seed: Of the map.
+        terrain: Before any ground is levelled.
+        sizes: m, of each house.
+        fixed: Houses that stand already; they are not returned.
+
+    Returns:
+        A site for as many of the houses, in their order, as have room.
+    """
+    best = Settlement([], np.zeros((0, 4)))
     for attempt in range(ATTEMPTS):
         dice = Dice(seed, Stream.HOUSES, agent=attempt)
+        plots = Plots(config, terrain, fixed, len(sizes))
         if config.density == "high":
-            sites = _along_streets(config, dice, terrain, sizes)
+            lanes = _build_towns(dice, plots, sizes)
         else:
-            sites = _scattered(config, dice, terrain, sizes, SCATTERED_GAP)
-        sites += _scattered(config, dice, terrain, sizes[len(sites) :], CLOSE_GAP, sites)
-        if len(sites) > len(best):
-            best = sites
-        if len(best) == len(sizes):
+            lanes = []
+            _scatter(dice, plots, sizes)
+        _squeeze_in(dice, plots, sizes)
+        if attempt == 0 or len(plots.sites) > len(best.sites):
+            best = Settlement(plots.sites, _segments(lanes))
+        if len(best.sites) == len(sizes):
             break
     return best
 
 
-def _scattered(
-    config: MapConfig,
-    dice: Dice,
-    terrain: Terrain,
-    sizes: list[tuple[float, float]],
-    gap: float,
-    standing: list[Site] | None = None,
-) -> list[Site]:
-    """Place houses anywhere; stop at the first that finds no room."""
-    others = list(standing or [])
-    already = len(others)
+def room_for(
+    config: MapConfig, seed: int, terrain: Terrain, sizes: Sequence[Size], fixed: Sequence[Site] = ()
+) -> int:
+    """Return how many of the houses, counted from the first, surely find room when no more are asked for."""
+    asked = len(sizes)
+    while True:
+        found = len(place_houses(config, seed, terrain, sizes[:asked], fixed))
+        if found == asked:
+            return found
+        asked = found
+
+
+def _segments(lanes: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return (L, 4) the segments of lanes, each given by points (N, 2)."""
+    parts = [np.concatenate([points[:-1], points[1:]], axis=1) for points in lanes if len(points) > 1]
+    return np.concatenate(parts) if parts else np.zeros((0, 4))
+
+
+def _build_towns(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> list[NDArray[np.float64]]:
+    """Build one town after the other until all houses stand; return their lanes."""
+    most = max(1, int(-2.0 * plots.terrain.corner[0] / TOWN_APART)) ** 2
+    towns = 1
+    if len(sizes) > LARGEST_HAMLET:
+        towns = min(most, max(1, int(len(sizes) / dice.uniform(9.0, 24.0) + 0.5)))
+    centers: list[Place] = []
+    lanes: list[NDArray[np.float64]] = []
+    for town in range(towns + 3):
+        left = len(sizes) - len(plots.sites)
+        if left == 0:
+            break
+        share = (
+            left if town >= towns - 1 else max(3, int(left / (towns - town) * dice.uniform(0.7, 1.5) + 0.5))
+        )
+        center = town_center(dice, plots.terrain, 18.0 + 2.2 * min(share, 30), centers, TOWN_CHOICES)
+        built = _build_town(dice, plots, sizes, min(left, share), center)
+        if built:
+            lanes += built
+            if centers:
+                lanes.append(_road_to_nearest(plots, centers, center))
+            centers.append(center)
+    return lanes
+
+
+def _road_to_nearest(plots: Plots, centers: list[Place], center: Place) -> NDArray[np.float64]:
+    def apart(other: Place) -> float:
+        return (other[0] - center[0]) * (other[0] - center[0]) + (other[1] - center[1]) * (
+            other[1] - center[1]
+        )
+
+    nearest = min(centers, key=apart)
+    return draw_road(plots, center[:2], nearest[:2])
+
+
+def _build_town(
+    dice: Dice, plots: Plots, sizes: Sequence[Size], houses: int, center: Place
+) -> list[NDArray[np.float64]]:
+    """Build so many houses along the streets of one town; return its lanes, none if no house has room."""
+    streets = draw_streets(dice, plots, houses, center)
+    for street in streets:
+        plots.keep_off(street.points)
+    slots = _slots(dice, streets, center)
+    used: dict[int, list[int]] = {}
+    for _ in range(houses):
+        size = sizes[len(plots.sites)]
+        places = [_fronting(streets[slot.street], slot, size) for slot in slots]
+        chosen = plots.stand(places, size, CLOSE_GAP)
+        if chosen < 0:
+            break
+        used.setdefault(slots[chosen].street, []).append(slots[chosen].station)
+        # What is nearer to the middle has had no room for this house; smaller ones come there at the end.
+        slots = [slot for slot in slots if not _is_near_place(streets, slot, plots.sites[-1])]
+    return [
+        lane for number, stations in used.items() for lane in _lanes_of(streets[number], number, stations)
+    ]
+
+
+class _Slot(NamedTuple):
+    """A place for a house at a street."""
+
+    street: int
+    station: int
+    side: int  # 1: to the right of the street's direction, -1: to the left
+    setback: float  # m between the axis of the street and the front
+    skew: float  # degrees that the front is turned away from the street
+
+
+def _slots(dice: Dice, streets: list[Street], center: Place) -> list[_Slot]:
+    """Return the places along streets, nearest to the middle of the town first."""
+    slots = []
+    for number, street in enumerate(streets):
+        for station in range(len(street.points)):
+            away = street.points[station] - np.array(center[:2])
+            on_square = street.square[0] <= station <= street.square[1]
+            for side in (-1, 1):
+                setback = STREET_WIDTH / 2.0 + dice.uniform(0.0, 1.5) + (SQUARE_DEPTH if on_square else 0.0)
+                slot = _Slot(number, station, side, setback, dice.uniform(-4.0, 4.0))
+                distance = float(np.sqrt(away[0] * away[0] + away[1] * away[1]))
+                slots.append((distance + dice.uniform(0.0, 10.0), slot))
+    return [slot for _, slot in sorted(slots)]
+
+
+def _fronting(street: Street, slot: _Slot, size: Size) -> Place:
+    """Return where a house of a size stands that faces its street."""
+    x, z = street.points[slot.station].tolist()
+    yaw = float(street.yaws[slot.station]) - slot.side * 90.0 + slot.skew
+    away = slot.setback + size[1] / 2.0
+    return x - away * sine(yaw), z - away * cosine(yaw), yaw
+
+
+def _is_near_place(streets: list[Street], slot: _Slot, site: Site) -> bool:
+    """Return whether a house at a slot would stand in one that is there."""
+    x, z, _ = _fronting(streets[slot.street], slot, (8.0, 8.0))
+    across, along = site.pose.inside(x, z)
+    return abs(across) < site.size[0] / 2.0 + 4.0 and abs(along) < site.size[1] / 2.0 + 4.0
+
+
+def _lanes_of(street: Street, number: int, stations: list[int]) -> list[NDArray[np.float64]]:
+    """Return the axis of a street as far as houses stand at it, and the sides of its square."""
+    forecourt = int(FORECOURT / STATION)
+    first = 0 if number else max(0, min(stations) - forecourt)
+    last = min(len(street.points) - 1, max(stations) + forecourt)
+    chosen = [*range(first, last, LANE_STEP), last]
+    lanes = [street.points[chosen]]
+    start, end = street.square
+    if end > start:
+        for side in (-1.0, 1.0):
+            across = side * (SQUARE_DEPTH - 1.0)
+            rows = range(start, end + 1, LANE_STEP)
+            yaws = street.yaws[list(rows)].tolist()
+            shifts = [(across * cosine(yaw), -across * sine(yaw)) for yaw in yaws]
+            lanes.append(street.points[list(rows)] + np.array(shifts))
+    return lanes
+
+
+def _scatter(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
+    """Build farmsteads as far apart as the map allows."""
+    span = -2.0 * plots.terrain.corner[0]
+    gap = min(WIDEST_SCATTER, 0.5 * span / float(np.sqrt(max(1, len(sizes)))))
     for size in sizes:
-        site = None
-        for x, z, yaw in _places(config, dice):
-            site = _site(terrain, x, z, yaw, size, others, gap)
-            if site:
-                others.append(site)
-                break
-        if not site:
-            break
-    return others[already:]
+        while plots.stand(_darts(dice, plots, DARTS), size, max(gap, SCATTERED_GAP)) < 0:
+            if gap <= SCATTERED_GAP:
+                return
+            gap *= 0.8
 
 
-def _places(config: MapConfig, dice: Dice) -> Iterator[tuple[float, float, float]]:
-    """Yield x, z and yaw of places at random, then of all places on a grid."""
-    half = config.size / 2.0 - EDGE_MARGIN - 3.5
-    for _ in range(DARTS):
-        yield dice.uniform(-half, half), dice.uniform(-half, half), dice.uniform(-180.0, 180.0)
-    steps = min(40, int(half))
+def _darts(dice: Dice, plots: Plots, count: int) -> list[Place]:
+    half = -plots.terrain.corner[0] - EDGE_MARGIN - 4.0
+    return [
+        (dice.uniform(-half, half), dice.uniform(-half, half), dice.uniform(-180.0, 180.0))
+        for _ in range(count)
+    ]
+
+
+def _squeeze_in(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
+    """Put the houses that have no place yet wherever there is room; stop at the first that has none."""
+    if len(plots.sites) == len(sizes):
+        return
+    half = -plots.terrain.corner[0] - EDGE_MARGIN - 4.0
+    steps = max(1, min(60, int(half)))
     turn = dice.uniform(0.0, 90.0)
-    for row in range(steps + 1):
-        for column in range(steps + 1):
-            for yaw in (0.0, turn):
-                yield half * (2.0 * column / steps - 1.0), half * (2.0 * row / steps - 1.0), yaw
+    grid = [half * (2.0 * step / steps - 1.0) for step in range(steps + 1)]
+    everywhere = [(x, z, yaw) for z in grid for x in grid for yaw in (0.0, turn)]
+    for size in sizes[len(plots.sites) :]:
+        for places in (_darts(dice, plots, 5 * DARTS), everywhere):
+            if plots.stand(places, size, CLOSE_GAP) >= 0:
+                break
+        else:
+            return
 
 
-def _along_streets(
-    config: MapConfig, dice: Dice, terrain: Terrain, sizes: list[tuple[float, float]]
-) -> list[Site]:
-    """Place houses on both sides of parallel streets, nearest to the middle first, fronts to the street."""
-    town, yaw = _town(config, dice, terrain, len(sizes))
-    reach = min(0.75 * config.size, 12.0 * len(sizes) + 20.0)
-    most = min(len(sizes) // 8, int(0.75 * config.size / STREET_SPACING))
-    slots = sorted(
-        (max(abs(t * 2.0), abs(street) * 30.0), street, t, side)
-        for street in range(-most, most + 1)
-        for t in range(int(-reach / 2.0), int(reach / 2.0) + 1)
-        for side in (-1, 1)
-    )
-    sites: list[Site] = []
-    for _, street, t, side in slots:
-        if len(sites) == len(sizes):
-            break
-        size = sizes[len(sites)]
-        away = street * STREET_SPACING + side * (STREET_WIDTH / 2.0 + size[1] / 2.0 + dice.uniform(0.0, 1.0))
-        x, z = town.outside(away, t * 2.0)
-        facing = yaw - side * 90.0 + dice.uniform(-4.0, 4.0)
-        site = _site(terrain, x, z, facing, size, sites, CLOSE_GAP)
-        if site:
-            sites.append(site)
-    return sites
-
-
-def _town(config: MapConfig, dice: Dice, terrain: Terrain, houses: int) -> tuple[Pose, float]:
-    """Choose the middle and the yaw of the main street: of a few places, the most level one that is dry."""
-    near, length = 0.25 * config.size, 4.0 * houses + 8.0
-    best, best_score = (pose(0.0, 0.0, 0.0), 0.0), np.inf
-    for _ in range(TOWN_CHOICES):
-        yaw = dice.uniform(-180.0, 180.0)
-        town = pose(dice.uniform(-near, near), dice.uniform(-near, near), yaw)
-        ground = np.array((*town, 16.0, length))
-        lowest, highest, _ = heights_under(terrain.corner, terrain.heights, ground)
-        score = highest - lowest + (100.0 if lowest < terrain.water_level else 0.0)
-        if score < best_score:
-            best, best_score = (town, yaw), score
-    return best
-
-
-def _site(
-    terrain: Terrain,
-    x: float,
-    z: float,
-    yaw: float,
-    size: tuple[float, float],
-    others: list[Site],
-    gap: float,
-) -> Site | None:
-    """Return the site at a place, or None if no house can stand there."""
-    site = Site(pose(x, z, yaw), yaw, size, 0.0)
-    ground = _ground_for(
-        terrain.corner,
-        terrain.heights,
-        terrain.water_level,
-        np.array(site.footprint),
-        footprints_of(others),
-        np.array([other.ground for other in others], np.float64),
-        gap,
-    )
-    return site._replace(ground=ground) if ground > -np.inf else None
-
-
-@kernel
-def _ground_for(
-    corner: tuple[float, float],
-    heights: NDArray[np.float64],
-    water_level: float,
-    footprint: NDArray[np.float64],
-    others: NDArray[np.float64],
-    grounds: NDArray[np.float64],
-    gap: float,
-) -> float:
-    """Return the level in m for a house with this footprint, or -inf if it cannot stand there."""
-    if _reaches_edge(corner, footprint):
-        return -np.inf
-    for other in range(others.shape[0]):
-        if gap_between(footprint, others[other]) < gap:
-            return -np.inf
-    lowest, highest, mean = heights_under(corner, heights, footprint)
-    if lowest < water_level + SHORE_MARGIN or highest - lowest > STEEPEST_GROUND:
-        return -np.inf
-    ground = mean
-    # Houses whose level margins meet share one level; a bit farther away, levels may differ a bit.
-    for other in range(others.shape[0]):
-        if gap_between(footprint, others[other]) < 2.0 * LEVEL_MARGIN + 0.5:
-            ground = grounds[other]
-    if abs(ground - mean) > 1.2:
-        return -np.inf
-    for other in range(others.shape[0]):
-        apart = gap_between(footprint, others[other]) - 2.0 * LEVEL_MARGIN
-        if abs(ground - grounds[other]) > STEEPEST_JOIN * max(0.0, apart):
-            return -np.inf
-    return ground
-
-
-@kernel
-def corner_of(footprint: NDArray[np.float64], number: int) -> tuple[float, float]:
-    """Return x and z of one of a footprint's four corners."""
-    across = footprint[4] if number % 2 == 0 else -footprint[4]
-    along = footprint[5] if number < 2 else -footprint[5]
-    x = footprint[0] + across * footprint[3] + along * footprint[2]
-    z = footprint[1] - across * footprint[2] + along * footprint[3]
-    return x, z
-
-
-@kernel
-def _reaches_edge(corner: tuple[float, float], footprint: NDArray[np.float64]) -> bool:
-    for number in range(4):
-        x, z = corner_of(footprint, number)
-        if max(abs(x), abs(z)) > -corner[0] - EDGE_MARGIN:
-            return True
-    return False
-
-
-@kernel
-def gap_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Return the distance in m between two footprints; where two like ours cross, less than 4 m."""
-    nearest = min(
-        distance_to_footprint(one, other[0], other[1]), distance_to_footprint(other, one[0], one[1])
-    )
-    for number in range(4):
-        x, z = corner_of(one, number)
-        nearest = min(nearest, distance_to_footprint(other, x, z))
-        x, z = corner_of(other, number)
-        nearest = min(nearest, distance_to_footprint(one, x, z))
-    return nearest
-
-
-@kernel
-def heights_under(
-    corner: tuple[float, float], heights: NDArray[np.float64], footprint: NDArray[np.float64]
-) -> tuple[float, float, float]:
-    """Return the lowest, highest and mean height in m of the ground under a house and around it."""
-    reach = footprint[4] + footprint[5] + LEVEL_MARGIN
-    first_row = max(0, int((footprint[1] - reach - corner[1]) / CELL))
-    first_column = max(0, int((footprint[0] - reach - corner[0]) / CELL))
-    last_row = min(heights.shape[0] - 1, int((footprint[1] + reach - corner[1]) / CELL) + 1)
-    last_column = min(heights.shape[1] - 1, int((footprint[0] + reach - corner[0]) / CELL) + 1)
-    lowest, highest, total, count = np.inf, -np.inf, 0.0, 0
-    for row in range(first_row, last_row + 1):
-        for column in range(first_column, last_column + 1):
-            x, z = corner[0] + column * CELL, corner[1] + row * CELL
-            if distance_to_footprint(footprint, x, z) <= LEVEL_MARGIN:
-                lowest = min(lowest, heights[row, column])
-                highest = max(highest, heights[row, column])
-                total += heights[row, column]
-                count += 1
-    return lowest, highest, total / max(1, count)
+def door_paths(lanes: NDArray[np.float64], doorsteps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (K, 4) m the paths from doorsteps (D, 2) to the nearest lane, for those that are near one."""
+    paths = []
+    for x, z in doorsteps.tolist():
+        nearest, path = LONGEST_PATH * LONGEST_PATH, None
+        for x0, z0, x1, z1 in lanes.tolist():
+            east, north = x1 - x0, z1 - z0
+            share = ((x - x0) * east + (z - z0) * north) / max(1e-9, east * east + north * north)
+            share = min(1.0, max(0.0, share))
+            to_x, to_z = x0 + share * east, z0 + share * north
+            away = (to_x - x) * (to_x - x) + (to_z - z) * (to_z - z)
+            if away < nearest:
+                nearest, path = away, (x, z, to_x, to_z)
+        if path:
+            paths.append(path)
+    return np.array(paths, np.float64).reshape(-1, 4)

@@ -1,11 +1,14 @@
 """Trees and rocks: in woods and clearings, never in water, houses or doorways."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.shapes import polygon, rounded_polygon, stack
 from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.maps.footprints import Site, footprints_of
 from wildscav_engine.maps.terrain import Terrain, distance_to_footprint
 from wildscav_engine.rng import Dice, Stream, uniform
 from wildscav_engine.spec import MapConfig
@@ -29,8 +32,9 @@ def plant(
     config: MapConfig,
     seed: int,
     terrain: Terrain,
-    footprints: NDArray[np.float64],
+    sites: Sequence[Site] | NDArray[np.float64],
     doorsteps: NDArray[np.float64],
+    lanes: NDArray[np.float64] | None = None,
 ) -> list[Solid]:
     """Return the solids of all trees and rocks.
 
@@ -38,12 +42,14 @@ def plant(
         config: Of the map.
         seed: Of the map.
         terrain: With levelled ground.
-        footprints: (H, 6), see ``sites.Site``.
+        sites: Of the houses.
         doorsteps: (D, 2) m, x and z before each outer doorway.
+        lanes: (L, 4) m, see ``sites.Settlement``.
 
     Returns:
         Two solids a tree, one a rock.
     """
+    footprints = sites if isinstance(sites, np.ndarray) else footprints_of(sites)
     area = float(config.size * config.size) * config.vegetation
     trees, rocks = int(TREES * area + 0.5), int(ROCKS * area + 0.5)
     places = _scatter(
