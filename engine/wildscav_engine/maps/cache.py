@@ -144,8 +144,9 @@ def _stored(value: Any, arrays: dict[int, NDArray[Any]]) -> Any:
         return list(arrays).index(id(value))
     if isinstance(value, Spec):
         return value.model_dump(mode="json")
-    if _has_fields(type(value)):
-        return {name: _stored(getattr(value, name), arrays) for name in _fields(type(value))}
+    kind: Any = type(value)
+    if _has_fields(kind):
+        return {name: _stored(getattr(value, name), arrays) for name in _fields(kind)}
     if isinstance(value, tuple | list):
         return [_stored(item, arrays) for item in value]
     return value.value if isinstance(value, Enum) else value
