@@ -1,0 +1,128 @@
+"""Many solids at once that are rings of one outline above each other: trunks, crowns, bushes, rocks."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import Kind, Solid
+from wildscav_engine.kernel import array_kernel, kernel
+
+MOST_SIDES, MOST_RINGS = 8, 4
+KINDS = tuple(Kind)
+
+
+class Stacks(NamedTuple):
+    """The shapes of N solids, each as ``shapes.stack`` makes it; an axis may lean."""
+
+    kind: NDArray[np.int64]  # (N,) a Kind
+    axis: NDArray[np.float64]  # (N, 4) m, x and z of the axis at the lowest ring; m east and north per m up
+    sides: NDArray[np.int64]  # (N,) corners of the outline
+    outline: NDArray[np.float64]  # (N, 8, 2) m, corners of a convex polygon around (0, 0)
+    levels: NDArray[np.int64]  # (N,) rings
+    rings: NDArray[np.float64]  # (N, 4, 2) height in m and scale of the outline, upwards and bulging outwards
+
+
+def allocate_stacks(count: int) -> Stacks:
+    """Return room for so many solids."""
+    return Stacks(
+        np.zeros(count, np.int64),
+        np.zeros((count, 4)),
+        np.zeros(count, np.int64),
+        np.zeros((count, MOST_SIDES, 2)),
+        np.zeros(count, np.int64),
+        np.zeros((count, MOST_RINGS, 2)),
+    )
+
+
+def solids_of(stacks: Stacks, count: int) -> list[Solid]:
+    """Return the first so many of some shapes as solids."""
+    start, planes, low, high = _build(stacks, count)
+    kinds, ends = stacks.kind.tolist(), start.tolist()
+    return [
+        Solid(KINDS[kinds[row]], planes[ends[row] : ends[row + 1]], low[row], high[row])
+        for row in range(count)
+    ]
+
+
+@array_kernel
+def _build(
+    stacks: Stacks, count: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return where each solid's planes start (N + 1,), all planes (F, 4), and least and greatest corners."""
+    start = np.zeros(count + 1, np.int64)
+    for row in range(count):
+        levels, sides = stacks.levels[row], stacks.sides[row]
+        caps = (stacks.rings[row, 0, 1] > 0.0) + (stacks.rings[row, levels - 1, 1] > 0.0)
+        start[row + 1] = start[row] + (levels - 1) * sides + caps
+    planes = np.empty((start[count], 4))
+    low, high = np.empty((count, 3)), np.empty((count, 3))
+    for row in range(count):
+        _write_box(stacks, row, low, high)
+        _write_planes(stacks, row, start[row], planes)
+    return start, planes, low, high
+
+
+@kernel
+def _corner(stacks: Stacks, row: int, ring: int, corner: int) -> tuple[float, float, float]:
+    height, scale = stacks.rings[row, ring, 0], stacks.rings[row, ring, 1]
+    rise = height - stacks.rings[row, 0, 0]
+    x = stacks.axis[row, 0] + stacks.axis[row, 2] * rise + stacks.outline[row, corner, 0] * scale
+    z = stacks.axis[row, 1] + stacks.axis[row, 3] * rise + stacks.outline[row, corner, 1] * scale
+    return x, height, z
+
+
+@kernel
+def _write_box(stacks: Stacks, row: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
+    for axis in range(3):
+        low[row, axis], high[row, axis] = np.inf, -np.inf
+    for ring in range(stacks.levels[row]):
+        for corner in range(stacks.sides[row]):
+            place = _corner(stacks, row, ring, corner)
+            for axis in range(3):
+                low[row, axis] = min(low[row, axis], place[axis])
+                high[row, axis] = max(high[row, axis], place[axis])
+
+
+@kernel
+def _write_planes(stacks: Stacks, row: int, first: int, planes: NDArray[np.float64]) -> None:
+    sides, top = stacks.sides[row], stacks.levels[row] - 1
+    written = first
+    for ring in range(top):
+        is_tip = stacks.rings[row, ring, 1] == 0.0
+        for corner in range(sides):
+            following = (corner + 1) % sides
+            a = _corner(stacks, row, ring, corner)
+            b = _corner(stacks, row, ring + 1 if is_tip else ring, following)
+            c = _corner(stacks, row, ring + 1, corner)
+            _write_plane(stacks, row, a, b, c, planes[written])
+            written += 1
+    if stacks.rings[row, 0, 1] > 0.0:
+        planes[written] = (0.0, -1.0, 0.0, -stacks.rings[row, 0, 0])
+        written += 1
+    if stacks.rings[row, top, 1] > 0.0:
+        planes[written] = (0.0, 1.0, 0.0, stacks.rings[row, top, 0])
+
+
+@kernel
+def _write_plane(
+    stacks: Stacks,
+    row: int,
+    a: tuple[float, float, float],
+    b: tuple[float, float, float],
+    c: tuple[float, float, float],
+    plane: NDArray[np.float64],
+) -> None:
+    """Write the plane through three corners; the axis at half the height lies behind it."""
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    length = np.sqrt(x * x + y * y + z * z)
+    x, y, z = x / length, y / length, z / length
+    offset = x * a[0] + y * a[1] + z * a[2]
+    half_rise = (stacks.rings[row, stacks.levels[row] - 1, 0] - stacks.rings[row, 0, 0]) * 0.5
+    inside_x = stacks.axis[row, 0] + stacks.axis[row, 2] * half_rise
+    inside_z = stacks.axis[row, 1] + stacks.axis[row, 3] * half_rise
+    inside = x * inside_x + y * (stacks.rings[row, 0, 0] + half_rise) + z * inside_z
+    sign = -1.0 if inside > offset else 1.0
+    plane[0], plane[1], plane[2], plane[3] = sign * x, sign * y, sign * z, sign * offset
