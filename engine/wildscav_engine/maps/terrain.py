@@ -1,4 +1,4 @@
-"""The height field: hills from gradient noise, lakes in their hollows, level ground under houses."""
+"""The height field: open country, lakes in its hollows, level ground under houses."""
 
 from typing import NamedTuple
 
@@ -7,18 +7,38 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.kernel import array_kernel, kernel
-from wildscav_engine.rng import Dice, Stream, uniform_in
+from wildscav_engine.maps.erosion import add_finely, crumble, rain
+from wildscav_engine.maps.lakes import DEEPEST_WATER, flood, smooth_least, softened
+from wildscav_engine.maps.relief import (
+    LEAST_RANGE,
+    draw_country,
+    draw_gradients,
+    draw_origins,
+    lay_out,
+    raise_cliffs,
+)
 from wildscav_engine.spec import MapConfig
 
-STREAM = int(Stream.TERRAIN)
-LARGEST_HILLS, SMALLEST_HILLS = 180.0, 9.0  # m, longest and shortest wave of the noise
-ROUGHNESS = 0.42  # height of each octave of the noise by that of the one before
-STEEPNESS = 0.055  # difference between highest and lowest ground by the size of the map
-GREATEST_RELIEF = 45.0  # m
-DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
-SHORE = 0.7  # m; the smaller, the sooner a lake reaches its depth
+__all__ = [
+    "DEEPEST_WATER",
+    "LEVEL_MARGIN",
+    "Terrain",
+    "distance_to_footprint",
+    "level_ground",
+    "make_terrain",
+]
+
+FLATTEST_SHAPE = 0.25  # the least relief with which land is shaped; what is flatter is pressed flat after
+# Rain carves valleys into coarse ground first, then gullies into the fine: points of the height field by one
+# of the ground, and drops for each of these.
+VALLEY_RAINS, GULLY_RAIN = ((4, 0.45), (2, 0.2)), (1, 0.15)
+LEAST_POINTS = 25  # along a side of ground that is worth rain
+STEEPEST_SOIL = 0.62 * CELL  # m from one point to the next
+CRUMBLING = 12  # rounds
 LEVEL_MARGIN = 3.0  # m of level ground around a house: more than the diagonal of a cell
-JOIN = 8.0  # m over which level ground joins the slope around it
+JOIN_SLOPE = 0.65  # m up per m, of the ground that joins level ground to a steeper slope
+JOIN_START = 3.0  # m; the greater, the more gently the join starts
+LONGEST_JOIN = 80.0  # m; beyond, the ground is natural whatever it is like
 
 
 class Terrain(NamedTuple):
@@ -30,79 +50,41 @@ class Terrain(NamedTuple):
 
 
 def make_terrain(config: MapConfig, seed: int) -> Terrain:
-    """Return the hills and lakes of a map, around height 0."""
+    """Return the land of a map: height 0 is the water's level, or the lowest ground of a dry map."""
+    corner = (-config.size / 2.0, -config.size / 2.0)
     cells = int(config.size // CELL)
-    heights = np.zeros((cells + 1, cells + 1))
-    wave, height, octave = min(0.7 * config.size, LARGEST_HILLS), 1.0, 0
-    while wave >= SMALLEST_HILLS:
-        _add_noise(np.uint64(seed), octave, wave / CELL, height, heights)
-        wave, height, octave = wave * 0.5, height * ROUGHNESS, octave + 1
-    lowest, highest = heights.min(), heights.max()
-    share = (heights - lowest) / (highest - lowest)
-    share = share * (0.65 + 0.35 * share)  # broader valleys, narrower tops
-    dice = Dice(seed, Stream.TERRAIN, agent=1)
-    relief = min(GREATEST_RELIEF, STEEPNESS * config.size) * dice.uniform(0.8, 1.15)
-    heights, level = _flood(share * relief, config.water)
-    half = config.size / 2.0
-    return Terrain((-half, -half), heights, level)
+    heights = _shape_land(config, seed, cells + 1)
+    scale = config.relief / max(config.relief, FLATTEST_SHAPE)
+    if config.water == 0.0:
+        return Terrain(corner, (heights - heights.min()) * scale, -np.inf)
+    return Terrain(corner, flood(heights, config.water, scale), 0.0)
 
 
-@array_kernel
-def _add_noise(
-    seed: np.uint64, octave: int, wave: float, height: float, heights: NDArray[np.float64]
-) -> None:
-    """Add one octave of gradient noise (Perlin, "Improving Noise", SIGGRAPH 2002).
-
-    Args:
-        seed: Of the map.
-        octave: Its number, which keys its random numbers.
-        wave: Distance between the noise's own grid points, in cells of the map.
-        height: m, factor of the noise.
-        heights: (R, C) m, added to.
-    """
-    points = int(heights.shape[0] / wave) + 3
-    slopes = np.empty((points, points, 2))
-    for row in range(points):
-        for column in range(points):
-            for axis in range(2):
-                draw = 2 * column + axis
-                slopes[row, column, axis] = uniform_in(-1.0, 1.0, seed, STREAM, octave + 1, row, draw)
-    shift_z = uniform_in(0.0, 1.0, seed, STREAM, octave + 1, points, 0)
-    shift_x = uniform_in(0.0, 1.0, seed, STREAM, octave + 1, points, 1)
-    for row in range(heights.shape[0]):
-        z = row / wave + shift_z
-        south = int(z)
-        for column in range(heights.shape[1]):
-            x = column / wave + shift_x
-            west = int(x)
-            heights[row, column] += height * _noise(slopes, south, west, z - south, x - west)
+def _shape_land(config: MapConfig, seed: int, points: int) -> NDArray[np.float64]:
+    """Return (points, points) heights in m: laid out, then broken into cliffs, then worn down."""
+    key = np.uint64(seed)
+    country = draw_country(config, max(config.relief, FLATTEST_SHAPE), seed)
+    broad, hills, cliffs, heights = (np.empty((points, points)) for _ in range(4))
+    lay_out(country, draw_gradients(key), draw_origins(seed), broad, hills, cliffs)
+    broad *= max(1.0, LEAST_RANGE * country.height / (broad.max() - broad.min()))
+    for coarseness, drops in VALLEY_RAINS:
+        _erode(key, coarseness, drops, broad)
+    raise_cliffs(country.step, softened(broad), cliffs, heights)
+    heights += hills
+    _erode(key, *GULLY_RAIN, heights)
+    crumble(STEEPEST_SOIL, cliffs, CRUMBLING, heights)
+    return heights
 
 
-@kernel
-def _noise(slopes: NDArray[np.float64], south: int, west: int, north: float, east: float) -> float:
-    """Blend the planes of the four grid points around a point that lies (north, east) of the first."""
-    blend_z = north * north * north * (north * (north * 6.0 - 15.0) + 10.0)
-    blend_x = east * east * east * (east * (east * 6.0 - 15.0) + 10.0)
-    total = 0.0
-    for row in range(2):
-        weight_z = blend_z if row == 1 else 1.0 - blend_z
-        for column in range(2):
-            weight_x = blend_x if column == 1 else 1.0 - blend_x
-            slope = slopes[south + row, west + column]
-            plane = slope[0] * (north - row) + slope[1] * (east - column)
-            total += weight_z * weight_x * plane
-    return total
-
-
-def _flood(heights: NDArray[np.float64], water: float) -> tuple[NDArray[np.float64], float]:
-    """Let water stand in the lowest places, and make the beds shallow; height 0 is the water's level."""
-    ascending = np.sort(heights, axis=None, kind="stable")
-    level = ascending[int(water * (ascending.size - 1))]
-    heights = heights - level
-    if water == 0.0:
-        return heights, -np.inf
-    depth = np.maximum(0.0, -heights)
-    return np.where(heights < 0.0, -DEEPEST_WATER * depth / (depth + SHORE), heights), 0.0
+def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.float64]) -> None:
+    """Let it rain on every so-manieth point, and change those between alike."""
+    ground = heights[::coarseness, ::coarseness].copy()
+    if len(ground) < LEAST_POINTS:
+        return
+    change = -ground
+    rain(seed, coarseness, int(drops * ground.size), ground)
+    change += ground
+    add_finely(coarseness, change, heights)
 
 
 def water_of_cells(heights: NDArray[np.float64], level: float) -> NDArray[np.float64]:
@@ -131,8 +113,9 @@ def level_ground(
 ) -> None:
     """Make the ground level around each footprint and join it smoothly to what is around.
 
-    Between two footprints the ground is a mean of both levels and of the natural height, weighted by how
-    near they are (Shepard's method, each weight growing without bound towards its footprint).
+    Away from each level the ground may rise and fall only so much, and the farther the more: it is cut and
+    filled to that, and left alone where it is within. So the join is as wide as the difference needs, and
+    no steeper than its own slope and the natural one.
 
     Args:
         corner: m, x and z of the south-west corner.
@@ -140,9 +123,9 @@ def level_ground(
         grounds: (H,) m, the level around each.
         heights: (R + 1, C + 1) m, changed.
     """
-    weights = np.ones(heights.shape)
+    least, most = np.full(heights.shape, -np.inf), np.full(heights.shape, np.inf)
     for house in range(footprints.shape[0]):
-        reach = footprints[house, 4] + footprints[house, 5] + LEVEL_MARGIN + JOIN
+        reach = footprints[house, 4] + footprints[house, 5] + LEVEL_MARGIN + LONGEST_JOIN
         first_row = max(0, int((footprints[house, 1] - reach - corner[1]) / CELL))
         first_column = max(0, int((footprints[house, 0] - reach - corner[0]) / CELL))
         last_row = min(heights.shape[0] - 1, int((footprints[house, 1] + reach - corner[1]) / CELL) + 1)
@@ -150,13 +133,25 @@ def level_ground(
         for row in range(first_row, last_row + 1):
             for column in range(first_column, last_column + 1):
                 x, z = corner[0] + column * CELL, corner[1] + row * CELL
-                away = (distance_to_footprint(footprints[house], x, z) - LEVEL_MARGIN) / JOIN
-                if away <= 0.0:
-                    heights[row, column], weights[row, column] = grounds[house], np.inf
-                elif away < 1.0 and weights[row, column] < np.inf:
-                    blend = away * away * (3.0 - 2.0 * away)
-                    weight = 1.0 / blend - 1.0
-                    before = weights[row, column]
-                    both = before + weight
-                    heights[row, column] = (heights[row, column] * before + grounds[house] * weight) / both
-                    weights[row, column] = both
+                away = max(0.0, distance_to_footprint(footprints[house], x, z) - LEVEL_MARGIN)
+                if away < LONGEST_JOIN:
+                    room = JOIN_SLOPE * away * away / (away + JOIN_START)
+                    share = (away / LONGEST_JOIN) * (away / LONGEST_JOIN)
+                    room = room / (1.0 - share * share)
+                    least[row, column] = max(least[row, column], grounds[house] - room)
+                    most[row, column] = min(most[row, column], grounds[house] + room)
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            if most[row, column] < np.inf:
+                heights[row, column] = _within(heights[row, column], least[row, column], most[row, column])
+
+
+@kernel
+def _within(height: float, least: float, most: float) -> float:
+    """Return a height cut and filled to what two or more levels allow; halfway where they disagree."""
+    if least >= most:
+        return 0.5 * (least + most)
+    # Rounded where cut and where filled, but never by so much that it leaves the range.
+    width = min(1.0, 0.5 * (most - least))
+    height = smooth_least(height, most, width)
+    return -smooth_least(-height, -least, width)

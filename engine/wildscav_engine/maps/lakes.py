@@ -1,0 +1,175 @@
+"""Lakes: where water stands, how deep, and the shores around it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import CELL
+from wildscav_engine.kernel import array_kernel, kernel
+
+DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
+SHELF = 4.5  # m from the shore to where a lake has half its depth
+SMALLEST_LAKE = 40.0  # m²
+SMALLEST_SHARE = 0.006  # of all the water in one lake; smaller ponds are filled in
+ROUNDS = 14  # of halving the range in which the water's level is sought
+DIAGONAL = 1.4142135623730951
+
+
+def flood(heights: NDArray[np.float64], water: float, scale: float) -> NDArray[np.float64]:
+    """Let water stand in the hollows.
+
+    Args:
+        heights: (R, C) m.
+        water: Share of the points to be under water, above 0.
+        scale: What heights above the water are multiplied by.
+
+    Returns:
+        (R, C) m above the water's surface.
+    """
+    smooth = heights.copy()
+    for _ in range(3):
+        smooth = softened(smooth)
+    wet = np.zeros(heights.shape, np.int8)
+    least = max(SMALLEST_LAKE / (CELL * CELL), SMALLEST_SHARE * water * heights.size)
+    level = _level_of(smooth, water, least, wet)
+    above = (heights - level) * scale
+    _shape_shores(_distance(wet, 1), _distance(wet, 0), wet, above)
+    return above
+
+
+def softened(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (R, C) each height averaged with those around it."""
+    wide = np.pad(heights, 1, mode="edge")
+    lines = (wide[:-2] + 2.0 * wide[1:-1] + wide[2:]) * 0.25
+    return np.asarray((lines[:, :-2] + 2.0 * lines[:, 1:-1] + lines[:, 2:]) * 0.25)
+
+
+@array_kernel
+def _level_of(smooth: NDArray[np.float64], water: float, least: float, wet: NDArray[np.int8]) -> float:
+    """Find the level at which the lakes that are large enough cover the share asked for.
+
+    Args:
+        smooth: (R, C) m.
+        water: Share of the points.
+        least: Points of the smallest lake, and of the smallest island.
+        wet: (R, C) written: 1 under water, else 0.
+
+    Returns:
+        The level in m.
+    """
+    waiting = np.empty(smooth.size, np.int32)
+    low, high = smooth.min(), smooth.max()
+    best, best_miss = low, 2.0
+    for turn in range(ROUNDS + 1):
+        level = best if turn == ROUNDS else 0.5 * (low + high)
+        for row in range(wet.shape[0]):
+            for column in range(wet.shape[1]):
+                wet[row, column] = 1 if smooth[row, column] < level else 0
+        _turn_small_parts(1, least, waiting, wet)
+        _turn_small_parts(0, least, waiting, wet)
+        share = wet.sum() / wet.size
+        if abs(share - water) < best_miss:
+            best, best_miss = level, abs(share - water)
+        if share < water:
+            low = level
+        else:
+            high = level
+    return float(best)
+
+
+@kernel
+def _turn_small_parts(value: int, least: float, waiting: NDArray[np.int32], wet: NDArray[np.int8]) -> None:
+    """Turn connected parts of a value into the other one where they have too few points.
+
+    Args:
+        value: 0 or 1.
+        least: Points of the smallest part that stays.
+        waiting: (R * C,) room for the search.
+        wet: (R, C) zeros and ones, changed.
+    """
+    rows, columns = wet.shape
+    seen = np.int8(value + 2)  # marks a part that stays
+    for start in range(wet.size):
+        if wet[start // columns, start % columns] != value:
+            continue
+        waiting[0], found, done = start, 1, 0
+        wet[start // columns, start % columns] = seen
+        while done < found:
+            row, column = waiting[done] // columns, waiting[done] % columns
+            done += 1
+            for side in range(4):
+                r, c = row + (side == 0) - (side == 1), column + (side == 2) - (side == 3)
+                if 0 <= r < rows and 0 <= c < columns and wet[r, c] == value:
+                    wet[r, c] = seen
+                    waiting[found] = r * columns + c
+                    found += 1
+        if found < least:
+            for part in range(found):
+                wet[waiting[part] // columns, waiting[part] % columns] = 1 - value
+            # Those before the start were looked at already and would not be marked: nothing is lost by it.
+    for row in range(rows):
+        for column in range(columns):
+            if wet[row, column] == seen:
+                wet[row, column] = value
+
+
+@array_kernel
+def _distance(wet: NDArray[np.int8], value: int) -> NDArray[np.float64]:
+    """Return (R, C) how far in m each point is from the nearest with a value, within a few percent.
+
+    Borgefors, "Distance Transformations in Digital Images", 1986: two sweeps over neighbours.
+    """
+    rows, columns = wet.shape
+    away = np.full((rows + 2, columns + 2), 1e6)  # with a rim, so that every point has neighbours
+    for row in range(rows):
+        for column in range(columns):
+            if wet[row, column] == value:
+                away[row + 1, column + 1] = 0.0
+    for row in range(1, rows + 1):
+        for column in range(1, columns + 1):
+            beside = min(away[row, column - 1], away[row - 1, column]) + CELL
+            across = min(away[row - 1, column - 1], away[row - 1, column + 1]) + CELL * DIAGONAL
+            away[row, column] = min(away[row, column], beside, across)
+    for row in range(rows, 0, -1):
+        for column in range(columns, 0, -1):
+            beside = min(away[row, column + 1], away[row + 1, column]) + CELL
+            across = min(away[row + 1, column + 1], away[row + 1, column - 1]) + CELL * DIAGONAL
+            away[row, column] = min(away[row, column], beside, across)
+    return away[1:-1, 1:-1]
+
+
+@kernel
+def _shape_shores(
+    from_water: NDArray[np.float64],
+    from_land: NDArray[np.float64],
+    wet: NDArray[np.int8],
+    above: NDArray[np.float64],
+) -> None:
+    """Make beds shallow, shores gentle, and lift the land that lies too low into dry flats.
+
+    Args:
+        from_water: (R, C) m to the nearest water.
+        from_land: (R, C) m to the nearest land.
+        wet: (R, C) 1 under water.
+        above: (R, C) m above the water's level, changed.
+    """
+    for row in range(wet.shape[0]):
+        for column in range(wet.shape[1]):
+            if wet[row, column] == 1:
+                out = from_land[row, column] - 0.5 * CELL
+                above[row, column] = -DEEPEST_WATER * out / (out + SHELF)
+            else:
+                away = from_water[row, column] - 0.5 * CELL
+                beach = 0.1 + 0.1 * away + 0.012 * away * away
+                flats = min(0.1 + 0.03 * away, 0.6)
+                height = smooth_least(above[row, column], beach, min(beach, 1.0))
+                above[row, column] = -smooth_least(-height, -flats, 0.3)
+
+
+@kernel
+def smooth_least(one: float, other: float, width: float) -> float:
+    """Return the lesser of two, a bit less where they differ by less than ``width``.
+
+    So two slopes join without an edge, and nowhere is the join steeper than both. Quilez, "Smooth minimum".
+    """
+    near = max(width - abs(one - other), 0.0)
+    return min(one, other) - near * near / (4.0 * width) if width > 0.0 else min(one, other)
