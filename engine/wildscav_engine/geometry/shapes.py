@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Kind, Solid, convex_solid
+from wildscav_engine.kernel import array_kernel
 from wildscav_engine.trig import cosine, sine
 
 Corner = tuple[float, float, float]  # m: across, up, along
@@ -16,6 +17,7 @@ Corner = tuple[float, float, float]  # m: across, up, along
 BOX_FACES = np.array([[0, 1, 4], [2, 3, 6], [0, 1, 2], [4, 5, 6], [0, 2, 4], [1, 3, 5]])
 # The same for a roof's eaves; corners 8 and 9 are the ends of its ridge.
 ROOF_FACES = np.array([[0, 1, 4], [0, 2, 4], [1, 3, 5], [0, 1, 2], [4, 5, 6], [2, 6, 8], [3, 7, 8]])
+HIP_FACES = np.array([[2, 3, 8], [6, 7, 9]])
 
 
 class Rectangle(NamedTuple):
@@ -63,7 +65,52 @@ def box(kind: Kind, where: Pose, low: Corner, high: Corner) -> Solid:
     return convex_solid(kind, _box_corners(where, low, high), BOX_FACES)
 
 
-def gable_roof(kind: Kind, where: Pose, low: Corner, high: Corner, eaves: float) -> Solid:
+def boxes(kinds: Sequence[Kind], where: Pose, corners: Sequence[tuple[float, ...]]) -> list[Solid]:
+    """Make many boxes at once, each from its least and its greatest corner in the axes of a pose.
+
+    Args:
+        kinds: (N,) what they are.
+        where: The pose of all of them.
+        corners: (N, 6) m, the least corner and the greatest of each box; up is the height on the map.
+
+    Returns:
+        (N,) boxes.
+    """
+    planes, low, high = _boxes(where, np.array(corners, np.float64).reshape(-1, 6))
+    return [Solid(kind, planes[box], low[box], high[box]) for box, kind in enumerate(kinds)]
+
+
+@array_kernel
+def _boxes(
+    where: Pose, corners: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the (N, 6, 4) planes of boxes, and the (N, 3) least and greatest corners around them."""
+    count = corners.shape[0]
+    planes, low, high = np.empty((count, 6, 4)), np.empty((count, 3)), np.empty((count, 3))
+    across_x, across_z, along_x, along_z = where.cosine, -where.sine, where.sine, where.cosine
+    across_0 = across_x * where.x + across_z * where.z
+    along_0 = along_x * where.x + along_z * where.z
+    for box in range(count):
+        left, bottom, back, right, top, front = corners[box]
+        planes[box, 0] = -across_x, 0.0, -across_z, -across_0 - left
+        planes[box, 1] = across_x, 0.0, across_z, across_0 + right
+        planes[box, 2] = 0.0, -1.0, 0.0, -bottom
+        planes[box, 3] = 0.0, 1.0, 0.0, top
+        planes[box, 4] = -along_x, 0.0, -along_z, -along_0 - back
+        planes[box, 5] = along_x, 0.0, along_z, along_0 + front
+        low[box], high[box] = (np.inf, bottom, np.inf), (-np.inf, top, -np.inf)
+        for across in (left, right):
+            for along in (back, front):
+                x = where.x + across * across_x + along * along_x
+                z = where.z + across * across_z + along * along_z
+                low[box, 0], high[box, 0] = min(low[box, 0], x), max(high[box, 0], x)
+                low[box, 2], high[box, 2] = min(low[box, 2], z), max(high[box, 2], z)
+    return planes, low, high
+
+
+def pitched_roof(
+    kind: Kind, where: Pose, low: Corner, high: Corner, eaves: float, hips: tuple[float, float]
+) -> Solid:
     """Make a pitched roof whose ridge runs along the pose.
 
     Args:
@@ -73,14 +120,32 @@ def gable_roof(kind: Kind, where: Pose, low: Corner, high: Corner, eaves: float)
         high: Its greatest; the ridge is at this height.
         eaves: m, height of the upright band at the eaves. A body that is pushed off the faces would be
             kept far away from a roof that ends in a sharp edge.
+        hips: m, how far the ridge ends before the back and before the front end; 0 is a gable.
     """
     corners = np.empty((10, 3))
     corners[:8] = _box_corners(where, low, (high[0], low[1] + eaves, high[2]))
     middle = (low[0] + high[0]) * 0.5
-    for row, along in ((8, low[2]), (9, high[2])):
+    for row, along in ((8, low[2] + hips[0]), (9, high[2] - hips[1])):
         x, z = where.outside(middle, along)
         corners[row] = (x, high[1], z)
-    return convex_solid(kind, corners, ROOF_FACES)
+    faces = [*ROOF_FACES]
+    faces += [end for hip, end in zip(hips, HIP_FACES, strict=True) if hip > 0.0]
+    return convex_solid(kind, corners, np.array(faces))
+
+
+def lean_to(kind: Kind, where: Pose, low: Corner, high: Corner, eaves: float) -> Solid:
+    """Make a roof of one slope, highest along its back.
+
+    Args:
+        kind: What it is.
+        where: Where it stands.
+        low: Its least corner, in the axes of the pose.
+        high: Its greatest; its back is as high.
+        eaves: m, how high its front is.
+    """
+    corners = _box_corners(where, low, high)
+    corners[[6, 7], 1] = low[1] + eaves
+    return convex_solid(kind, corners, BOX_FACES)
 
 
 def _box_corners(where: Pose, low: Corner, high: Corner) -> NDArray[np.float64]:

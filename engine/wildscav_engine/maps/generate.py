@@ -5,9 +5,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Solid, World, build_world
 from wildscav_engine.maps.errors import MapError
-from wildscav_engine.maps.game_map import GameMap, House
-from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan, draw_plan
-from wildscav_engine.maps.houses import FLOOR_LIFT, build_house, doorsteps
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_plan, house_of
 from wildscav_engine.maps.locations import NODE, indoor_places, outdoor_places, reachable_ground
 from wildscav_engine.maps.sites import Site, footprints_of, place_houses
 from wildscav_engine.maps.terrain import Terrain, level_ground, make_terrain, water_of_cells
@@ -50,7 +49,7 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
     return GameMap(
         spec=spec,
         world=world._replace(spawns=outdoor),
-        houses=tuple(_house(plan, site) for plan, site in zip(plans, sites, strict=True)),
+        houses=tuple(house_of(plan, site) for plan, site in zip(plans, sites, strict=True)),
         indoor=indoor,
         outdoor=outdoor,
         solid_house=np.array(solid_house, np.int16),
@@ -85,17 +84,6 @@ def _build_houses(plans: list[HousePlan], sites: list[Site]) -> tuple[list[Solid
         solids += built
         solid_house += [number] * len(built)
     return solids, solid_house
-
-
-def _house(plan: HousePlan, site: Site) -> House:
-    return House(
-        center=(site.pose.x, site.pose.z),
-        size=plan.size,
-        yaw=site.yaw,
-        ground=site.ground + FLOOR_LIFT,
-        storeys=len(plan.storeys),
-        storey_height=STOREY_HEIGHT,
-    )
 
 
 def _places(

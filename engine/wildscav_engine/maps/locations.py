@@ -8,8 +8,7 @@ from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World, cell_of
 from wildscav_engine.kernel import array_kernel, kernel
-from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan
-from wildscav_engine.maps.houses import FLOOR_LIFT
+from wildscav_engine.maps.house import FLOOR_LIFT, STOREY_HEIGHT, HousePlan
 from wildscav_engine.maps.sites import Site
 from wildscav_engine.rng import Dice, Stream, uniform_in
 
@@ -140,21 +139,22 @@ def indoor_places(
 ) -> list[tuple[float, float, float]]:
     """Return standing places in m on all floors of a house."""
     dice = Dice(seed, Stream.LOCATIONS, agent=1000 + number)
-    room = plan.room
-    width, depth = room.right - room.left, room.front - room.back
-    columns, rows = max(1, round(width / INDOOR_SPACING)), max(1, round(depth / INDOOR_SPACING))
     places = []
     for level, storey in enumerate(plan.storeys):
         floor = site.ground + FLOOR_LIFT + level * STOREY_HEIGHT
-        for row in range(rows):
-            for column in range(columns):
-                for _ in range(TRIES):
-                    across = room.left + width * (column + dice.uniform(0.1, 0.9)) / columns
-                    along = room.back + depth * (row + dice.uniform(0.1, 0.9)) / rows
-                    x, z = site.pose.outside(across, along)
-                    if not _is_over(storey.hole, across, along) and is_clear(world, x, floor, z):
-                        places.append((x, floor, z))
-                        break
+        for room in storey.rooms:
+            left, back, right, front = room.area
+            columns = max(1, round((right - left) / INDOOR_SPACING))
+            rows = max(1, round((front - back) / INDOOR_SPACING))
+            for row in range(rows):
+                for column in range(columns):
+                    for _ in range(TRIES):
+                        across = left + (right - left) * (column + dice.uniform(0.1, 0.9)) / columns
+                        along = back + (front - back) * (row + dice.uniform(0.1, 0.9)) / rows
+                        x, z = site.pose.outside(across, along)
+                        if not _is_over(storey.hole, across, along) and is_clear(world, x, floor, z):
+                            places.append((x, floor, z))
+                            break
     return places
 
 

@@ -14,7 +14,7 @@ from wildscav_engine.maps.footprints import (
     gap_between,
     heights_under,
 )
-from wildscav_engine.maps.house_plan import HousePlan, draw_plan
+from wildscav_engine.maps.house import HousePlan, draw_plan
 from wildscav_engine.maps.plots import EDGE_MARGIN, SHORE_MARGIN
 from wildscav_engine.maps.streets import height_at
 from wildscav_engine.maps.terrain import LEVEL_MARGIN, Terrain

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.shapes import Pose, box, gable_roof, polygon, pose, rounded_polygon, stack
+from wildscav_engine.geometry.shapes import (
+    Pose,
+    box,
+    boxes,
+    lean_to,
+    pitched_roof,
+    polygon,
+    pose,
+    rounded_polygon,
+    stack,
+)
 from wildscav_engine.geometry.world import Kind, Solid
 
 HERE = pose(10.0, 20.0, 0.0)
@@ -57,20 +67,51 @@ def test_a_box_turns_with_its_pose() -> None:
 
 
 def test_normals_are_unit_vectors_that_point_outwards() -> None:
-    solid = gable_roof(Kind.ROOF, pose(1.0, 2.0, 33.0), (-4.0, 3.0, -5.0), (4.0, 6.0, 5.0), 0.2)
+    solid = pitched_roof(Kind.ROOF, pose(1.0, 2.0, 33.0), (-4.0, 3.0, -5.0), (4.0, 6.0, 5.0), 0.2, (0.0, 0.0))
 
     assert np.sqrt((solid.planes[:, :3] ** 2).sum(axis=1)) == pytest.approx(np.ones(7), abs=1e-15)
     assert is_inside(solid, 1.0, 4.0, 2.0)
 
 
 def test_a_roof_falls_from_its_ridge_to_its_eaves() -> None:
-    solid = gable_roof(Kind.ROOF, HERE, (-4.0, 3.0, -5.0), (4.0, 7.2, 5.0), 0.2)
+    solid = pitched_roof(Kind.ROOF, HERE, (-4.0, 3.0, -5.0), (4.0, 7.2, 5.0), 0.2, (0.0, 0.0))
 
     assert is_inside(solid, 10.0, 7.1, 24.9)  # below the ridge, which runs along
     assert is_inside(solid, 13.9, 3.1, 20.0)  # the eaves are an upright band
     assert is_inside(solid, 12.0, 5.1, 20.0)  # half way between
     assert not is_inside(solid, 12.0, 5.3, 20.0)
     assert not is_inside(solid, 14.1, 3.1, 20.0)
+
+
+def test_a_hip_roof_falls_to_its_ends_too() -> None:
+    solid = pitched_roof(Kind.ROOF, HERE, (-4.0, 3.0, -5.0), (4.0, 7.2, 5.0), 0.2, (0.0, 4.0))
+
+    assert is_inside(solid, 10.0, 7.1, 20.9)  # below the ridge, which ends 4 m before the front
+    assert is_inside(solid, 10.0, 7.1, 15.1)  # but not before the back
+    assert is_inside(solid, 10.0, 5.1, 23.0)  # half way down
+    assert not is_inside(solid, 10.0, 5.3, 23.0)
+
+
+def test_a_lean_to_falls_to_its_front() -> None:
+    solid = lean_to(Kind.ROOF, HERE, (-4.0, 3.0, -5.0), (4.0, 4.2, 5.0), 0.2)
+
+    assert is_inside(solid, 10.0, 4.1, 15.1)
+    assert is_inside(solid, 10.0, 3.65, 20.0)
+    assert not is_inside(solid, 10.0, 3.75, 20.0)
+    assert not is_inside(solid, 10.0, 3.25, 25.0)
+
+
+def test_many_boxes_at_once_are_as_one_by_one() -> None:
+    where = pose(3.0, -8.0, 77.0)
+    corners = [(-1.0, 0.0, -2.0, 3.0, 2.5, 4.0), (0.5, 1.0, -1.0, 0.6, 1.1, 9.0)]
+
+    for solid, (*low, right, top, front) in zip(boxes([Kind.WALL] * 2, where, corners), corners, strict=True):
+        single = box(Kind.WALL, where, (low[0], low[1], low[2]), (right, top, front))
+        assert solid.low == pytest.approx(single.low)
+        assert solid.high == pytest.approx(single.high)
+        assert np.array(sorted(map(tuple, solid.planes.round(9) + 0.0))) == pytest.approx(
+            np.array(sorted(map(tuple, single.planes.round(9) + 0.0)))
+        )
 
 
 @pytest.mark.parametrize(

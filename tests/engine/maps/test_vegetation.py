@@ -8,7 +8,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.generate import plans_and_sites
-from wildscav_engine.maps.houses import doorsteps
+from wildscav_engine.maps.house import doorsteps
 from wildscav_engine.maps.sites import footprints_of
 from wildscav_engine.maps.terrain import distance_to_footprint
 from wildscav_engine.spec import MapConfig

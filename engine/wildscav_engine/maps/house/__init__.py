@@ -1,0 +1,32 @@
+"""Houses: from a seed to a plan, and from a plan to solids."""
+
+from wildscav_engine.maps.house.build import FLOOR_LIFT, build_house, doorsteps, house_of
+from wildscav_engine.maps.house.draw import LARGEST, SMALLEST, draw_plan
+from wildscav_engine.maps.house.plan import (
+    DOOR_HEIGHT,
+    DOOR_WIDTH,
+    STOREY_HEIGHT,
+    HousePlan,
+    Opening,
+    Side,
+    Storey,
+    Wall,
+)
+
+__all__ = [
+    "DOOR_HEIGHT",
+    "DOOR_WIDTH",
+    "FLOOR_LIFT",
+    "LARGEST",
+    "SMALLEST",
+    "STOREY_HEIGHT",
+    "HousePlan",
+    "Opening",
+    "Side",
+    "Storey",
+    "Wall",
+    "build_house",
+    "doorsteps",
+    "draw_plan",
+    "house_of",
+]

@@ -1,0 +1,272 @@
+"""Furniture: what stands in a room of a purpose, and where.
+
+Pieces stand in strips along the walls, or in the middle. What is left between the strips is wide enough to
+walk, and so is the way from every doorway to it: so furniture never cuts a room in two.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from wildscav_engine.geometry.shapes import Rectangle
+from wildscav_engine.maps.house.plan import (
+    CLEAR_WAY,
+    TOUCHING,
+    WINDOW_SILL,
+    Block,
+    Furniture,
+    Side,
+    line_of,
+    shrunk,
+    span_of,
+)
+from wildscav_engine.maps.house.rooms import Span, without
+from wildscav_engine.rng import Dice
+
+Box = tuple[float, float, float, float, float, float]  # m: left, from the wall, bottom; right, to, top
+CORNER_GAP = 0.05  # m between pieces side by side
+PIECES_OF_LARGE_ROOM = 20.0  # m², from which on a room has one piece more
+
+
+class Gap(NamedTuple):
+    """A doorway or window, seen from a room."""
+
+    side: Side
+    span: Span  # m
+    is_doorway: bool
+
+
+class Piece(NamedTuple):
+    """A kind of furniture, seen from its front."""
+
+    widths: tuple[float, float]  # m, least and most
+    depth: float  # m
+    height: float  # m
+    boxes: Callable[[float], tuple[Box, ...]]  # of its width
+    in_middle: bool = False
+
+
+def _plain(depth: float, height: float) -> Callable[[float], tuple[Box, ...]]:
+    return lambda width: ((0.0, 0.0, 0.0, width, depth, height),)
+
+
+PIECES: dict[str, Piece] = {
+    "bed": Piece(
+        (1.2, 1.8), 2.1, 0.95, lambda w: ((0.0, 0.0, 0.0, w, 0.12, 0.95), (0.0, 0.12, 0.0, w, 2.1, 0.5))
+    ),
+    "wardrobe": Piece((1.2, 2.2), 0.6, 2.05, _plain(0.6, 2.05)),
+    "shelf": Piece((1.0, 2.4), 0.4, 1.9, _plain(0.4, 1.9)),
+    "chest": Piece((0.9, 1.4), 0.5, 0.85, _plain(0.5, 0.85)),
+    "sofa": Piece(
+        (1.6, 2.4), 0.9, 0.85, lambda w: ((0.0, 0.0, 0.0, w, 0.3, 0.85), (0.0, 0.3, 0.0, w, 0.9, 0.42))
+    ),
+    "counter": Piece((1.8, 3.2), 0.62, 0.92, _plain(0.62, 0.92)),
+    "fridge": Piece((0.7, 0.8), 0.7, 1.85, _plain(0.7, 1.85)),
+    "desk": Piece(
+        (1.3, 1.7), 0.75, 0.75, lambda w: ((0.0, 0.0, 0.68, w, 0.75, 0.75), (0.0, 0.0, 0.0, 0.5, 0.75, 0.68))
+    ),
+    "tub": Piece((1.6, 1.8), 0.8, 0.58, _plain(0.8, 0.58)),
+    "basin": Piece((0.6, 0.9), 0.5, 0.85, _plain(0.5, 0.85)),
+    "crates": Piece(
+        (1.1, 1.9), 0.95, 1.65, lambda w: ((0.0, 0.0, 0.0, w, 0.95, 0.9), (0.1, 0.1, 0.9, 0.9, 0.85, 1.65))
+    ),
+    "crate": Piece((0.8, 1.1), 0.85, 0.9, _plain(0.85, 0.9)),
+    "table": Piece(
+        (1.5, 2.2),
+        0.95,
+        0.75,
+        lambda w: ((0.0, 0.0, 0.68, w, 0.95, 0.75), (0.3, 0.25, 0.0, w - 0.3, 0.7, 0.68)),
+        in_middle=True,
+    ),
+    "rack": Piece((2.0, 3.2), 0.8, 2.0, _plain(0.8, 2.0), in_middle=True),
+    "island": Piece((1.6, 2.2), 0.8, 0.92, _plain(0.8, 0.92), in_middle=True),
+}
+
+# What a room of a purpose has, the most important first.
+ROOMS: dict[str, tuple[str, ...]] = {
+    "living": ("sofa", "table", "shelf", "chest"),
+    "dining": ("table", "chest", "shelf"),
+    "kitchen": ("counter", "fridge", "island", "table"),
+    "bedroom": ("bed", "wardrobe", "chest", "desk"),
+    "study": ("desk", "shelf", "sofa", "shelf"),
+    "bath": ("tub", "basin"),
+    "pantry": ("shelf", "crate", "shelf"),
+    "store": ("crates", "rack", "shelf", "crates", "crate"),
+    "workshop": ("counter", "crates", "table", "shelf"),
+    "office": ("desk", "shelf", "table", "chest"),
+    "hall": ("chest",),
+    "corridor": (),
+}
+
+
+class _Standing:
+    """What stands in a room so far, and what must stay free."""
+
+    def __init__(self, area: Rectangle, gaps: list[Gap]) -> None:
+        self.area, self.gaps = area, gaps
+        self.core = area  # between the pieces at the walls
+        self.kept: Rectangle | None = None  # of the core, around a piece in the middle
+        self.outlines: list[Rectangle] = []
+
+    def stands_at_wall(self, outline: Rectangle, side: Side) -> bool:
+        """Put a piece at a wall if all ways stay free, and return whether it stands."""
+        core = _less(self.core, outline, side)
+        if min(core.right - core.left, core.front - core.back) < CLEAR_WAY:
+            return False
+        if self.kept and not _contains(core, self.kept):
+            return False
+        outlines = [*self.outlines, outline]
+        for gap in self.gaps:
+            if gap.is_doorway:
+                way = _way_in(self.area, core, gap)
+                if any(overlap(way, other) for other in outlines):
+                    return False
+        self.core, self.outlines = core, outlines
+        return True
+
+    def stands_in_middle(self, outline: Rectangle) -> bool:
+        """Put a piece in the middle if one can walk all around it, and return whether it stands."""
+        kept = shrunk(outline, -CLEAR_WAY)
+        if self.kept or not _contains(self.core, kept):
+            return False
+        self.kept = kept
+        self.outlines.append(outline)
+        return True
+
+    def free_spans(self, side: Side, piece: Piece) -> list[Span]:
+        """Return the parts of a wall where a piece could stand."""
+        spans = [span_of(self.area, side)]
+        for gap in self.gaps:
+            if gap.side is side and (gap.is_doorway or piece.height > WINDOW_SILL):
+                spans = without(spans, gap.span)
+        strip = _strip(self.area, side, span_of(self.area, side), piece.depth + CORNER_GAP)
+        for outline in self.outlines:
+            if overlap(strip, outline):
+                start, end = span_of(outline, side)
+                spans = without(spans, (start - CORNER_GAP, end + CORNER_GAP))
+        return spans
+
+
+def furnish(
+    dice: Dice, area: Rectangle, purpose: str, gaps: list[Gap], sides: tuple[Side, ...]
+) -> list[Furniture]:
+    """Furnish a room.
+
+    Args:
+        dice: What is random.
+        area: The part of it that may be furnished, between its walls.
+        purpose: Of the room.
+        gaps: Its doorways and windows.
+        sides: The walls that furniture may stand at.
+
+    Returns:
+        One to four pieces; none where there is no room.
+    """
+    most = 1 if purpose == "hall" else 2 + (area.area > 12.0) + (area.area > PIECES_OF_LARGE_ROOM)
+    standing = _Standing(area, gaps)
+    placed: list[Furniture] = []
+    for name in ROOMS[purpose]:
+        if len(placed) == most:
+            break
+        piece = PIECES[name]
+        width = dice.uniform(*piece.widths)
+        if piece.in_middle:
+            outline, side = _in_middle(dice, standing.core, piece, width)
+            if standing.stands_in_middle(outline):
+                placed.append(_furniture(name, outline, side, width))
+            continue
+        order = _shuffled(dice, sides)
+        for side in order:
+            span = _draw_place(dice, standing.free_spans(side, piece), width)
+            if span is None:
+                continue
+            outline = _strip(area, side, span, piece.depth)
+            if standing.stands_at_wall(outline, side):
+                placed.append(_furniture(name, outline, side, width))
+                break
+    return placed
+
+
+def _shuffled(dice: Dice, sides: tuple[Side, ...]) -> list[Side]:
+    return [side for _, side in sorted((dice.uniform(), side) for side in sides)]
+
+
+def _draw_place(dice: Dice, spans: list[Span], width: float) -> Span | None:
+    """Draw where along a wall a piece stands: rather in a corner than between."""
+    wide = [span for span in spans if span[1] - span[0] >= width]
+    if not wide:
+        return None
+    start, end = wide[dice.integer(0, len(wide) - 1)]
+    place = dice.uniform()
+    first = start if place < 0.4 else end - width if place > 0.6 else start + (end - start - width) / 2.0
+    return first, first + width
+
+
+def _in_middle(dice: Dice, core: Rectangle, piece: Piece, width: float) -> tuple[Rectangle, Side]:
+    """Return where a piece stands in the middle of a room, its longer side along the room's."""
+    across, along = (core.left + core.right) / 2.0, (core.back + core.front) / 2.0
+    lies_across = core.right - core.left >= core.front - core.back
+    half_across, half_along = (
+        (width / 2.0, piece.depth / 2.0) if lies_across else (piece.depth / 2.0, width / 2.0)
+    )
+    outline = Rectangle(across - half_across, along - half_along, across + half_across, along + half_along)
+    turned = dice.uniform() < 0.5
+    if lies_across:
+        return outline, Side.FRONT if turned else Side.BACK
+    return outline, Side.RIGHT if turned else Side.LEFT
+
+
+def overlap(one: Rectangle, other: Rectangle) -> bool:
+    """Return whether two rectangles share more than an edge."""
+    return (
+        one.left < other.right - TOUCHING
+        and other.left < one.right - TOUCHING
+        and one.back < other.front - TOUCHING
+        and other.back < one.front - TOUCHING
+    )
+
+
+def _contains(outer: Rectangle, inner: Rectangle) -> bool:
+    return (
+        outer.left <= inner.left
+        and outer.back <= inner.back
+        and outer.right >= inner.right
+        and outer.front >= inner.front
+    )
+
+
+def _less(core: Rectangle, outline: Rectangle, side: Side) -> Rectangle:
+    """Return what a piece at a wall leaves of the middle of a room."""
+    if side is Side.FRONT:
+        return core._replace(front=min(core.front, outline.back))
+    if side is Side.BACK:
+        return core._replace(back=max(core.back, outline.front))
+    if side is Side.RIGHT:
+        return core._replace(right=min(core.right, outline.left))
+    return core._replace(left=max(core.left, outline.right))
+
+
+def _way_in(area: Rectangle, core: Rectangle, gap: Gap) -> Rectangle:
+    """Return what must stay free before a doorway: so much that one gets into the middle, even sideways."""
+    depth = abs(line_of(area, gap.side) - line_of(core, gap.side)) + CLEAR_WAY
+    return _strip(area, gap.side, gap.span, depth)
+
+
+def _strip(area: Rectangle, side: Side, span: Span, depth: float) -> Rectangle:
+    """Return the rectangle of a depth along a part of a side."""
+    if side is Side.FRONT:
+        return Rectangle(span[0], area.front - depth, span[1], area.front)
+    if side is Side.BACK:
+        return Rectangle(span[0], area.back, span[1], area.back + depth)
+    if side is Side.RIGHT:
+        return Rectangle(area.right - depth, span[0], area.right, span[1])
+    return Rectangle(area.left, span[0], area.left + depth, span[1])
+
+
+def _furniture(name: str, outline: Rectangle, side: Side, width: float) -> Furniture:
+    """Return a piece with its boxes, its back towards a side."""
+    blocks = []
+    start = span_of(outline, side)[0]
+    for left, near, bottom, right, far, top in PIECES[name].boxes(width):
+        block = _strip(outline, side, (start + left, start + right), far)
+        blocks.append(Block(_less(block, _strip(outline, side, (0.0, 0.0), near), side), bottom, top))
+    return Furniture(name, outline, tuple(blocks))

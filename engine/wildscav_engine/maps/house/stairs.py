@@ -1,0 +1,194 @@
+"""Stairs: a hall with a well that has the same place on every storey, so that flights lie above each other.
+
+There are two kinds. In a *straight* hall one flight runs along a wall, with a passage beside it that leads
+back to the next. In a *turning* hall two flights meet on a landing half way up.
+"""
+
+from typing import NamedTuple
+
+from wildscav_engine.geometry.shapes import Rectangle
+from wildscav_engine.maps.house.plan import (
+    CLEAR_WAY,
+    INNER_WALL,
+    NARROWEST_ROOM,
+    Flight,
+    Side,
+    Stairs,
+)
+from wildscav_engine.rng import Dice
+
+RISE, GOING = 0.2, 0.28  # m, of a step
+RISES = 15  # from floor to floor
+LANDING_HEIGHT = 8 * RISE  # m above the floor below, half way up turning stairs
+LANE = CLEAR_WAY  # m, width of a flight
+SPINE = 0.15  # m, thickness of the wall between flights
+ENTRY = 1.95  # m, free before the first step: a doorway opens to it on either side
+EDGE = 0.15  # m, of railings and of the walls around the way out to the roof
+HALL_WIDTH = 2.0 * LANE + SPINE
+STRAIGHT_RUN = (RISES - 1) * GOING
+TURNING_RUN = 7 * GOING
+STRAIGHT_HALL = ENTRY + STRAIGHT_RUN + CLEAR_WAY + EDGE
+TURNING_HALL = ENTRY + TURNING_RUN + LANE
+
+
+class _Lane(NamedTuple):
+    """The axes of a hall: u from one of its long sides, v from its entry towards its far end."""
+
+    hall: Rectangle
+    entry: Side
+    mirrored: bool
+
+    def place(self, u_0: float, v_0: float, u_1: float, v_1: float) -> Rectangle:
+        """Return a rectangle of these axes in the axes of the house."""
+        left, back, right, front = self.hall
+        width, length = right - left, front - back
+        if not self.entry.is_across:
+            width, length = length, width
+        if self.mirrored:
+            u_0, u_1 = width - u_1, width - u_0
+        if self.entry in (Side.FRONT, Side.RIGHT):
+            v_0, v_1 = length - v_1, length - v_0
+        if self.entry.is_across:
+            return Rectangle(left + u_0, back + v_0, left + u_1, back + v_1)
+        return Rectangle(left + v_0, back + u_0, left + v_1, back + u_1)
+
+
+class HallPlace(NamedTuple):
+    """Where a hall with stairs is in a block, and what is left of the block."""
+
+    stairs: Stairs
+    rest: tuple[Rectangle, ...]
+    walls: tuple[tuple[Rectangle, bool], ...]  # between them: outline, whether it runs across
+
+
+def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
+    """Cut a hall with stairs out of a block, across or along all of it.
+
+    Args:
+        dice: What is random.
+        inside: All within the walls of the block, at least 6.5 m a side.
+
+    Returns:
+        The hall and the rest.
+    """
+    runs_along = dice.uniform() < 0.7
+    low, high = (inside.left, inside.right) if runs_along else (inside.back, inside.front)
+    strip = _draw_strip(dice, low, high)
+    start, end = (inside.back, inside.front) if runs_along else (inside.left, inside.right)
+    entry_ahead = dice.uniform() < (0.75 if runs_along else 0.5)
+    straight = end - start >= STRAIGHT_HALL and dice.uniform() < 0.5
+    spare = end - start - (STRAIGHT_HALL if straight else TURNING_HALL) - INNER_WALL
+    # A room behind the stairs, or before the hall, where there is room for one.
+    behind = spare if spare >= NARROWEST_ROOM and dice.uniform() < 0.8 else 0.0
+    if behind > NARROWEST_ROOM:
+        behind = dice.uniform(max(NARROWEST_ROOM, behind - 2.0), behind)
+    at_end = entry_ahead if dice.uniform() < 0.2 else not entry_ahead
+    hall_start, hall_end = start, end
+    cut = None
+    if behind:
+        cut = end - behind - INNER_WALL if at_end else start + behind
+        hall_start, hall_end = (start, cut) if at_end else (cut + INNER_WALL, end)
+    entry = (
+        (Side.FRONT if entry_ahead else Side.BACK)
+        if runs_along
+        else (Side.RIGHT if entry_ahead else Side.LEFT)
+    )
+    rest, walls = _around(inside, runs_along, strip, cut, at_end)
+    hall = _oriented(runs_along, strip[0], hall_start, strip[1], hall_end)
+    lane = _Lane(hall, entry, dice.uniform() < 0.5)
+    length = hall_end - hall_start
+    stairs = _straight(lane, length) if straight else _turning(lane, length)
+    return HallPlace(stairs, tuple(rest), tuple(walls))
+
+
+def _oriented(runs_along: bool, u_0: float, v_0: float, u_1: float, v_1: float) -> Rectangle:
+    return Rectangle(u_0, v_0, u_1, v_1) if runs_along else Rectangle(v_0, u_0, v_1, u_1)
+
+
+def _draw_strip(dice: Dice, low: float, high: float) -> tuple[float, float]:
+    """Return where the hall lies between two walls: at one of them, or with rooms on both sides."""
+    needed = NARROWEST_ROOM + INNER_WALL
+    slack = high - low - HALL_WIDTH
+    choice = dice.uniform()
+    if slack >= 2.0 * needed and choice < 0.6:
+        offset = dice.uniform(needed, slack - needed)
+        return low + offset, low + offset + HALL_WIDTH
+    return (low, low + HALL_WIDTH) if dice.uniform() < 0.5 else (high - HALL_WIDTH, high)
+
+
+def _around(
+    inside: Rectangle, runs_along: bool, strip: tuple[float, float], cut: float | None, at_end: bool
+) -> tuple[list[Rectangle], list[tuple[Rectangle, bool]]]:
+    """Return the blocks beside a strip and behind its hall, and the walls between."""
+    low, high = (inside.left, inside.right) if runs_along else (inside.back, inside.front)
+    start, end = (inside.back, inside.front) if runs_along else (inside.left, inside.right)
+    rest, walls = [], []
+    if strip[0] > low:
+        edge = strip[0] - INNER_WALL
+        rest.append(_oriented(runs_along, low, start, edge, end))
+        walls.append((_oriented(runs_along, edge, start, strip[0], end), not runs_along))
+    if strip[1] < high:
+        edge = strip[1] + INNER_WALL
+        rest.append(_oriented(runs_along, edge, start, high, end))
+        walls.append((_oriented(runs_along, strip[1], start, edge, end), not runs_along))
+    if cut is not None:
+        behind = (cut + INNER_WALL, end) if at_end else (start, cut)
+        rest.append(_oriented(runs_along, strip[0], behind[0], strip[1], behind[1]))
+        walls.append((_oriented(runs_along, strip[0], cut, strip[1], cut + INNER_WALL), runs_along))
+    return rest, walls
+
+
+def _straight(lane: _Lane, length: float) -> Stairs:
+    """Return one flight along a side; it ends CLEAR_WAY before the far end, or earlier in a long hall."""
+    first = max(ENTRY, 0.5 * (length - STRAIGHT_RUN))
+    last = first + STRAIGHT_RUN
+    flight = Flight(lane.place(0.0, first, LANE, last), lane.entry.opposite, 0)
+    return Stairs(
+        hall=lane.hall,
+        well=flight.outline,
+        flights=(flight,),
+        landing=None,
+        spine=lane.place(LANE, first - EDGE, LANE + SPINE, last),
+        foot=lane.place(0.0, first - EDGE, LANE, first),
+        exit=lane.place(0.0, last, LANE, last + EDGE),
+        entry=lane.entry,
+    )
+
+
+def _turning(lane: _Lane, length: float) -> Stairs:
+    """Return two flights that turn on a landing at the far end."""
+    turn = length - LANE
+    first = turn - TURNING_RUN
+    upper = LANE + SPINE
+    up = Flight(lane.place(0.0, first, LANE, turn), lane.entry.opposite, 0)
+    back = Flight(lane.place(upper, first, HALL_WIDTH, turn), lane.entry, 8)
+    return Stairs(
+        hall=lane.hall,
+        well=lane.place(0.0, first, HALL_WIDTH, length),
+        flights=(up, back),
+        landing=lane.place(0.0, turn, HALL_WIDTH, length),
+        spine=lane.place(LANE, first, upper, turn),
+        foot=lane.place(0.0, first - EDGE, upper, first),
+        exit=lane.place(upper, first - EDGE, HALL_WIDTH, first),
+        entry=lane.entry,
+    )
+
+
+def steps_of(flight: Flight) -> list[tuple[Rectangle, float]]:
+    """Return the steps of a flight: where each is, and its height in m above the floor below."""
+    left, back, right, front = flight.outline
+    length = front - back if flight.climbs.is_across else right - left
+    steps = []
+    for step in range(round(length / GOING)):
+        height = (flight.first + step + 1) * RISE
+        near = step * GOING
+        if flight.climbs is Side.FRONT:
+            area = Rectangle(left, back + near, right, back + near + GOING)
+        elif flight.climbs is Side.BACK:
+            area = Rectangle(left, front - near - GOING, right, front - near)
+        elif flight.climbs is Side.RIGHT:
+            area = Rectangle(left + near, back, left + near + GOING, front)
+        else:
+            area = Rectangle(right - near - GOING, back, right - near, front)
+        steps.append((area, height))
+    return steps
