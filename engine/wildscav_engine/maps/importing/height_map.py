@@ -1,0 +1,123 @@
+"""A grey picture as ground: the brighter, the higher."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import CELL
+from wildscav_engine.maps.base import HIGHEST, LARGEST, LOWEST, SMALLEST, Base, BaseError
+from wildscav_engine.maps.importing.imported import Imported, finish
+
+MOST_PIXELS = 8192  # of a side
+WHITE = {"L": 255.0, "I;16": 65535.0, "I;16B": 65535.0, "I;16L": 65535.0}  # by Pillow's name of the pixels
+COARSE = 0.1  # m between two shades of grey, from which on slopes look like steps
+
+
+def import_height_map(
+    path: Path,
+    size: int,
+    lowest: float,
+    highest: float,
+    *,
+    water_level: float | None = None,
+    name: str | None = None,
+) -> Imported:
+    """Make a base of a square grey picture of 8 or 16 bits a pixel; its upper edge is the north.
+
+    Args:
+        path: The picture.
+        size: m, of each side of the map.
+        lowest: m, height of black.
+        highest: m, height of white.
+        water_level: m; None for no water.
+        name: What it is called; None: as the file.
+
+    Returns:
+        The base, and what is to be known about it.
+
+    Raises:
+        BaseError: It is no such picture, or no map can be made on it.
+    """
+    if not (SMALLEST <= size <= LARGEST and size % 2 == 0):
+        raise BaseError(f"size is {size}, must be an even number of metres from {SMALLEST} to {LARGEST}")
+    if not LOWEST <= lowest <= highest <= HIGHEST:
+        raise BaseError(
+            f"the heights run from {lowest:g} to {highest:g} m, must ascend and lie from {LOWEST:g} to "
+            f"{HIGHEST:g} m"
+        )
+    try:
+        grey, white = _read(path)
+    except BaseError as error:
+        raise BaseError(f"{path}: {error}") from None
+    points = round(size / CELL) + 1
+    shares = _resample(_resample(grey / white, points).T, points).T
+    heights = lowest + (highest - lowest) * shares[::-1]
+    step = (highest - lowest) / white
+    notes = []
+    if step > COARSE:
+        notes.append(
+            f"two shades of grey are {step:.2f} m apart: slopes get steps; 16 bits a pixel are smoother"
+        )
+    level = -np.inf if water_level is None else water_level
+    return finish(Base(np.ascontiguousarray(heights), level, (), size, name or path.stem), notes)
+
+
+def _read(path: Path) -> tuple[NDArray[np.float64], float]:
+    """Return the pixels of a picture, row after row southwards, and the number that is white."""
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            picture = Image.open(path, formats=["PNG"])
+        with picture:
+            width, height = picture.size
+            if width != height or not 2 <= width <= MOST_PIXELS:
+                raise BaseError(
+                    f"it is {width} × {height} pixels; a map is square, of 2 to {MOST_PIXELS} pixels a side"
+                )
+            if picture.mode not in WHITE:
+                raise BaseError(f"its pixels are {picture.mode}, must be grey of 8 or 16 bits without alpha")
+            return np.asarray(picture).astype(np.float64), WHITE[picture.mode]
+    except UnidentifiedImageError:
+        raise BaseError("it is no PNG picture") from None
+    except OSError as error:
+        raise BaseError(f"cannot be read: {error.strerror or error}") from None
+    except (SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise BaseError(f"it is damaged: {error}") from None
+
+
+def _resample(rows: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Return so many rows, the first and the last in place.
+
+    Between rows, numbers change in straight lines; where rows are closer together than the new ones, each new
+    one is the average of what lies around it.
+    """
+    last = len(rows) - 1
+    apart = last / (count - 1)
+    places: NDArray[np.float64] = np.arange(count) * apart
+    if apart <= 1.0:
+        before, share = _between(places, last)
+        return rows[before] + (rows[before + 1] - rows[before]) * share
+    low, high = np.maximum(0.0, places - apart / 2), np.minimum(last, places + apart / 2)
+    areas = np.zeros_like(rows)  # under the straight lines from the first row on
+    areas[1:] = np.cumsum((rows[:-1] + rows[1:]) / 2, axis=0)
+    return (_area(rows, areas, high) - _area(rows, areas, low)) / (high - low)[:, None]
+
+
+def _area(
+    rows: NDArray[np.float64], areas: NDArray[np.float64], places: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the areas under the straight lines from the first row to each place."""
+    before, share = _between(places, len(rows) - 1)
+    slope = rows[before + 1] - rows[before]
+    area: NDArray[np.float64] = areas[before] + rows[before] * share + slope * share * share / 2
+    return area
+
+
+def _between(places: NDArray[np.float64], last: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the row before each place, and, as a column, how far from it to the next the place is."""
+    before = np.minimum(places.astype(np.int64), last - 1)
+    return before, (places - before)[:, None]

@@ -1,0 +1,47 @@
+"""What every import has in common: its outcome, and lakes that can be waded through."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.maps.base import NAME_LIMIT, Base, BaseError, check_base
+from wildscav_engine.maps.terrain import DEEPEST_WATER
+
+NOTEWORTHY = 0.01  # m; rounding raises lake beds by less
+
+
+class Imported(NamedTuple):
+    """A base and what had to be changed or left out to make it."""
+
+    base: Base
+    notes: tuple[str, ...]  # a line each
+
+
+def finish(base: Base, notes: list[str]) -> Imported:
+    """Make the lakes of a base shallow enough and check it as a whole.
+
+    Raises:
+        BaseError: No map can be made on it.
+    """
+    base = base._replace(name="".join(filter(str.isprintable, base.name))[:NAME_LIMIT])
+    ground = np.zeros(1) if base.heights is None else base.heights
+    if ground.max() <= base.water_level:
+        raise BaseError(
+            f"the water level is {base.water_level:g} m, but the highest ground is at {ground.max():g} m"
+        )
+    if base.heights is not None:
+        heights, depth = _raise_beds(base.heights, base.water_level)
+        base = base._replace(heights=heights)
+        if depth > DEEPEST_WATER + NOTEWORTHY:
+            notes = [
+                *notes,
+                f"lake beds up to {depth:.1f} m deep are raised to {DEEPEST_WATER} m: agents wade, not swim",
+            ]
+    check_base(base)
+    return Imported(base, tuple(notes))
+
+
+def _raise_beds(heights: NDArray[np.float64], level: float) -> tuple[NDArray[np.float64], float]:
+    """Return heights nowhere deeper under water than agents can wade, and how deep it was in m."""
+    return np.maximum(heights, level - DEEPEST_WATER), float(level - heights.min())

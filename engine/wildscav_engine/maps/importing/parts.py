@@ -1,0 +1,98 @@
+"""The named parts of a mesh file, in the frame of the game.
+
+GLB and OBJ are right-handed with y up; the game is left-handed: x east, y up, z north. So z is mirrored, as
+it is when maps are exported.
+"""
+
+import io
+import logging
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.maps.base import BaseError
+from wildscav_engine.maps.importing.obj import read_obj
+
+MIRROR = np.array([1.0, 1.0, -1.0])  # from a file's frame to the game's, and back
+FILE_LIMIT = 1 << 28  # bytes
+
+# Without a handler of its own, what it warns of would be printed; all that matters is an error or a note.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
+
+
+class Part(NamedTuple):
+    """An object, group or node of a file, in the frame of the game: V vertices, T triangles."""
+
+    name: str
+    words: str  # that say what it is: its material, its mesh or object, and last its own name
+    vertices: NDArray[np.float64]  # (V, 3) m
+    triangles: NDArray[np.int64]  # (T, 3) vertices
+
+
+def read_parts(path: Path) -> list[Part]:
+    """Return the parts of a GLB or OBJ file that have triangles.
+
+    Raises:
+        BaseError: The file is missing, of another kind, too large or damaged.
+    """
+    readers = {".glb": _read_glb, ".obj": _read_obj}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise BaseError(f"a mesh is a file named {' or '.join(readers)}")
+    try:
+        with path.open("rb") as file:
+            data = file.read(FILE_LIMIT + 1)
+    except OSError as error:
+        raise BaseError(f"cannot be read: {error.strerror}") from None
+    if len(data) > FILE_LIMIT:
+        raise BaseError(f"more than {FILE_LIMIT >> 20} MiB")
+    parts = [part for part in reader(data) if len(part.triangles)]
+    if not parts:
+        raise BaseError("there are no triangles in it")
+    for part in parts:
+        if part.triangles.min() < 0 or part.triangles.max() >= len(part.vertices):
+            raise BaseError(f"{part.name!r} has triangles of vertices that it does not have")
+        if not np.isfinite(part.vertices).all():
+            raise BaseError(f"not all vertices of {part.name!r} are finite")
+    return parts
+
+
+def _read_obj(data: bytes) -> list[Part]:
+    try:
+        text = data.decode()
+    except UnicodeDecodeError:
+        raise BaseError("it is no text, so no OBJ file") from None
+    vertices, groups = read_obj(text)
+    parts = []
+    for names, triangles in groups.items():
+        name = names.group or names.object or names.material or "part"
+        used, renumbered = np.unique(triangles, return_inverse=True)
+        parts.append(Part(name, " ".join(names), vertices[used] * MIRROR, renumbered.reshape(-1, 3)))
+    return parts
+
+
+def _read_glb(data: bytes) -> list[Part]:
+    import trimesh
+
+    try:
+        # Without a resolver: a file may not name others to be read.
+        scene = trimesh.load_scene(io.BytesIO(data), file_type="glb", process=False)
+        # Sorted, because it keeps them in no order of the file's.
+        return [_node(scene, name) for name in sorted(scene.graph.nodes_geometry)]
+    except Exception as error:  # noqa: BLE001 - a damaged file makes its reader raise anything
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise BaseError(f"it is no GLB file, or damaged: {reason}") from None
+
+
+def _node(scene: object, name: str) -> Part:
+    """Return one node of a scene, where it stands; one that is no mesh has no triangles."""
+    turn, key = scene.graph[name]  # type: ignore[attr-defined]
+    mesh = scene.geometry[key]  # type: ignore[attr-defined]
+    if not hasattr(mesh, "faces"):
+        return Part(name, "", np.zeros((0, 3)), np.zeros((0, 3), np.int64))
+    vertices = np.asarray(mesh.vertices, np.float64) @ turn[:3, :3].T + turn[:3, 3]
+    material = getattr(getattr(mesh.visual, "material", None), "name", None)
+    triangles = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
+    return Part(str(name), f"{material or ''} {key} {name}", vertices * MIRROR, triangles)
