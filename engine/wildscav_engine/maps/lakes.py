@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.kernel import kernel
 
 DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
 SHELF = 4.5  # m from the shore to where a lake has half its depth
@@ -12,6 +12,7 @@ SMALLEST_LAKE = 40.0  # m²
 SMALLEST_SHARE = 0.006  # of all the water in one lake; smaller ponds are filled in
 ROUNDS = 14  # of halving the range in which the water's level is sought
 DIAGONAL = 1.4142135623730951
+FAR = 1e6  # m, more than any distance on a map
 
 
 def flood(heights: NDArray[np.float64], water: float, scale: float) -> NDArray[np.float64]:
@@ -28,11 +29,14 @@ def flood(heights: NDArray[np.float64], water: float, scale: float) -> NDArray[n
     smooth = heights.copy()
     for _ in range(3):
         smooth = softened(smooth)
-    wet = np.zeros(heights.shape, np.int8)
-    least = max(SMALLEST_LAKE / (CELL * CELL), SMALLEST_SHARE * water * heights.size)
-    level = _level_of(smooth, water, least, wet)
+    level = _level_of(smooth, water)
+    wet = _lakes_at(level, smooth, water)
     above = (heights - level) * scale
-    _shape_shores(_distance(wet, 1), _distance(wet, 0), wet, above)
+    # With a rim, so that every point has neighbours.
+    from_water, from_land = (np.full((len(wet) + 2, wet.shape[1] + 2), FAR) for _ in range(2))
+    _measure(1, wet, from_water)
+    _measure(0, wet, from_land)
+    _shape_shores(from_water, from_land, wet, above)
     return above
 
 
@@ -43,37 +47,27 @@ def softened(heights: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray((lines[:, :-2] + 2.0 * lines[:, 1:-1] + lines[:, 2:]) * 0.25)
 
 
-@array_kernel
-def _level_of(smooth: NDArray[np.float64], water: float, least: float, wet: NDArray[np.int8]) -> float:
-    """Find the level at which the lakes that are large enough cover the share asked for.
+def _level_of(smooth: NDArray[np.float64], water: float) -> float:
+    """Find the level in m at which the lakes that are large enough cover the share asked for."""
+    low, high = float(smooth.min()), float(smooth.max())
+    best, least_miss = low, 2.0
+    for _ in range(ROUNDS):
+        level = 0.5 * (low + high)
+        share = int(np.count_nonzero(_lakes_at(level, smooth, water))) / smooth.size
+        if abs(share - water) < least_miss:
+            best, least_miss = level, abs(share - water)
+        low, high = (level, high) if share < water else (low, level)
+    return best
 
-    Args:
-        smooth: (R, C) m.
-        water: Share of the points.
-        least: Points of the smallest lake, and of the smallest island.
-        wet: (R, C) written: 1 under water, else 0.
 
-    Returns:
-        The level in m.
-    """
+def _lakes_at(level: float, smooth: NDArray[np.float64], water: float) -> NDArray[np.int8]:
+    """Return (R, C) 1 where water stands at a level, without small ponds and islands, else 0."""
+    wet = (smooth < level).astype(np.int8)
+    least = max(SMALLEST_LAKE / (CELL * CELL), SMALLEST_SHARE * water * smooth.size)
     waiting = np.empty(smooth.size, np.int32)
-    low, high = smooth.min(), smooth.max()
-    best, best_miss = low, 2.0
-    for turn in range(ROUNDS + 1):
-        level = best if turn == ROUNDS else 0.5 * (low + high)
-        for row in range(wet.shape[0]):
-            for column in range(wet.shape[1]):
-                wet[row, column] = 1 if smooth[row, column] < level else 0
-        _turn_small_parts(1, least, waiting, wet)
-        _turn_small_parts(0, least, waiting, wet)
-        share = wet.sum() / wet.size
-        if abs(share - water) < best_miss:
-            best, best_miss = level, abs(share - water)
-        if share < water:
-            low = level
-        else:
-            high = level
-    return float(best)
+    _turn_small_parts(1, least, waiting, wet)
+    _turn_small_parts(0, least, waiting, wet)
+    return wet
 
 
 @kernel
@@ -112,14 +106,18 @@ def _turn_small_parts(value: int, least: float, waiting: NDArray[np.int32], wet:
                 wet[row, column] = value
 
 
-@array_kernel
-def _distance(wet: NDArray[np.int8], value: int) -> NDArray[np.float64]:
-    """Return (R, C) how far in m each point is from the nearest with a value, within a few percent.
+@kernel
+def _measure(value: int, wet: NDArray[np.int8], away: NDArray[np.float64]) -> None:
+    """Measure how far each point is from the nearest with a value, within a few percent.
 
     Borgefors, "Distance Transformations in Digital Images", 1986: two sweeps over neighbours.
+
+    Args:
+        value: 0 or 1.
+        wet: (R, C) zeros and ones.
+        away: (R + 2, C + 2) m, FAR everywhere, changed but for its rim.
     """
     rows, columns = wet.shape
-    away = np.full((rows + 2, columns + 2), 1e6)  # with a rim, so that every point has neighbours
     for row in range(rows):
         for column in range(columns):
             if wet[row, column] == value:
@@ -134,7 +132,6 @@ def _distance(wet: NDArray[np.int8], value: int) -> NDArray[np.float64]:
             beside = min(away[row, column + 1], away[row + 1, column]) + CELL
             across = min(away[row + 1, column + 1], away[row + 1, column - 1]) + CELL * DIAGONAL
             away[row, column] = min(away[row, column], beside, across)
-    return away[1:-1, 1:-1]
 
 
 @kernel
@@ -147,18 +144,18 @@ def _shape_shores(
     """Make beds shallow, shores gentle, and lift the land that lies too low into dry flats.
 
     Args:
-        from_water: (R, C) m to the nearest water.
-        from_land: (R, C) m to the nearest land.
+        from_water: (R + 2, C + 2) m to the nearest water, with a rim.
+        from_land: (R + 2, C + 2) m to the nearest land, with a rim.
         wet: (R, C) 1 under water.
         above: (R, C) m above the water's level, changed.
     """
     for row in range(wet.shape[0]):
         for column in range(wet.shape[1]):
             if wet[row, column] == 1:
-                out = from_land[row, column] - 0.5 * CELL
+                out = from_land[row + 1, column + 1] - 0.5 * CELL
                 above[row, column] = -DEEPEST_WATER * out / (out + SHELF)
             else:
-                away = from_water[row, column] - 0.5 * CELL
+                away = from_water[row + 1, column + 1] - 0.5 * CELL
                 beach = 0.1 + 0.1 * away + 0.012 * away * away
                 flats = min(0.1 + 0.03 * away, 0.6)
                 height = smooth_least(above[row, column], beach, min(beach, 1.0))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.kernel import kernel
 from wildscav_engine.rng import Dice, Stream, uniform
 from wildscav_engine.spec import MapConfig
 from wildscav_engine.trig import cosine, sine
@@ -62,16 +62,20 @@ def draw_country(config: MapConfig, relief: float, seed: int) -> Country:
     )
 
 
-@array_kernel
-def draw_gradients(seed: np.uint64) -> NDArray[np.float64]:
+def draw_gradients(seed: int) -> NDArray[np.float64]:
     """Return (LATTICE, LATTICE, 2) the noise's slopes: unit vectors in random directions."""
     gradients = np.empty((LATTICE, LATTICE, 2))
+    _draw_gradients(np.uint64(seed), gradients)
+    return gradients
+
+
+@kernel
+def _draw_gradients(seed: np.uint64, gradients: NDArray[np.float64]) -> None:
     for row in range(LATTICE):
         for column in range(LATTICE):
             turn = 360.0 * uniform(seed, STREAM, GRADIENTS_KEY, row, column)
             gradients[row, column, 0] = cosine(turn)
             gradients[row, column, 1] = sine(turn)
-    return gradients
 
 
 def draw_origins(seed: int) -> NDArray[np.float64]:

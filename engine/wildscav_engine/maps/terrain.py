@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.erosion import add_finely, crumble, rain
 from wildscav_engine.maps.lakes import DEEPEST_WATER, flood, smooth_least, softened
 from wildscav_engine.maps.relief import (
@@ -65,7 +65,7 @@ def _shape_land(config: MapConfig, seed: int, points: int) -> NDArray[np.float64
     key = np.uint64(seed)
     country = draw_country(config, max(config.relief, FLATTEST_SHAPE), seed)
     broad, hills, cliffs, heights = (np.empty((points, points)) for _ in range(4))
-    lay_out(country, draw_gradients(key), draw_origins(seed), broad, hills, cliffs)
+    lay_out(country, draw_gradients(seed), draw_origins(seed), broad, hills, cliffs)
     broad *= max(1.0, LEAST_RANGE * country.height / (broad.max() - broad.min()))
     for coarseness, drops in VALLEY_RAINS:
         _erode(key, coarseness, drops, broad)
@@ -84,7 +84,7 @@ def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.f
     change = -ground
     rain(seed, coarseness, int(drops * ground.size), ground)
     change += ground
-    add_finely(coarseness, change, heights)
+    add_finely(coarseness, softened(change), heights)
 
 
 def water_of_cells(heights: NDArray[np.float64], level: float) -> NDArray[np.float64]:
@@ -104,7 +104,6 @@ def distance_to_footprint(footprint: NDArray[np.float64], x: float, z: float) ->
     return float(np.sqrt(across * across + along * along))
 
 
-@array_kernel
 def level_ground(
     corner: tuple[float, float],
     footprints: NDArray[np.float64],
@@ -124,12 +123,25 @@ def level_ground(
         heights: (R + 1, C + 1) m, changed.
     """
     least, most = np.full(heights.shape, -np.inf), np.full(heights.shape, np.inf)
+    _limit(corner, footprints, grounds, least, most)
+    _keep_within(least, most, heights)
+
+
+@kernel
+def _limit(
+    corner: tuple[float, float],
+    footprints: NDArray[np.float64],
+    grounds: NDArray[np.float64],
+    least: NDArray[np.float64],
+    most: NDArray[np.float64],
+) -> None:
+    """Narrow down how low and how high the ground may be, (R + 1, C + 1) m each, to join each level."""
     for house in range(footprints.shape[0]):
         reach = footprints[house, 4] + footprints[house, 5] + LEVEL_MARGIN + LONGEST_JOIN
         first_row = max(0, int((footprints[house, 1] - reach - corner[1]) / CELL))
         first_column = max(0, int((footprints[house, 0] - reach - corner[0]) / CELL))
-        last_row = min(heights.shape[0] - 1, int((footprints[house, 1] + reach - corner[1]) / CELL) + 1)
-        last_column = min(heights.shape[1] - 1, int((footprints[house, 0] + reach - corner[0]) / CELL) + 1)
+        last_row = min(least.shape[0] - 1, int((footprints[house, 1] + reach - corner[1]) / CELL) + 1)
+        last_column = min(least.shape[1] - 1, int((footprints[house, 0] + reach - corner[0]) / CELL) + 1)
         for row in range(first_row, last_row + 1):
             for column in range(first_column, last_column + 1):
                 x, z = corner[0] + column * CELL, corner[1] + row * CELL
@@ -140,6 +152,11 @@ def level_ground(
                     room = room / (1.0 - share * share)
                     least[row, column] = max(least[row, column], grounds[house] - room)
                     most[row, column] = min(most[row, column], grounds[house] + room)
+
+
+@kernel
+def _keep_within(least: NDArray[np.float64], most: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
+    """Cut and fill the ground to its limits."""
     for row in range(heights.shape[0]):
         for column in range(heights.shape[1]):
             if most[row, column] < np.inf:
