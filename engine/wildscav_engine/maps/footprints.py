@@ -10,9 +10,9 @@ from wildscav_engine.geometry.shapes import Pose, pose
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.terrain import LEVEL_MARGIN, distance_to_footprint
-from wildscav_engine.spec import MapConfig, Placement
+from wildscav_engine.spec import MapConfig
 
-SINGLE_SIZE = {"block": 2.0, "tree": 1.0, "bush": 2.0, "rock": 2.6}  # m, of a placement without an area
+WIDEST = {"block": 0.0, "tree": 0.5, "bush": 1.2, "rock": 2.2}  # m, how far one reaches from its axis at most
 
 
 class Site(NamedTuple):
@@ -35,16 +35,14 @@ def footprints_of(sites: Sequence[Site]) -> NDArray[np.float64]:
 
 
 def placed_footprints(config: MapConfig) -> NDArray[np.float64]:
-    """Return (P, 6) the footprints of everything but houses that a config places by hand."""
-    rows = [footprint_of_placement(placed) for placed in config.placements if placed.kind != "house"]
+    """Return (P, 6) the ground that may be taken by everything but houses that a config places by hand."""
+    rows = [
+        (*pose(*placed.location, placed.orientation), *(side * 0.5 + WIDEST[placed.kind] for side in area))
+        for placed in config.placements
+        if placed.kind != "house"
+        for area in (placed.area or (0.0, 0.0),)
+    ]
     return np.array(rows, np.float64).reshape(-1, 6)
-
-
-def footprint_of_placement(placed: Placement) -> tuple[float, float, float, float, float, float]:
-    """Return the footprint of a placement that is no house."""
-    single = SINGLE_SIZE[placed.kind]
-    across, along = placed.area or (single, single)
-    return (*pose(*placed.location, placed.orientation), across * 0.5, along * 0.5)
 
 
 @kernel

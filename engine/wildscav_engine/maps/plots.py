@@ -24,10 +24,10 @@ EDGE_MARGIN = 3.0  # m between a house and the edge of the map
 PLACED_MARGIN = 3.0  # m between a house and what is placed by hand
 LANE_MARGIN = 3.2  # m between a house and the axis of a street that it does not face
 SHORE_MARGIN = 0.25  # m that the natural ground under a house lies above the water
-STEEPEST_GROUND = 4.5  # m, greatest difference of natural heights under a house
+STEEPEST_GROUND = 5.0  # m, greatest difference of natural heights under a house
 STEEPEST_JOIN = 0.3  # m up per m between the levels of two houses
 JOIN_REACH = 24.0  # m, from where on the levels of two houses do not meet
-DEEPEST_CUT = 1.2  # m between the level of a house and the mean height of the ground
+DEEPEST_CUT = 1.5  # m between the level of a house and the mean height of the ground
 
 Place = tuple[float, float, float]  # x and z in m, and a yaw in degrees
 

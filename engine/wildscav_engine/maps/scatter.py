@@ -1,6 +1,5 @@
 """Where each plant and rock stands: by trial, where it grows, clear of houses, lanes, water, each other."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -48,11 +47,19 @@ WALK = 1.6  # m between two things that stand on the ground, so that one walks b
 HOUSE_MARGIN, CROWN_MARGIN = 1.7, 0.8  # m between a house and what stands on the ground, or a crown
 DOORSTEP_MARGIN, LANE_MARGIN = 3.0, 3.0  # m from the place before a door, and from a lane's axis
 SHORE_MARGIN = 0.1  # m above the water
-STEEPEST = 0.8  # m up per m
+STEEPEST, STEEPEST_FOR_ROCKS = 0.8, 1.2  # m up per m
 LINK = 4.0  # m, side of the cells in which plants are found; things farther than two of them never meet
 NEAR = 10.0  # m from a house, a doorstep or a lane, from where on none is looked for
 HEDGE_STEP = 1.15  # m between the bushes of a hedge
 TOUCH = 0.8  # distance between the axes of two things that touch, by the sum of their radii
+
+
+class Fields(NamedTuple):
+    """What grows where, on patches of 4 m."""
+
+    weights: NDArray[np.float64]  # (3, Q, Q) chance that trees, bushes or rocks take to a patch
+    conifers: NDArray[np.float64]  # (Q, Q) chance that a tree in a wood is a conifer
+    shore: NDArray[np.bool_]  # (Q, Q)
 
 
 class Land(NamedTuple):
@@ -66,9 +73,7 @@ class Land(NamedTuple):
     doorsteps: NDArray[np.float64]  # (D, 2) m
     lanes: NDArray[np.float64]  # (L, 4) m
     near: NDArray[np.bool_]  # (Q, Q) patches near any of these
-    weights: NDArray[np.float64]  # (3, Q, Q) chance that trees, bushes or rocks take to a patch
-    conifers: NDArray[np.float64]  # (Q, Q) chance that a tree in a wood is a conifer
-    shore: NDArray[np.bool_]  # (Q, Q)
+    fields: Fields
 
 
 class Spots(NamedTuple):
@@ -91,11 +96,10 @@ def land_of(
     placed: NDArray[np.float64],
     doorsteps: NDArray[np.float64],
     lanes: NDArray[np.float64],
-    fields: Sequence[NDArray[np.float64]],
+    fields: Fields,
 ) -> Land:
-    """Return a land; fields are its weights, its conifers and its shores (see ``Land``)."""
-    weights, conifers, shore = fields
-    near = np.zeros(conifers.shape, np.bool_)
+    """Return a land (see ``Land``); marks the patches near what plants must keep off."""
+    near = np.zeros(fields.shore.shape, np.bool_)
     _mark_near(terrain.corner, houses, near)
     _mark_near(terrain.corner, placed, near)
     _mark_near_points(terrain.corner, doorsteps, near)
@@ -109,9 +113,7 @@ def land_of(
         doorsteps,
         lanes,
         near,
-        weights,
-        conifers,
-        shore.astype(np.bool_),
+        fields,
     )
 
 
@@ -203,11 +205,11 @@ def scatter(
             x = area[0] + across * area[3] + along * area[2]
             z = area[1] - across * area[2] + along * area[3]
             row, column = _patch_of(land, x, z)
-            if uniform(seed, STREAM, key, trial, 2) >= land.weights[what, row, column]:
+            if uniform(seed, STREAM, key, trial, 2) >= land.fields.weights[what, row, column]:
                 continue
             spot = spots.rows[found]
             spot[X], spot[Z], spot[KEY], spot[MEMBER] = x, z, key, 0
-            spot[SPECIES] = _draw_species(seed, key, what, land, row, column)
+            spot[SPECIES] = draw_species(seed, key, what, land, row, column)
             draw_size(seed, spot)
             if can_stand(land, spots, found, found):
                 link(land, spots, found)
@@ -217,13 +219,28 @@ def scatter(
 
 
 @kernel
+def place_one(
+    seed: np.uint64, key: int, what: int, x: float, z: float, land: Land, spots: Spots, found: int
+) -> None:
+    """Put one plant exactly at a place in m, whatever is there."""
+    row, column = _patch_of(land, x, z)
+    spot = spots.rows[found]
+    spot[X], spot[Z], spot[KEY], spot[MEMBER] = x, z, key, 0
+    spot[SPECIES] = draw_species(seed, key, what, land, row, column)
+    draw_size(seed, spot)
+    survey(land, spot)
+    link(land, spots, found)
+
+
+@kernel
 def _patch_of(land: Land, x: float, z: float) -> tuple[int, int]:
     count = land.near.shape[0]
     return _patch(land.corner[1], z, count), _patch(land.corner[0], x, count)
 
 
 @kernel
-def _draw_species(seed: np.uint64, key: int, what: int, land: Land, row: int, column: int) -> int:
+def draw_species(seed: np.uint64, key: int, what: int, land: Land, row: int, column: int) -> int:
+    """Draw what exactly a plant is, from its key and where it stands."""
     choice, chance = uniform(seed, STREAM, key, 500, 0), uniform(seed, STREAM, key, 500, 1)
     if what == BUSHES:
         return BUSH
@@ -231,10 +248,10 @@ def _draw_species(seed: np.uint64, key: int, what: int, land: Land, row: int, co
         return STEPPING_STONE if choice < 0.3 else BLOCK if choice < 0.6 else BOULDER
     if chance < 0.04:
         return DEAD
-    is_open = land.weights[TREES, row, column] < 0.5
-    if chance < (0.4 if land.shore[row, column] else 0.2 if is_open else 0.06):
+    is_open = land.fields.weights[TREES, row, column] < 0.5
+    if chance < (0.4 if land.fields.shore[row, column] else 0.2 if is_open else 0.06):
         return POPLAR
-    return CONIFER if choice < land.conifers[row, column] else BROADLEAF
+    return CONIFER if choice < land.fields.conifers[row, column] else BROADLEAF
 
 
 @kernel
@@ -256,7 +273,8 @@ def can_stand(land: Land, spots: Spots, number: int, group: int) -> bool:
         return False
     survey(land, spot)
     lowest, highest = heights_within(land, spot[X], spot[Z], 0.0)
-    if min(lowest, spot[LOWEST]) < land.water_level + SHORE_MARGIN or highest - lowest > STEEPEST * CELL:
+    steepest = STEEPEST_FOR_ROCKS if is_rock(spot[SPECIES]) else STEEPEST
+    if min(lowest, spot[LOWEST]) < land.water_level + SHORE_MARGIN or highest - lowest > steepest * CELL:
         return False
     row, column = _patch_of(land, spot[X], spot[Z])
     if land.near[row, column] and not _is_clear(land, spot):
@@ -323,11 +341,11 @@ def least_distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> floa
     """Return how far in m the axes of two plants of different groups must be apart."""
     apart = one[RADIUS] + other[RADIUS] + WALK
     if is_tree(one[SPECIES]) and is_tree(other[SPECIES]):
-        return max(apart, 0.55 * (one[CROWN] + other[CROWN]))
+        return float(max(apart, 0.55 * (one[CROWN] + other[CROWN])))
     # One climbs rocks, so no crown hangs over them.
     if is_rock(one[SPECIES]) or is_rock(other[SPECIES]):
-        return max(apart, one[RADIUS] + other[CROWN], one[CROWN] + other[RADIUS])
-    return apart
+        return float(max(apart, one[RADIUS] + other[CROWN], one[CROWN] + other[RADIUS]))
+    return float(apart)
 
 
 @kernel
@@ -364,7 +382,7 @@ def _add_group(
     key, choice = int(leader[KEY]), uniform(seed, STREAM, int(leader[KEY]), 501, 0)
     if leader[SPECIES] == BUSH:
         row, column = _patch_of(land, leader[X], leader[Z])
-        if choice < (0.5 if land.near[row, column] else 0.15):
+        if choice < (0.5 if land.near[row, column] else 0.08):
             return _add_hedge(seed, land, spots, found, last, area)
         more = int(5.0 * uniform(seed, STREAM, key, 501, 1)) if choice < 0.75 else 0
         return _add_around(seed, land, spots, found, last, area, more, BUSH)

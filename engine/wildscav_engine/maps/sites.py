@@ -29,6 +29,7 @@ WIDEST_SCATTER = 60.0  # m between farmsteads, where there is room
 LARGEST_HAMLET = 12  # houses; more may make several hamlets
 TOWN_APART = 110.0  # m of the map's side for each town
 TOWN_CHOICES = 40
+SPARE_TOWNS = 3  # more towns than planned, where one had no room for all its houses
 DARTS = 40  # places tried at random at each distance
 ATTEMPTS = 3
 LANE_STEP = 3  # points of a street for each segment of a lane
@@ -110,31 +111,30 @@ def _build_towns(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> list[NDArra
         towns = min(most, max(1, int(len(sizes) / dice.uniform(9.0, 24.0) + 0.5)))
     centers: list[Place] = []
     lanes: list[NDArray[np.float64]] = []
-    for town in range(towns + 3):
+    for town in range(towns + SPARE_TOWNS):
         left = len(sizes) - len(plots.sites)
         if left == 0:
             break
-        share = (
-            left if town >= towns - 1 else max(3, int(left / (towns - town) * dice.uniform(0.7, 1.5) + 0.5))
-        )
+        share = left
+        if town < towns - 1:
+            share = min(left, max(3, int(left / (towns - town) * dice.uniform(0.7, 1.5) + 0.5)))
         center = town_center(dice, plots.terrain, 18.0 + 2.2 * min(share, 30), centers, TOWN_CHOICES)
-        built = _build_town(dice, plots, sizes, min(left, share), center)
+        built = _build_town(dice, plots, sizes, share, center)
         if built:
-            lanes += built
-            if centers:
-                lanes.append(_road_to_nearest(plots, centers, center))
+            road = _road_between(plots, np.concatenate(lanes), np.concatenate(built)) if lanes else None
+            lanes += built if road is None else [*built, road]
             centers.append(center)
     return lanes
 
 
-def _road_to_nearest(plots: Plots, centers: list[Place], center: Place) -> NDArray[np.float64]:
-    def apart(other: Place) -> float:
-        return (other[0] - center[0]) * (other[0] - center[0]) + (other[1] - center[1]) * (
-            other[1] - center[1]
-        )
-
-    nearest = min(centers, key=apart)
-    return draw_road(plots, center[:2], nearest[:2])
+def _road_between(
+    plots: Plots, older: NDArray[np.float64], newer: NDArray[np.float64]
+) -> NDArray[np.float64] | None:
+    """Return a road from a new town to the nearest lane, given by points (N, 2); None if it finds no way."""
+    east = newer[:, None, 0] - older[None, :, 0]
+    north = newer[:, None, 1] - older[None, :, 1]
+    start, end = np.unravel_index(int(np.argmin(east * east + north * north)), east.shape)
+    return draw_road(plots, tuple(newer[start].tolist()), tuple(older[end].tolist()))
 
 
 def _build_town(

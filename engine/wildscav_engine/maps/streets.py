@@ -10,7 +10,7 @@ from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.plots import Place, Plots
 from wildscav_engine.maps.terrain import Terrain
 from wildscav_engine.rng import Dice
-from wildscav_engine.trig import arctangent, cosine, sine, wrap
+from wildscav_engine.trig import arctangent, cosine, sine
 
 STATION = 2.0  # m between the points of a street
 STREET_WIDTH = 8.0  # m between the fronts of its two sides
@@ -140,30 +140,35 @@ def _comes_near(streets: list[list[Place]], start: Place, x: float, z: float) ->
     )
 
 
-def draw_road(plots: Plots, start: tuple[float, float], end: tuple[float, float]) -> NDArray[np.float64]:
-    """Return points (N, 2) in m of a road that keeps to dry and gentle ground, as far as it gets."""
-    terrain = plots.terrain
+def draw_road(
+    plots: Plots, start: tuple[float, float], end: tuple[float, float]
+) -> NDArray[np.float64] | None:
+    """Return points (N, 2) in m of a road that keeps to dry and gentle ground; None if it finds no way."""
     x, z = start
     points = [start]
     stride = 2.0 * STATION
-    for _ in range(int(3.0 * (abs(end[0] - x) + abs(end[1] - z)) / stride)):
+    for _ in range(int(2.0 * (abs(end[0] - x) + abs(end[1] - z)) / stride) + 8):
         if (end[0] - x) * (end[0] - x) + (end[1] - z) * (end[1] - z) < 4.0 * stride * stride:
-            points.append(end)
-            break
-        towards = arctangent(end[0] - x, end[1] - z)
-        height = height_at(terrain.corner, terrain.heights, x, z)
-        for turn in (0.0, 20.0, -20.0, 40.0, -40.0, 65.0, -65.0):
-            yaw = wrap(towards + turn)
-            to_x, to_z = x + stride * sine(yaw), z + stride * cosine(yaw)
-            rise = height_at(terrain.corner, terrain.heights, to_x, to_z)
-            dry = rise >= terrain.water_level + SHORE_MARGIN
-            if dry and abs(rise - height) <= STEEPEST_ROAD * stride and _is_free(plots, to_x, to_z):
-                x, z = to_x, to_z
-                points.append((x, z))
-                break
-        else:
-            break
-    return np.array(points, np.float64)
+            return np.array([*points, end], np.float64)
+        onward = _onward(plots, x, z, arctangent(end[0] - x, end[1] - z), stride)
+        if onward is None:
+            return None
+        x, z = onward
+        points.append(onward)
+    return None
+
+
+def _onward(plots: Plots, x: float, z: float, towards: float, stride: float) -> tuple[float, float] | None:
+    """Return the next point of a road: as near to its direction in degrees as the ground allows."""
+    terrain = plots.terrain
+    height = height_at(terrain.corner, terrain.heights, x, z)
+    for turn in (0.0, 20.0, -20.0, 40.0, -40.0, 65.0, -65.0, 95.0, -95.0):
+        to_x, to_z = x + stride * sine(towards + turn), z + stride * cosine(towards + turn)
+        there = height_at(terrain.corner, terrain.heights, to_x, to_z)
+        is_dry = there >= terrain.water_level + SHORE_MARGIN
+        if is_dry and abs(there - height) <= STEEPEST_ROAD * stride and _is_free(plots, to_x, to_z):
+            return to_x, to_z
+    return None
 
 
 @kernel

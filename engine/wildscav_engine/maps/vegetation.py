@@ -13,6 +13,7 @@ from wildscav_engine.maps.scatter import (
     BUSHES,
     ROCKS,
     TREES,
+    Fields,
     Land,
     allocate_spots,
     land_of,
@@ -76,13 +77,13 @@ def _land(
     trees = np.maximum(np.maximum(woods, 0.03), np.where(shore, 0.45, 0.0))
     edges = 4.0 * woods * (1.0 - woods)
     bushes = np.maximum(0.08 + 0.2 * woods + 0.7 * edges, np.where(shore, 0.3, 0.0))
-    rocks = np.clip(0.06 + 0.1 * woods + 1.5 * np.maximum(0.0, steep - 0.2), 0.0, 1.0)
+    rocks = np.clip(0.05 + 0.08 * woods + 1.8 * np.maximum(0.0, steep - 0.2), 0.0, 1.0)
     paths = np.concatenate([lanes, door_paths(lanes, doorsteps)])
-    fields = (np.stack([trees, bushes, rocks]), _conifers(config, seed, terrain), shore)
+    fields = Fields(np.stack([trees, bushes, rocks]), conifers(config, seed, terrain), shore)
     return land_of(terrain, houses, placed_footprints(config), doorsteps, paths, fields)
 
 
-def _conifers(config: MapConfig, seed: int, terrain: Terrain) -> NDArray[np.float64]:
+def conifers(config: MapConfig, seed: int, terrain: Terrain) -> NDArray[np.float64]:
     """Return (Q, Q) the chance that a tree is a conifer: in some woods, and rather high up."""
     noise = slow_noise(seed, config.size, 1)
     heights = terrain.heights[::2, ::2]

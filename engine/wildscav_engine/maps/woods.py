@@ -11,7 +11,7 @@ from wildscav_engine.rng import Stream, uniform
 STREAM = int(Stream.VEGETATION)
 PATCH = 4.0  # m, side of the squares that are wooded or not
 LARGEST_WOODS, SMALLEST_WOODS = 80.0, 18.0  # m, size of woods and clearings, about
-LEAST_WOODED, MOST_WOODED = 0.16, 0.5  # share of the map under woods, with next to no and full vegetation
+LEAST_WOODED, MOST_WOODED = 0.08, 0.42  # share of the map under woods, with next to no and full vegetation
 EDGE = 0.05  # of the noise, over which a wood thins out
 SHORE_REACH = 2  # patches from the water that are shore
 
@@ -22,7 +22,7 @@ def wooded(seed: int, size: int, vegetation: float) -> NDArray[np.float64]:
     ascending = np.sort(noise, axis=None, kind="stable")
     share = LEAST_WOODED + (MOST_WOODED - LEAST_WOODED) * vegetation
     threshold = ascending[min(ascending.size - 1, int((1.0 - share) * ascending.size))]
-    inside = np.clip((noise - threshold) / EDGE + 0.5, 0.0, 1.0)
+    inside: NDArray[np.float64] = np.clip((noise - threshold) / EDGE + 0.5, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)
 
 
