@@ -1,7 +1,8 @@
 """The ``wildscav`` command: its own commands, and those that other packages plug in.
 
-A command is a plain function with Typer's annotations. Ours stand in ``OWN``; other packages name theirs in
-the entry-point group ``wildscav.commands``. Either is imported only when it is run, or for the list of help.
+A command is a plain function with Typer's annotations, or a Typer application of several. Ours stand in
+``OWN``; other packages name theirs in the entry-point group ``wildscav.commands``. Either is imported only
+when it is run, or for the list of help.
 """
 
 import importlib
@@ -23,14 +24,18 @@ OWN = {
     "verify": "wildscav.cli.verify:verify",
     "replay": "wildscav.cli.replay:replay",
     "serve": "wildscav.cli.serve:serve",
+    "map": "wildscav.cli.map:app",
 }
 # What a missing module is installed with.
 EXTRAS = {
     "grpc_health": "engine",
     "numba": "engine",
+    "PIL": "maps",
     "pydantic": "engine",
     "rerun": "view",
+    "scipy": "maps",
     "sqlalchemy": "leaderboard",
+    "trimesh": "maps",
 }
 
 
@@ -40,7 +45,7 @@ class Commands(TyperGroup):
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - Typer's signature
         """Return the names, in the order of help: what a newcomer needs first."""
         names = [*OWN, *_plug_ins()]
-        first = ("init", "play", "evaluate", "leaderboard", "replay", "verify", "serve")
+        first = ("init", "play", "evaluate", "leaderboard", "replay", "verify", "map", "serve")
         return sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
@@ -59,7 +64,9 @@ def _plug_ins() -> dict[str, EntryPoint]:
     return {point.name: point for point in entry_points(group=GROUP)}
 
 
-def _command(name: str, function: Callable[..., None], *, options: bool = True) -> TyperCommand:
+def _command(name: str, function: Callable[..., None] | typer.Typer, *, options: bool = True) -> Any:
+    if isinstance(function, typer.Typer):
+        return typer.main.get_command(function)
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="rich")
     settings = {} if options else {"allow_extra_args": True, "ignore_unknown_options": True}
     app.command(name, context_settings=settings)(function)

@@ -1,6 +1,6 @@
 """From a survey to a picture: colours by what is seen, shading, shadows, contour lines and outlines."""
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.picture.survey import Survey
 from wildscav_engine.palette import of_solids
 
+Value = TypeVar("Value", bound=np.generic)
 Image = NDArray[np.float32]  # (rows, columns, 3) red, green, blue 0-255
 
 PAPER = (250, 248, 243)
@@ -185,7 +186,7 @@ def _draw_outlines(picture: Image, seen: Survey, style: Style) -> None:
     _ink(picture, OUTLINE, ink)
 
 
-def _shifted(array: NDArray[np.generic], axis: int, by: int) -> NDArray[np.generic]:
+def _shifted(array: NDArray[Value], axis: int, by: int) -> NDArray[Value]:
     """Return all of an array but its last (0) or its first (1) row or column."""
     chosen = slice(by, array.shape[axis] - 1 + by)
     return array[chosen] if axis == 0 else array[:, chosen]

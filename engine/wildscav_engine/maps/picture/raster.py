@@ -26,7 +26,7 @@ def raster(game_map: GameMap, window: Window, storey: int | None) -> NDArray[np.
         storey: At which to cut houses open, 1 for the ground floor; None for none.
     """
     world, fine = game_map.world, window.step / FINER
-    water, cuts, style = _water_nearby(world), cuts_at(game_map, storey), style_of(game_map, fine)
+    water, cuts, style = water_nearby(world), cuts_at(game_map, storey), style_of(game_map, fine)
     sky = float(world.block_top.max()) + ABOVE
 
     def band(first: int) -> NDArray[np.uint8]:
@@ -49,7 +49,7 @@ def raster(game_map: GameMap, window: Window, storey: int | None) -> NDArray[np.
         return np.concatenate(list(pool.map(band, range(0, window.rows, BAND))))
 
 
-def _water_nearby(world: World) -> NDArray[np.float64]:
+def water_nearby(world: World) -> NDArray[np.float64]:
     """Return the height of the water in each cell or near it, -inf where there is none.
 
     The smooth ground of the picture crosses the water's surface a little off the real one, perhaps in the

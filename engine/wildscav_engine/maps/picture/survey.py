@@ -125,7 +125,7 @@ def _cut_height(cuts: NDArray[np.float64], x: float, z: float) -> float:
         across = east * cuts[cut, 3] - north * cuts[cut, 2]
         along = east * cuts[cut, 2] + north * cuts[cut, 3]
         if cuts[cut, 4] <= across <= cuts[cut, 6] and cuts[cut, 5] <= along <= cuts[cut, 7]:
-            return cuts[cut, 8]
+            return float(cuts[cut, 8])
     return np.inf
 
 
