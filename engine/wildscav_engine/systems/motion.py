@@ -90,13 +90,13 @@ def move(
     if here.y < water_at(world, here.x, here.z):
         speed *= water_speed_factor
         jump = False
-    if _on_steep_ground(world, here):
+    if on_steep_ground(world, here):
         jump = False
     way_x = speed * FRAME * sine(walk_direction)
     way_z = speed * FRAME * cosine(walk_direction)
     way_x, way_z = _inside_edges(world, here, way_x, way_z)
     if on_ground and not jump:
-        return _walk(world, bodies, here, way_x, way_z)
+        return walk(world, bodies, here, way_x, way_z)
     if on_ground:
         rise = JUMP_SPEED
     return _fly(world, bodies, here, way_x, way_z, rise)
@@ -159,7 +159,7 @@ def _clip(way: Point, contact: Contact) -> Point:
 
 
 @kernel
-def _walk(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float) -> Moved:
+def walk(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float) -> Moved:
     """Walk on the ground: level, up and down slopes, steps and stairs."""
     way_x, way_z = _off_steep_ground(world, here, way_x, way_z)
     reached = here
@@ -173,14 +173,14 @@ def _walk(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float)
     landed = _settle(world, bodies, reached)
     if landed.y < ground_at(world, landed.x, landed.z).height - 1e-9:
         return Moved(here.x, here.y, here.z, 0.0, True)  # no room between ground and ceiling
-    if _on_steep_ground(world, landed) and _climbs(here, landed):
+    if on_steep_ground(world, landed) and _climbs(here, landed):
         return Moved(here.x, here.y, here.z, 0.0, True)
     on_ground = _stands(world, bodies, landed)
     return Moved(landed.x, landed.y, landed.z, 0.0, on_ground)
 
 
 @kernel
-def _on_steep_ground(world: World, at: Point) -> bool:
+def on_steep_ground(world: World, at: Point) -> bool:
     """Return whether a body touches ground too steep to stand on."""
     ground = ground_at(world, at.x, at.z)
     steepness = np.sqrt(ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z)
@@ -222,7 +222,7 @@ def _over_ground(world: World, here: Point, way_x: float, way_z: float) -> Point
 @kernel
 def _off_steep_ground(world: World, here: Point, way_x: float, way_z: float) -> tuple[float, float]:
     """Let a body that stands on ground too steep slide downhill."""
-    if not _on_steep_ground(world, here):
+    if not on_steep_ground(world, here):
         return way_x, way_z
     ground = ground_at(world, here.x, here.z)
     steepness = np.sqrt(ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z)
@@ -287,7 +287,7 @@ def _fly(world: World, bodies: Bodies, here: Point, way_x: float, way_z: float, 
             rise = min(rise, 0.0)
         way = _slip(way, contact)
     ground = ground_at(world, at.x, at.z).height
-    if at.y <= ground and _on_steep_ground(world, Point(at.x, ground, at.z)) and ground > here.y:
+    if at.y <= ground and on_steep_ground(world, Point(at.x, ground, at.z)) and ground > here.y:
         # It flew against a steep slope: it falls or rises where it is.
         return _fly_straight(world, bodies, here, rise)
     if at.y <= ground:

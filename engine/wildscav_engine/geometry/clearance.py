@@ -1,0 +1,50 @@
+"""Whether a body fits at a place."""
+
+import numpy as np
+
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
+from wildscav_engine.geometry.world import World, cell_of
+from wildscav_engine.kernel import kernel
+
+CLEARANCE = 0.05  # m kept free around a body that stands somewhere, and below and above it
+
+
+@kernel
+def is_clear(world: World, x: float, y: float, z: float) -> bool:
+    """Return whether a body that stands at a place in m touches no solid (the terrain is not looked at)."""
+    return has_room(world, x, y, z, CLEARANCE)
+
+
+@kernel
+def has_room(world: World, x: float, y: float, z: float, room: float) -> bool:
+    """Return whether a body at a place in m touches no solid, nor comes as near as ``room`` m to one beside it."""
+    rows, columns = world.water.shape
+    radius, low, high = BODY_RADIUS + room, y + CLEARANCE, y + BODY_HEIGHT + CLEARANCE
+    for row in range(
+        cell_of(world.corner[1], z - radius, rows), cell_of(world.corner[1], z + radius, rows) + 1
+    ):
+        for column in range(
+            cell_of(world.corner[0], x - radius, columns), cell_of(world.corner[0], x + radius, columns) + 1
+        ):
+            cell = row * columns + column
+            for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
+                if _touches(world, world.cell_solids[item], x, z, radius, low, high):
+                    return False
+    return True
+
+
+@kernel
+def _touches(world: World, solid: int, x: float, z: float, radius: float, low: float, high: float) -> bool:
+    """Return whether an upright cylinder reaches behind all faces of a solid and into its box."""
+    least, most = world.solid_low[solid], world.solid_high[solid]
+    if low >= most[1] or high <= least[1]:
+        return False
+    if x - radius >= most[0] or x + radius <= least[0] or z - radius >= most[2] or z + radius <= least[2]:
+        return False
+    for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
+        n_x, n_y, n_z = world.faces[face, 0], world.faces[face, 1], world.faces[face, 2]
+        y = low if n_y > 0.0 else high
+        reach = radius * np.sqrt(n_x * n_x + n_z * n_z)
+        if n_x * x + n_y * y + n_z * z - reach >= world.faces[face, 3]:
+            return False
+    return True

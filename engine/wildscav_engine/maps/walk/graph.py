@@ -1,0 +1,151 @@
+"""The walkable graph of a map: every place where a body can stand, and what leads from one to another."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wildscav_engine.geometry.world import World
+from wildscav_engine.maps.walk.components import strong_components
+from wildscav_engine.maps.walk.explore import add_ground, explore, join_diagonals
+from wildscav_engine.maps.walk.lattice import (
+    BORDER,
+    DIRECTIONS,
+    FINE,
+    SPACING,
+    Lattice,
+    Nodes,
+    make_lattice,
+)
+from wildscav_engine.maps.walk.leaps import Leaps, find_leaps
+from wildscav_engine.systems.motion import Bodies
+
+LAYERS = 2.0  # nodes over a lattice point in a house to begin with; tables grow where it is more
+LEAPS_PER_NODE = 0.1  # to begin with
+
+
+@dataclass(frozen=True, eq=False)
+class WalkGraph:
+    """Where a body can stand, and what it can walk, climb, drop and jump to from there.
+
+    Edges and leaps go one way: who drops from a roof may have no way back.
+    """
+
+    world: World
+    lattice: Lattice
+    nodes: Nodes  # N nodes
+    leap_start: NDArray[np.int64]  # (N + 1,) where each node's leaps start
+    leap_end: NDArray[np.int32]  # (L,) node
+    leap_jump: NDArray[np.bool_]  # (L,) whether a leap begins with a jump
+
+    def __len__(self) -> int:
+        """Return the number of nodes."""
+        return len(self.nodes.point)
+
+    @cached_property
+    def component(self) -> NDArray[np.int32]:
+        """(N,) the number of each node's strongly connected part: from any of its nodes to any, and back."""
+        return strong_components(self.nodes.edges, self.leap_start, self.leap_end)
+
+    @cached_property
+    def connected(self) -> NDArray[np.bool_]:
+        """(N,) whether a node is in the largest strongly connected part."""
+        if len(self) == 0:
+            return np.zeros(0, np.bool_)
+        return np.asarray(self.component == np.bincount(self.component).argmax())
+
+    @property
+    def ground_share(self) -> float:
+        """The share of the map's ground that is connected, 0–1: nodes on whole metres by all whole metres."""
+        row, column = self.nodes.point // self.lattice.side, self.nodes.point % self.lattice.side
+        whole = self.connected & (row % 2 == 0) & (column % 2 == 0)
+        across = (self.lattice.side - 1 - 2 * BORDER) // 2 + 1
+        return len(np.unique(self.nodes.point[whole])) / (across * across)
+
+    def positions(self, chosen: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Return (N, 3) m where some nodes (or all) are, soles."""
+        which = np.arange(len(self)) if chosen is None else np.asarray(chosen)
+        point = self.nodes.point[which]
+        places = np.empty((len(point), 3))
+        places[:, 0] = self.world.corner[0] + SPACING * (point % self.lattice.side)
+        places[:, 1] = self.nodes.height[which]
+        places[:, 2] = self.world.corner[1] + SPACING * (point // self.lattice.side)
+        return places
+
+
+def build_graph(world: World) -> WalkGraph:
+    """Find everything that the engine's motion can walk, climb, drop and jump to on a map."""
+    lattice = make_lattice(world)
+    whole = lattice.side // 2 + 1
+    fine = np.count_nonzero(lattice.marks == FINE)
+    nodes = _no_nodes(lattice, int(whole * whole + LAYERS * fine) + 4 * DIRECTIONS)
+    leaps = _no_leaps(int(LEAPS_PER_NODE * len(nodes.point)))
+    for row in range(BORDER, lattice.side - BORDER, 2):
+        add_ground(world, lattice, nodes, row)
+    nodes, leaps = _explore_all(world, lattice, nodes, leaps)
+    return _finish(world, lattice, nodes, leaps)
+
+
+def _no_nodes(lattice: Lattice, room: int) -> Nodes:
+    return Nodes(
+        first=np.full(lattice.side * lattice.side, -1, np.int32),
+        point=np.empty(room, np.int32),
+        height=np.empty(room),
+        following=np.empty(room, np.int32),
+        edges=np.empty((room, DIRECTIONS), np.int32),
+        count=np.zeros(1, np.int64),
+    )
+
+
+def _no_leaps(room: int) -> Leaps:
+    return Leaps(
+        np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.bool_), np.zeros(1, np.int64)
+    )
+
+
+def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> tuple[Nodes, Leaps]:
+    """Walk straight, across and by leaps from every node, until no new one is found."""
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    body = Bodies(np.zeros((1, 3)), np.ones(1, np.int32), 0)
+    walked = joined = leapt = 0
+    while leapt < nodes.count[0]:
+        room = len(nodes.point)
+        walked = explore(world, nobody, lattice, nodes, walked, room)
+        if walked == nodes.count[0]:
+            joined = join_diagonals(world, nobody, lattice, nodes, joined, room)
+        if joined == nodes.count[0]:
+            leapt = find_leaps(world, body, lattice, nodes, leaps, leapt, (room, len(leaps.start)))
+        if nodes.count[0] + 2 * DIRECTIONS >= room:
+            nodes = _with_room(nodes, room + room // 2)
+        if leaps.count[0] + 2 * DIRECTIONS >= len(leaps.start):
+            leaps = Leaps(*(_longer(table, 2 * len(table) + 64) for table in leaps[:3]), leaps.count)
+    return nodes, leaps
+
+
+def _with_room(nodes: Nodes, room: int) -> Nodes:
+    tables = (_longer(table, room) for table in (nodes.point, nodes.height, nodes.following, nodes.edges))
+    return Nodes(nodes.first, *tables, nodes.count)
+
+
+def _longer(table: NDArray[np.generic], room: int) -> NDArray[np.generic]:
+    longer = np.empty((room, *table.shape[1:]), table.dtype)
+    longer[: len(table)] = table
+    return longer
+
+
+def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> WalkGraph:
+    """Cut the tables to length and sort the leaps by their starts."""
+    count, leap_count = int(nodes.count[0]), int(leaps.count[0])
+    tables = (table[:count].copy() for table in (nodes.point, nodes.height, nodes.following, nodes.edges))
+    order = np.argsort(leaps.start[:leap_count], kind="stable")
+    leap_start = np.zeros(count + 1, np.int64)
+    np.cumsum(np.bincount(leaps.start[:leap_count], minlength=count), out=leap_start[1:])
+    return WalkGraph(
+        world,
+        lattice,
+        Nodes(nodes.first, *tables, nodes.count),
+        leap_start,
+        leaps.end[:leap_count][order],
+        leaps.jump[:leap_count][order],
+    )

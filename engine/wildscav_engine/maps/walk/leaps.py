@@ -1,0 +1,201 @@
+"""Leaps: getting down from an edge or a cliff, and jumping onto something.
+
+A leap is one straight way to a lattice point that is steered at like by any agent: a jump at the start or
+none, then towards the point until standing on it. It is played frame by frame with the engine's motion, so
+it is there exactly if it works.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.body import COS_SLOPE_LIMIT, STEP_HEIGHT
+from wildscav_engine.geometry.clearance import has_room, is_clear
+from wildscav_engine.geometry.sweep import sweep_world
+from wildscav_engine.geometry.terrain import ground_at
+from wildscav_engine.geometry.world import World
+from wildscav_engine.kernel import kernel
+from wildscav_engine.maps.walk.explore import ROOM
+from wildscav_engine.maps.walk.lattice import (
+    DIRECTIONS,
+    EAST,
+    FALLS,
+    FINE,
+    NO_EDGE,
+    NORTH,
+    SAME_SURFACE,
+    Lattice,
+    Nodes,
+    add_node,
+    is_gentle,
+    neighbour,
+    node_at,
+    place_of,
+)
+from wildscav_engine.rules import FRAME
+from wildscav_engine.systems.motion import Bodies, Point, move, on_steep_ground
+from wildscav_engine.trig import arctangent
+
+LEAP_SPEED = 5.0  # m/s, of a body that leaps
+JUMP_HEIGHT = 1.2  # m, what is jumped onto at most: a little less than a jump is high
+FARTHEST_LEAP = 4  # edges' lengths that a leap spans at most
+FRAMES = 150  # that a leap takes at most
+ARRIVED = 0.02  # m from the point, standing, is there
+IN_WATER = 0.5  # what is left of the speed in water, for leaps
+
+
+class Leaps(NamedTuple):
+    """The leaps found so far, L of them in tables with room for more."""
+
+    start: NDArray[np.int32]  # (L,) node
+    end: NDArray[np.int32]  # (L,) node
+    jump: NDArray[np.bool_]  # (L,) whether it begins with a jump
+    count: NDArray[np.int64]  # (1,) L
+
+
+@kernel
+def find_leaps(
+    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, start: int, room: tuple[int, int]
+) -> int:
+    """Find the leaps from the nodes that have all their edges, beginning with ``start``.
+
+    Args:
+        world: The static world.
+        body: One body, to move about.
+        lattice: Of the map.
+        nodes: With edges; nodes that only leaps lead to are added.
+        leaps: Filled.
+        start: First node whose leaps are not known.
+        room: Nodes and leaps that the tables have room for.
+
+    Returns:
+        The first node whose leaps are not known, as ``explore`` does.
+    """
+    last = int(nodes.count[0])
+    for node in range(start, last):
+        if nodes.count[0] + DIRECTIONS >= room[0] or leaps.count[0] + DIRECTIONS >= room[1]:
+            return node
+        for direction in range(DIRECTIONS):
+            target = neighbour(lattice, int(nodes.point[node]), direction)
+            if target < 0:
+                continue
+            if nodes.edges[node, direction] == FALLS:
+                _get_down(world, body, lattice, nodes, leaps, node, direction)
+            elif nodes.edges[node, direction] == NO_EDGE:
+                if _can_stand_higher(world, lattice, nodes, node, target):
+                    _leap(world, body, lattice, nodes, leaps, node, target, True)
+    return last
+
+
+@kernel
+def _get_down(
+    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, direction: int
+) -> None:
+    """Look for the nearest point in a direction where a body that walks off an edge comes to stand."""
+    point = int(nodes.point[node])
+    units = 1 if abs(neighbour(lattice, point, direction) - point) <= lattice.side + 1 else 2
+    row, column = point // lattice.side, point % lattice.side
+    for far in range(1, FARTHEST_LEAP + 1):
+        to_row, to_column = row + far * units * NORTH[direction], column + far * units * EAST[direction]
+        if min(to_row, to_column) < 2 or max(to_row, to_column) > lattice.side - 3:
+            return
+        target = to_row * lattice.side + to_column
+        x, z = place_of(world, lattice, target)
+        if landing_height(world, x, z, nodes.height[node]) > -np.inf:
+            if _leap(world, body, lattice, nodes, leaps, node, target, False):
+                return
+
+
+@kernel
+def landing_height(world: World, x: float, z: float, top: float) -> float:
+    """Return the height in m at which a body that falls straight down from ``top`` m comes to stand.
+
+    It is -inf where the body does not fit at the top, or would land on something too steep.
+    """
+    ground = ground_at(world, x, z).height
+    if ground > top or not is_clear(world, x, top, z):
+        return -np.inf
+    contact = sweep_world(world, x, top, z, 0.0, ground - top, 0.0)
+    if contact.fraction < 1.0:
+        return top + (ground - top) * contact.fraction if contact.n_y >= COS_SLOPE_LIMIT else -np.inf
+    return ground if is_gentle(world, x, z) else -np.inf
+
+
+@kernel
+def _can_stand_higher(world: World, lattice: Lattice, nodes: Nodes, node: int, target: int) -> bool:
+    """Return whether over a point there is something to stand on, higher than a step and not than a jump.
+
+    It must not be known already: one jump onto a thing is enough.
+    """
+    if lattice.marks[target] != FINE:
+        return False
+    x, z = place_of(world, lattice, target)
+    height = landing_height(world, x, z, nodes.height[node] + JUMP_HEIGHT)
+    return bool(height > nodes.height[node] + STEP_HEIGHT and node_at(nodes, target, height) < 0)
+
+
+@kernel
+def _leap(
+    world: World,
+    body: Bodies,
+    lattice: Lattice,
+    nodes: Nodes,
+    leaps: Leaps,
+    node: int,
+    target: int,
+    jump: bool,
+) -> bool:
+    """Try a leap to a lattice point; return whether it arrives there, and write it down if so."""
+    x, z = place_of(world, lattice, int(nodes.point[node]))
+    to_x, to_z = place_of(world, lattice, target)
+    start = Point(x, nodes.height[node], z)
+    height = leap_height(world, body, start, to_x, to_z, jump)
+    if height == -np.inf or not _leaves_room(world, body, start, to_x, to_z, jump, height):
+        return False
+    other = node_at(nodes, target, height)
+    if other < 0 and lattice.marks[target] == FINE and has_room(world, to_x, height, to_z, ROOM):
+        other = add_node(nodes, target, height)
+    if other < 0 or other == node:
+        return False
+    leap = int(leaps.count[0])
+    leaps.start[leap], leaps.end[leap], leaps.jump[leap] = node, other, jump
+    leaps.count[0] = leap + 1
+    return True
+
+
+@kernel
+def _leaves_room(
+    world: World, body: Bodies, start: Point, x: float, z: float, jump: bool, height: float
+) -> bool:
+    """Return whether a leap arrives from a little beside its start too."""
+    east, north = x - start.x, z - start.z
+    share = ROOM / np.sqrt(east * east + north * north)
+    for side in (-share, share):
+        beside = Point(start.x - side * north, start.y, start.z + side * east)
+        if not abs(leap_height(world, body, beside, x, z, jump) - height) <= SAME_SURFACE:
+            return False
+    return True
+
+
+@kernel
+def leap_height(world: World, body: Bodies, start: Point, x: float, z: float, jump: bool) -> float:
+    """Play a leap and return the height in m at which the body comes to stand at (x, z), -inf if it does not."""
+    place = body.position[body.mover]
+    place[0], place[1], place[2] = start.x, start.y, start.z
+    rise, on_ground = 0.0, True
+    for frame in range(FRAMES):
+        east, north = x - place[0], z - place[2]
+        left = np.sqrt(east * east + north * north)
+        if left < ARRIVED and on_ground and frame > 0:
+            at = Point(place[0], place[1], place[2])
+            return -np.inf if on_steep_ground(world, at) else at.y
+        speed = min(LEAP_SPEED, left / FRAME)
+        heading = arctangent(east, north)
+        moved = move(world, body, rise, on_ground, heading, speed, jump and frame == 0, IN_WATER)
+        stuck = moved.x == place[0] and moved.y == place[1] and moved.z == place[2]
+        place[0], place[1], place[2] = moved.x, moved.y, moved.z
+        rise, on_ground = moved.rise, moved.on_ground
+        if stuck:
+            return -np.inf
+    return -np.inf

@@ -1,0 +1,158 @@
+"""Paths: how to get from one place of a map to another, and how far that is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.maps.walk.explore import walk_straight
+from wildscav_engine.maps.walk.graph import WalkGraph
+from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
+from wildscav_engine.maps.walk.search import farthest_straight, is_edge, shortest_way
+from wildscav_engine.systems.motion import Bodies, Point
+
+ATTACH = 1.5  # m, how far a place may lie from the node that stands for it
+ON_NODE = 1e-6  # m
+
+
+class Leg(NamedTuple):
+    """A straight part of a path."""
+
+    end: tuple[float, float, float]  # m, soles
+    leap: bool = False  # whether it gets down or up: go at LEAP_SPEED, whatever the way
+    jump: bool = False  # whether to jump when setting out; only in a leap
+
+
+@dataclass(frozen=True)
+class Path:
+    """A way that the engine's motion can go, straight from point to point."""
+
+    start: tuple[float, float, float]  # m, soles
+    legs: tuple[Leg, ...]
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(P, 3) m, the start and the end of every leg."""
+        return np.array([self.start, *(leg.end for leg in self.legs)])
+
+    @property
+    def length(self) -> float:
+        """In m, horizontal, as a seat's ``walked`` counts it."""
+        ways = np.diff(self.points[:, ::2], axis=0)
+        return float(np.sqrt(ways[:, 0] * ways[:, 0] + ways[:, 1] * ways[:, 1]).sum())
+
+
+def find_path(graph: WalkGraph, start: Sequence[float], end: Sequence[float]) -> Path | None:
+    """Return the shortest known path between two places of a map.
+
+    The shortest way over the graph is pulled straight wherever a straight walk arrives too. What is left is
+    at most a few percent longer than the true shortest.
+
+    Args:
+        graph: Of the map.
+        start: x, y, z in m, soles.
+        end: The same.
+
+    Returns:
+        The path; None if there is none, or if nobody can stand at one of the places.
+    """
+    first, last = node_near(graph, start, leave=True), node_near(graph, end, leave=False)
+    if first is None or last is None:
+        return None
+    places = graph.positions()
+    way = shortest_way(places, graph.nodes.edges, graph.leap_start, graph.leap_end, first, last)
+    if len(way) == 0:
+        return None
+    legs = _straight_legs(graph, places, way)
+    if not _is_at(start, places[first]):
+        legs.insert(0, Leg(_triple(places[first])))
+    if not _is_at(end, places[last]):
+        legs.append(Leg(_triple(end)))
+    return Path(_triple(start), tuple(legs))
+
+
+def node_near(graph: WalkGraph, place: Sequence[float], *, leave: bool) -> int | None:
+    """Return the nearest node that can be walked to straight from a place (or from where it can be), or None.
+
+    Args:
+        graph: Of the map.
+        place: x, y, z in m, soles.
+        leave: Whether to walk from the place to the node, else from the node to the place.
+    """
+    x, y, z = (float(value) for value in place)
+    nodes = _nodes_around(graph, x, z)
+    places = graph.positions(nodes)
+    ways = places - (x, y, z)
+    for index in np.argsort((ways * ways).sum(axis=1), kind="stable"):
+        here, there = Point(x, y, z), Point(*places[index])
+        start, end = (here, there) if leave else (there, here)
+        if abs(there.y - y) <= ATTACH and _leads_to(graph, start, end):
+            return int(nodes[index])
+    return None
+
+
+def _nodes_around(graph: WalkGraph, x: float, z: float) -> NDArray[np.int64]:
+    """Return all nodes over the lattice points within reach of a place."""
+    column, row = (x - graph.world.corner[0]) / SPACING, (z - graph.world.corner[1]) / SPACING
+    reach, side = ATTACH / SPACING, graph.lattice.side
+    found = []
+    for near_row in range(max(0, int(row - reach) + 1), min(side, int(row + reach) + 1)):
+        for near_column in range(max(0, int(column - reach) + 1), min(side, int(column + reach) + 1)):
+            node = int(graph.nodes.first[near_row * side + near_column])
+            while node >= 0:
+                found.append(node)
+                node = int(graph.nodes.following[node])
+    return np.array(found, np.int64)
+
+
+def _leads_to(graph: WalkGraph, start: Point, end: Point) -> bool:
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    height = walk_straight(graph.world, nobody, start, end.x, end.z, SPACING)
+    return bool(abs(height - end.y) <= SAME_SURFACE)
+
+
+def _straight_legs(graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32]) -> list[Leg]:
+    """Return the legs along a way, each as long as a straight walk arrives."""
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    legs = []
+    for first, last in _walks(graph, way):
+        if last < 0:
+            jump = _begins_with_jump(graph, int(way[first]), int(way[first + 1]))
+            legs.append(Leg(_triple(places[way[first + 1]]), True, jump))
+            continue
+        at = first
+        while at < last:
+            at = farthest_straight(graph.world, nobody, places, way, at, last)
+            legs.append(Leg(_triple(places[way[at]])))
+    return legs
+
+
+def _walks(graph: WalkGraph, way: NDArray[np.int32]) -> list[tuple[int, int]]:
+    """Cut a way into walks, (first, last) index, and leaps, (index, -1)."""
+    parts = []
+    first = 0
+    for index in range(len(way) - 1):
+        if not is_edge(graph.nodes.edges, int(way[index]), int(way[index + 1])):
+            if index > first:
+                parts.append((first, index))
+            parts.append((index, -1))
+            first = index + 1
+    if len(way) - 1 > first:
+        parts.append((first, len(way) - 1))
+    return parts
+
+
+def _begins_with_jump(graph: WalkGraph, start: int, end: int) -> bool:
+    """Return whether the leap between two nodes has to be jumped."""
+    leaps = slice(graph.leap_start[start], graph.leap_start[start + 1])
+    return bool(graph.leap_jump[leaps][graph.leap_end[leaps] == end].all())
+
+
+def _is_at(place: Sequence[float], node: NDArray[np.float64]) -> bool:
+    return all(abs(float(value) - other) <= ON_NODE for value, other in zip(place, node, strict=True))
+
+
+def _triple(place: Sequence[float] | NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(place[0]), float(place[1]), float(place[2])
