@@ -97,14 +97,16 @@ def _resample(rows: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     """
     last = len(rows) - 1
     apart = last / (count - 1)
-    places: NDArray[np.float64] = np.arange(count) * apart
+    places = np.arange(count, dtype=np.float64) * apart
     if apart <= 1.0:
         before, share = _between(places, last)
         return rows[before] + (rows[before + 1] - rows[before]) * share
     low, high = np.maximum(0.0, places - apart / 2), np.minimum(last, places + apart / 2)
     areas = np.zeros_like(rows)  # under the straight lines from the first row on
     areas[1:] = np.cumsum((rows[:-1] + rows[1:]) / 2, axis=0)
-    return (_area(rows, areas, high) - _area(rows, areas, low)) / (high - low)[:, None]
+    averages: NDArray[np.float64] = _area(rows, areas, high) - _area(rows, areas, low)
+    averages /= (high - low)[:, None]
+    return averages
 
 
 def _area(
@@ -113,11 +115,10 @@ def _area(
     """Return the areas under the straight lines from the first row to each place."""
     before, share = _between(places, len(rows) - 1)
     slope = rows[before + 1] - rows[before]
-    area: NDArray[np.float64] = areas[before] + rows[before] * share + slope * share * share / 2
-    return area
+    return areas[before] + rows[before] * share + slope * (share * share / 2)
 
 
 def _between(places: NDArray[np.float64], last: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the row before each place, and, as a column, how far from it to the next the place is."""
-    before = np.minimum(places.astype(np.int64), last - 1)
+    before: NDArray[np.int64] = np.minimum(places.astype(np.int64), last - 1)
     return before, (places - before)[:, None]

@@ -40,7 +40,7 @@ def read_parts(path: Path) -> list[Part]:
     readers = {".glb": _read_glb, ".obj": _read_obj}
     reader = readers.get(path.suffix.lower())
     if reader is None:
-        raise BaseError(f"a mesh is a file named {' or '.join(readers)}")
+        raise BaseError(f"a mesh is a file named {' or '.join(readers)}, a height map one named .png")
     try:
         with path.open("rb") as file:
             data = file.read(FILE_LIMIT + 1)
