@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.kernel import kernel
-from wildscav_engine.maps.footprints import corner_of
+from wildscav_engine.maps.footprints import corner_of, nearest_on_lane
 from wildscav_engine.maps.plants import (
     BLOCK,
     BOULDER,
@@ -320,20 +320,11 @@ def _is_clear(land: Land, spot: NDArray[np.float64]) -> bool:
         if east * east + north * north < (radius + DOORSTEP_MARGIN) * (radius + DOORSTEP_MARGIN):
             return False
     for lane in range(land.lanes.shape[0]):
-        if distance_to_lane(land.lanes[lane], x, z) < radius + LANE_MARGIN:
+        to_x, to_z = nearest_on_lane(land.lanes[lane], x, z)
+        east, north = x - to_x, z - to_z
+        if east * east + north * north < (radius + LANE_MARGIN) * (radius + LANE_MARGIN):
             return False
     return True
-
-
-@kernel
-def distance_to_lane(lane: NDArray[np.float64], x: float, z: float) -> float:
-    """Return how far in m (x, z) is from a segment."""
-    east, north = lane[2] - lane[0], lane[3] - lane[1]
-    length = east * east + north * north
-    share = ((x - lane[0]) * east + (z - lane[1]) * north) / length if length > 0.0 else 0.0
-    share = min(1.0, max(0.0, share))
-    away_x, away_z = x - lane[0] - share * east, z - lane[1] - share * north
-    return float(np.sqrt(away_x * away_x + away_z * away_z))
 
 
 @kernel

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.maps.footprints import Site, corner_of, footprints_of, gap_between
+from wildscav_engine.kernel import kernel
+from wildscav_engine.maps.footprints import Site, corner_of, footprints_of, gap_between, nearest_on_lane
 from wildscav_engine.maps.plots import EDGE_MARGIN, Place, Plots
 from wildscav_engine.maps.streets import (
     SQUARE_DEPTH,
@@ -32,7 +33,7 @@ TOWN_CHOICES = 40
 SPARE_TOWNS = 3  # more towns than planned, where one had no room for all its houses
 DARTS = 40  # places tried at random at each distance
 ATTEMPTS = 3
-LANE_STEP = 3  # points of a street for each segment of a lane
+LANE_STEP = 2  # points of a street for each segment of a lane
 LONGEST_PATH = 16.0  # m from a door to a lane
 FORECOURT = 8.0  # m that a street goes on after its last house
 
@@ -122,7 +123,10 @@ def _build_towns(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> list[NDArra
         built = _build_town(dice, plots, sizes, share, center)
         if built:
             road = _road_between(plots, np.concatenate(lanes), np.concatenate(built)) if lanes else None
-            lanes += built if road is None else [*built, road]
+            built += [] if road is None else [road]
+            for lane in built:
+                plots.keep_off(lane)
+            lanes += built
             centers.append(center)
     return lanes
 
@@ -143,7 +147,8 @@ def _build_town(
     """Build so many houses along the streets of one town; return its lanes, none if no house has room."""
     streets = draw_streets(dice, plots, houses, center)
     for street in streets:
-        plots.keep_off(street.points)
+        for points in (street.points, *_sides_of_square(street)):
+            plots.keep_off(points)
     slots = _slots(dice, streets, center)
     used: dict[int, list[int]] = {}
     for _ in range(houses):
@@ -206,16 +211,20 @@ def _lanes_of(street: Street, number: int, stations: list[int]) -> list[NDArray[
     first = 0 if number else max(0, min(stations) - forecourt)
     last = min(len(street.points) - 1, max(stations) + forecourt)
     chosen = [*range(first, last, LANE_STEP), last]
-    lanes = [street.points[chosen]]
+    return [street.points[chosen], *_sides_of_square(street)]
+
+
+def _sides_of_square(street: Street) -> list[NDArray[np.float64]]:
+    """Return points (N, 2) in m on both sides of a street's square, where one goes along its houses."""
     start, end = street.square
-    if end > start:
-        for side in (-1.0, 1.0):
-            across = side * (SQUARE_DEPTH - 1.0)
-            rows = range(start, end + 1, LANE_STEP)
-            yaws = street.yaws[list(rows)].tolist()
-            shifts = [(across * cosine(yaw), -across * sine(yaw)) for yaw in yaws]
-            lanes.append(street.points[list(rows)] + np.array(shifts))
-    return lanes
+    if end <= start:
+        return []
+    rows = list(range(start, end + 1, LANE_STEP))
+    sides = []
+    for across in (1.0 - SQUARE_DEPTH, SQUARE_DEPTH - 1.0):
+        shifts = [(across * cosine(yaw), -across * sine(yaw)) for yaw in street.yaws[rows].tolist()]
+        sides.append(street.points[rows] + np.array(shifts))
+    return sides
 
 
 def _scatter(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
@@ -256,17 +265,24 @@ def _squeeze_in(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
 
 def door_paths(lanes: NDArray[np.float64], doorsteps: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (K, 4) m the paths from doorsteps (D, 2) to the nearest lane, for those that are near one."""
-    paths = []
-    for x, z in doorsteps.tolist():
-        nearest, path = LONGEST_PATH * LONGEST_PATH, None
-        for x0, z0, x1, z1 in lanes.tolist():
-            east, north = x1 - x0, z1 - z0
-            share = ((x - x0) * east + (z - z0) * north) / max(1e-9, east * east + north * north)
-            share = min(1.0, max(0.0, share))
-            to_x, to_z = x0 + share * east, z0 + share * north
+    paths = np.zeros((len(doorsteps), 4))
+    return paths[: _find_paths(lanes, doorsteps, paths)]
+
+
+@kernel
+def _find_paths(
+    lanes: NDArray[np.float64], doorsteps: NDArray[np.float64], paths: NDArray[np.float64]
+) -> int:
+    found = 0
+    for door in range(doorsteps.shape[0]):
+        x, z = doorsteps[door, 0], doorsteps[door, 1]
+        nearest = LONGEST_PATH * LONGEST_PATH
+        is_near = False
+        for lane in range(lanes.shape[0]):
+            to_x, to_z = nearest_on_lane(lanes[lane], x, z)
             away = (to_x - x) * (to_x - x) + (to_z - z) * (to_z - z)
             if away < nearest:
-                nearest, path = away, (x, z, to_x, to_z)
-        if path:
-            paths.append(path)
-    return np.array(paths, np.float64).reshape(-1, 4)
+                nearest, is_near = away, True
+                paths[found, 0], paths[found, 1], paths[found, 2], paths[found, 3] = x, z, to_x, to_z
+        found += 1 if is_near else 0
+    return found
