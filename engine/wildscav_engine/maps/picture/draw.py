@@ -147,13 +147,12 @@ def _legend(game_map: GameMap, storey: int | None, locations: bool) -> "list[Ent
 
     entries = []
     for storeys, houses in sorted(Counter(house.storeys for house in game_map.houses).items()):
-        if storey is None or storeys < storey:
-            color = _color(STOREYS[min(storeys, 4) - 1])
-            entries.append(
-                Entry(f"{storeys} {'storey' if storeys == 1 else 'storeys'}: {houses}", color, "house")
-            )
+        color = _color(STOREYS[min(storeys, 4) - 1])
+        entries.append(
+            Entry(f"{storeys} {'storey' if storeys == 1 else 'storeys'}: {houses}", color, "house")
+        )
     if storey is not None:
-        entries.append(Entry(f"cut open at storey {storey}", CUT_WALL, "house"))
+        entries.append(Entry(f"wall, cut at storey {storey}", CUT_WALL, "house"))
     world = game_map.world
     if (world.water > world.heights[:-1, :-1]).any():
         entries.append(Entry("water", _color(0.6 * SHALLOW + 0.4 * DEEP), "patch"))
