@@ -1,200 +1,186 @@
-"""Houses can be walked: in at the front door, up every flight of stairs, and out again."""
+"""Houses can be walked: in at the front door, through every room of every storey, onto the roof, and back."""
 
 import math
 from collections import deque
-from collections.abc import Iterator
 
-import numpy as np
 import pytest
+from tests.engine.maps.built_house import BuiltHouse
+from tests.engine.maps.walker import Walker
 
-from wildscav_engine.geometry.world import World
-from wildscav_engine.maps import GameMap, generate_map
-from wildscav_engine.maps.generate import plans_and_sites
-from wildscav_engine.maps.house_plan import STOREY_HEIGHT, HousePlan, Rectangle
-from wildscav_engine.maps.houses import FLOOR_LIFT, doorsteps
-from wildscav_engine.maps.locations import is_clear, reachable_ground
-from wildscav_engine.maps.sites import Site
-from wildscav_engine.spec import MapConfig
-from wildscav_engine.systems.motion import Bodies, move
+from wildscav_engine.geometry.clearance import is_clear
+from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.shapes import Rectangle
+from wildscav_engine.maps.house import FLOOR_LIFT, STOREY_HEIGHT, HousePlan, doorsteps, draw_plan
+from wildscav_engine.maps.house.plan import Flight, Side
+from wildscav_engine.maps.house.roof import can_be_walked_to
 
 Place = tuple[float, float]  # m, in the axes of a house
-GRID = 0.2  # m
-TALL = MapConfig(size=80, houses=4, storeys=(2, 4), vegetation=0.3)
+Node = tuple[int, int]
+STEP = 0.5  # m between the nodes of a way
+AROUND = 2.0  # m around a house that ways may use
 
 
-class Walker:
-    """A body that walks from way point to way point."""
+class House(BuiltHouse):
+    """A house, and the nodes on its floors where a body can stand."""
 
-    def __init__(self, world: World, x: float, y: float, z: float) -> None:
-        self.world = world
-        self.position = np.array([[x, y, z]])
-        self.rise, self.on_ground = 0.0, True
+    def __init__(self, plan: HousePlan, yaw: float) -> None:
+        super().__init__(plan, yaw)
+        self.floors = [self._nodes(level) for level in range(len(plan.storeys) + plan.roof_exit)]
 
-    def walk_to(self, x: float, z: float, speed: float) -> bool:
-        """Walk straight to a place, and return whether it was reached."""
-        left = math.hypot(x - self.position[0, 0], z - self.position[0, 2])
-        for _ in range(int(left / speed * 50.0 * 2.0) + 50):
-            east, north = x - self.position[0, 0], z - self.position[0, 2]
-            left = math.hypot(east, north)
-            if left < 0.05 and self.on_ground:
-                return True
-            direction = math.degrees(math.atan2(east, north)) % 360.0
-            bodies = Bodies(self.position, np.array([True]), 0)
-            moved = move(
-                self.world,
-                bodies,
-                self.rise,
-                self.on_ground,
-                direction,
-                min(speed, left * 50.0),
-                False,  # does not jump
-                0.5,
-            )
-            self.position[0] = moved.x, moved.y, moved.z
-            self.rise, self.on_ground = moved.rise, moved.on_ground
-        return False
+    def place(self, node: Node) -> Place:
+        return node[0] * STEP - 14.0, node[1] * STEP - 14.0
 
+    def node(self, place: Place) -> Node:
+        return round((place[0] + 14.0) / STEP), round((place[1] + 14.0) / STEP)
 
-def way_on_floor(
-    world: World, plan: HousePlan, site: Site, level: int, start: Place, end: Place
-) -> list[Place]:
-    """Return a way over one floor that keeps clear of walls, stairs and the hole; [] if there is none."""
-    floor = site.ground + FLOOR_LIFT + level * STOREY_HEIGHT
-    hole = plan.storeys[level].hole
-    columns, rows = int(plan.size[0] / GRID) + 1, int(plan.size[1] / GRID) + 1
+    def _nodes(self, level: int) -> set[Node]:
+        across, along = (size / 2.0 + AROUND for size in self.plan.size)
+        first, last = self.node((-across, -along)), self.node((across, along))
+        return {
+            (column, row)
+            for column in range(first[0], last[0] + 1)
+            for row in range(first[1], last[1] + 1)
+            if self._stands((column, row), self.height(level))
+        }
 
-    def place_of(node: tuple[int, int]) -> Place:
-        return node[0] * GRID - plan.size[0] / 2.0, node[1] * GRID - plan.size[1] / 2.0
+    def _stands(self, node: Node, floor: float) -> bool:
+        """Return whether there is floor below a node (or the ground around the house), and room above it."""
+        x, z = self.site.pose.outside(*self.place(node))
+        below = cast_ray(self.world, x, floor + 0.4, z, 0.0, -1.0, 0.0, 0.5).distance
+        return bool(0.39 < below < 0.49 and is_clear(self.world, x, floor, z))
 
-    def node_of(place: Place) -> tuple[int, int]:
-        return round((place[0] + plan.size[0] / 2.0) / GRID), round((place[1] + plan.size[1] / 2.0) / GRID)
+    def nodes_in(self, level: int, area: Rectangle) -> list[Node]:
+        return [
+            node
+            for node in sorted(self.floors[level])
+            if area.left < self.place(node)[0] < area.right and area.back < self.place(node)[1] < area.front
+        ]
 
-    def is_free(node: tuple[int, int]) -> bool:
-        across, along = place_of(node)
-        if not (0 <= node[0] < columns and 0 <= node[1] < rows):
-            return False
-        if hole and hole.left <= across <= hole.right and hole.back <= along <= hole.front:
-            return False
-        x, z = site.pose.outside(across, along)
-        return bool(is_clear(world, x, floor, z))
+    def nearest(self, level: int, place: Place) -> Node:
+        return min(self.floors[level], key=lambda node: (math.dist(self.place(node), place), node))
 
-    first = node_of(start)
-    came = {first: first}
-    queue = deque([first])
-    while queue:
-        node = queue.popleft()
-        if math.dist(place_of(node), end) < 1.5 * GRID:
-            break
-        for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-            following = (node[0] + step[0], node[1] + step[1])
-            if following not in came and is_free(following):
-                came[following] = node
-                queue.append(following)
-    else:
-        return []
-    way = [end]
-    while node != first:
-        way.append(place_of(node))
-        node = came[node]
-    return way[::-1]
+    def reached_from(self, level: int, start: Node) -> dict[Node, Node]:
+        """Return the nodes of a floor that can be reached, each with the one before it."""
+        floor = self.floors[level]
+        came = {start: start}
+        queue = deque([start])
+        while queue:
+            column, row = node = queue.popleft()
+            for east, north in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)):
+                following = (column + east, row + north)
+                if following in came or following not in floor:
+                    continue
+                if (column + east, row) in floor and (column, row + north) in floor:
+                    came[following] = node
+                    queue.append(following)
+        return came
+
+    def way(self, level: int, start: Place, end: Place) -> list[Place]:
+        """Return the corners of a way over one floor."""
+        came = self.reached_from(level, self.nearest(level, start))
+        node = self.nearest(level, end)
+        assert node in came, f"no way on level {level} from {start} to {end}"
+        nodes = [node]
+        while came[node] != node:
+            node = came[node]
+            nodes.append(node)
+        nodes.reverse()
+        corners = [
+            node
+            for before, node, after in zip(nodes, nodes[1:], nodes[2:], strict=False)
+            if (node[0] - before[0], node[1] - before[1]) != (after[0] - node[0], after[1] - node[1])
+        ]
+        return [start, *(self.place(node) for node in (nodes[0], *corners, nodes[-1])), end]
 
 
-def ends_of_flight(outline: Rectangle, climb: int) -> tuple[Place, Place]:
-    """Return the places 0.6 m before the first step and 0.6 m after the last."""
-    middle = (outline.left + outline.right) / 2.0
-    back, front = (middle, outline.back - 0.6), (middle, outline.front + 0.6)
-    return (back, front) if climb > 0 else (front, back)
+def before_and_after(flight: Flight) -> tuple[Place, Place]:
+    """Return the places 0.6 m before the first step of a flight and 0.6 m after its last."""
+    ahead = {Side.FRONT: (0.0, 0.6), Side.RIGHT: (0.6, 0.0), Side.BACK: (0.0, -0.6), Side.LEFT: (-0.6, 0.0)}
+    (foot, head), (east, north) = flight.ends, ahead[flight.climbs]
+    return (foot[0] - east, foot[1] - north), (head[0] + east, head[1] + north)
 
 
-def way_through(game_map: GameMap, plan: HousePlan, site: Site) -> Iterator[tuple[Place, float]]:
-    """Yield way points from before the front door to the top storey, each with the height expected there."""
-    door = plan.storeys[0].outer[0].openings
-    middle = next(opening.middle for opening in door if opening.is_doorway)
-    here = (middle, plan.size[1] / 2.0 - 0.9)
-    floor = site.ground + FLOOR_LIFT
-    yield (middle, plan.size[1] / 2.0 + 0.6), site.ground
-    yield here, floor
-    for level, storey in enumerate(plan.storeys[:-1]):
-        assert storey.flight is not None
-        foot, head = ends_of_flight(*storey.flight)
-        way = way_on_floor(game_map.world, plan, site, level, here, foot)
-        assert way, f"no way to the stairs of storey {level}"
-        for place in way:
-            yield place, floor
-        floor += STOREY_HEIGHT
-        yield head, floor
-        here = head
+def tour(house: House) -> list[tuple[Place, float]]:
+    """Return way points from the front door through every room and onto the roof, each with its height."""
+    plan = house.plan
+    (across, along), side = plan.doors[0]
+    out = 1.5 if side in (Side.FRONT, Side.RIGHT) else -1.5
+    here = (across, along + out) if side.is_across else (across + out, along)
+    points: list[tuple[Place, float]] = [(here, 0.0)]
+    for level in range(len(house.floors)):
+        floor = house.height(level)
+        for target in targets_on(house, level):
+            points += [(place, floor) for place in house.way(level, here, target)[1:]]
+            here = target
+        if level + 1 < len(house.floors):
+            assert plan.stairs
+            for flight in plan.stairs.flights:
+                foot, head = before_and_after(flight)
+                if flight.first == 0:
+                    points += [(place, floor) for place in house.way(level, here, foot)[1:]]
+                    points.append((head, floor + (1.6 if plan.stairs.landing else STOREY_HEIGHT)))
+                else:
+                    points += [(foot, floor + 1.6), (head, floor + STOREY_HEIGHT)]
+                here = head
+    return points
 
 
-def walk_through_house(game_map: GameMap, plan: HousePlan, site: Site, speed: float) -> None:
-    (x, z), *_ = doorsteps(plan, site, 1.5)
-    walker = Walker(game_map.world, x, site.ground, z)
-    way = list(way_through(game_map, plan, site))
-    for place, height in (*way, *way[::-1]):
-        there = site.pose.outside(*place)
-        assert walker.walk_to(*there, speed), f"stuck at {site.pose.inside(*walker.position[0, ::2])}"
-        assert walker.position[0, 1] == pytest.approx(height, abs=0.02)
+def targets_on(house: House, level: int) -> list[Place]:
+    """Return a place in every room of a storey and on every roof at its height."""
+    plan = house.plan
+    areas = [room.area for room in plan.storeys[level].rooms] if level < len(plan.storeys) else []
+    areas += [
+        wing.inside
+        for number, wing in enumerate(plan.wings)
+        if wing.storeys == level and can_be_walked_to(plan, number)
+    ]
+    places = []
+    for area in areas:
+        nodes = house.nodes_in(level, area)
+        assert nodes, f"nobody can stand in {area} of level {level}"
+        places.append(house.place(nodes[len(nodes) // 2]))
+    return places
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("speed", [3.0, 10.0])
-def test_every_house_is_walked_to_its_top_storey_and_back(seed: int, speed: float) -> None:
-    game_map = generate_map(TALL, seed)
-
-    for plan, site in zip(*plans_and_sites(TALL, seed), strict=True):
-        walk_through_house(game_map, plan, site, speed)
+HOUSES = [
+    *((seed, (1, 4), False) for seed in range(16)),
+    *((seed, (3, 4), False) for seed in range(20, 24)),
+    *((seed, (2, 3), True) for seed in range(30, 34)),
+]
 
 
-def way_over_ground(world: World, start: Place, end: Place) -> list[Place]:
-    """Return the nodes of reachable ground from the one nearest to a place to that nearest to another."""
-    reachable = reachable_ground(world)
-
-    def node_of(place: Place) -> tuple[int, int]:
-        return round(place[0] - world.corner[0]), round(place[1] - world.corner[1])
-
-    first, last = node_of(start), node_of(end)
-    came = {first: first}
-    queue = deque([first])
-    while last not in came:
-        column, row = node = queue.popleft()
-        for following in ((column + 1, row), (column - 1, row), (column, row + 1), (column, row - 1)):
-            if following not in came and reachable[following[1], following[0]]:
-                came[following] = node
-                queue.append(following)
-    way = [last]
-    while way[-1] != first:
-        way.append(came[way[-1]])
-    return [(column + world.corner[0], row + world.corner[1]) for column, row in way[::-1]]
+@pytest.mark.parametrize(("seed", "storeys", "small"), HOUSES)
+def test_every_room_and_roof_is_walked_to_and_back(seed: int, storeys: tuple[int, int], small: bool) -> None:
+    house = House(draw_plan(seed, seed, storeys, small=small), yaw=37.0 * seed)
+    way = tour(house)
+    for speed in (3.0, 10.0):
+        (x, z), *_ = doorsteps(house.plan, house.site, 1.5)
+        walker = Walker(house.world, x, 0.0, z)
+        for place, height in (*way[1:], *way[-2::-1]):
+            there = house.site.pose.outside(*place)
+            stuck = f"stuck at {house.site.pose.inside(*walker.position[0, ::2])} on the way to {place}"
+            assert walker.walk_to(*there, speed), stuck
+            assert abs(walker.position[0, 1] - height) <= FLOOR_LIFT + 0.02
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_every_outdoor_place_can_be_walked_to(seed: int) -> None:
-    game_map = generate_map(MapConfig(size=60, houses=2, water=0.2, vegetation=1.0), seed)
-    places = game_map.outdoor
-    walker = Walker(game_map.world, *places[0])
-    here = places[0]
-
-    for there in places[7::23]:
-        for x, z in way_over_ground(game_map.world, (here[0], here[2]), (there[0], there[2])):
-            assert walker.walk_to(x, z, 10.0)
-        assert walker.walk_to(there[0], there[2], 10.0)
-        here = there
-        assert walker.position[0, 1] == pytest.approx(there[1], abs=0.01)
+@pytest.mark.parametrize(("seed", "storeys", "small"), HOUSES)
+def test_hardly_any_floor_is_cut_off(seed: int, storeys: tuple[int, int], small: bool) -> None:
+    house = House(draw_plan(seed, seed, storeys, small=small), yaw=37.0 * seed)
+    way = tour(house)
+    for level, nodes in enumerate(house.floors):
+        start = next(place for place, height in way if abs(height - house.height(level)) < 0.01)
+        lost = nodes - set(house.reached_from(level, house.nearest(level, start)))
+        for number, wing in enumerate(house.plan.wings):
+            if wing.storeys == level and not can_be_walked_to(house.plan, number):
+                lost -= set(house.nodes_in(level, wing.inside))
+        assert len(lost) <= 0.03 * len(nodes), sorted(house.place(node) for node in lost)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_every_indoor_place_can_be_walked_to_from_the_stairs_or_the_door(seed: int) -> None:
-    game_map = generate_map(TALL, seed)
-    entered = 0
-    for plan, site in zip(*plans_and_sites(TALL, seed), strict=True):
-        landings = [place for place, _ in way_through(game_map, plan, site)]
-        for x, y, z in game_map.indoor:
-            across, along = site.pose.inside(x, z)
-            if abs(across) > plan.size[0] / 2.0 or abs(along) > plan.size[1] / 2.0:
-                continue
-            level = round((y - site.ground - FLOOR_LIFT) / STOREY_HEIGHT)
-            start = landings[1] if level == 0 else ends_of_flight(*plan.storeys[level - 1].flight)[1]
-            assert way_on_floor(game_map.world, plan, site, level, start, (across, along))
-            entered += 1
+def test_among_them_are_all_kinds_of_houses() -> None:
+    plans = [draw_plan(seed, seed, storeys, small=small) for seed, storeys, small in HOUSES]
 
-    assert entered == len(game_map.indoor)
+    assert {len(plan.storeys) for plan in plans} == {1, 2, 3, 4}
+    assert {len(plan.wings) for plan in plans} == {1, 2}
+    assert {plan.stairs.landing is None for plan in plans if plan.stairs} == {True, False}
+    assert sum(plan.roof_exit for plan in plans) >= 2
+    assert sum(len(plan.terraces) for plan in plans) >= 2

@@ -2,7 +2,17 @@
 
 from wildscav_engine.geometry.shapes import Pose, Rectangle, boxes
 from wildscav_engine.geometry.world import Kind, Solid
-from wildscav_engine.maps.house.plan import DOOR_HEIGHT, SLAB, WINDOW_SILL, Stairs, Wall
+from wildscav_engine.maps.house.plan import (
+    DOOR_HEIGHT,
+    SLAB,
+    TOUCHING,
+    WINDOW_SILL,
+    Side,
+    Stairs,
+    Wall,
+    span_of,
+)
+from wildscav_engine.maps.house.rooms import without
 from wildscav_engine.maps.house.stairs import LANDING_HEIGHT, steps_of
 
 STEP_THICKNESS = 0.4  # m, of steps that hang over the stairs below
@@ -20,7 +30,16 @@ class Builder:
         self._corners: list[tuple[float, ...]] = []
 
     def block(self, kind: Kind, area: Rectangle, bottom: float, top: float) -> None:
-        """Add a box over a rectangle; heights in m count from the ground floor."""
+        """Add a box over a rectangle, unless it is as thin as an error of rounding.
+
+        Args:
+            kind: What it is.
+            area: Where it is.
+            bottom: m above the ground floor.
+            top: m above the ground floor.
+        """
+        if min(area.right - area.left, area.front - area.back) < TOUCHING:
+            return
         self._kinds.append(kind)
         low, high = self.ground + bottom, self.ground + top
         self._corners.append((area.left, low, area.back, area.right, high, area.front))
@@ -38,44 +57,24 @@ class Builder:
             bottom: m, where it starts.
             top: m, where it ends.
         """
+        ends = [span_of(wall.outline, Side.FRONT if wall.is_across else Side.RIGHT)]
         if not wall.openings:
             self.block(Kind.WALL, wall.outline, bottom, top)
             return
         sill, lintel = floor + WINDOW_SILL, floor + DOOR_HEIGHT
         self.block(Kind.WALL, wall.outline, lintel, top)
-        start, end = _ends(wall)
-        # A sill runs from doorway to doorway, and the pillars between windows stand on it.
-        sill_start, pillar_start = start, start
-        has_window = False
-        for opening in wall.openings:
-            if opening.is_doorway:
-                self._between(wall, sill_start, pillar_start, opening.start, has_window, bottom, sill, lintel)
-                if bottom < floor:
-                    self.block(Kind.FLOOR, part_of(wall, opening.start, opening.end), bottom, floor)
-                sill_start, has_window = opening.end, False
-            else:
-                self.block(Kind.WALL, part_of(wall, pillar_start, opening.start), sill, lintel)
-                has_window = True
-            pillar_start = opening.end
-        self._between(wall, sill_start, pillar_start, end, has_window, bottom, sill, lintel)
-
-    def _between(
-        self,
-        wall: Wall,
-        sill_start: float,
-        pillar_start: float,
-        end: float,
-        has_window: bool,
-        bottom: float,
-        sill: float,
-        lintel: float,
-    ) -> None:
-        """Add the part of a wall that ends at a doorway or corner: its last pillar, and the sill under it."""
-        if has_window:
-            self.block(Kind.WALL, part_of(wall, sill_start, end), bottom, sill)
-            self.block(Kind.WALL, part_of(wall, pillar_start, end), sill, lintel)
-        elif end > sill_start:
-            self.block(Kind.WALL, part_of(wall, sill_start, end), bottom, lintel)
+        for door in wall.doorways:
+            ends = without(ends, (door.start, door.end))
+            if bottom < floor:
+                self.block(Kind.FLOOR, part_of(wall, door.start, door.end), bottom, floor)
+        for start, end in ends:
+            windows = [other for other in wall.openings if start < other.middle < end]
+            self.block(Kind.WALL, part_of(wall, start, end), bottom, sill if windows else lintel)
+            pillars = [(start, end)] if windows else []
+            for window in windows:
+                pillars = without(pillars, (window.start, window.end))
+            for pillar in pillars:
+                self.block(Kind.WALL, part_of(wall, *pillar), sill, lintel)
 
     def floor(self, area: Rectangle, hole: Rectangle | None, bottom: float, top: float) -> None:
         """Add a floor with a rectangular hole."""
@@ -99,11 +98,6 @@ class Builder:
             self.block(Kind.STAIR, stairs.landing, bottom, floor + LANDING_HEIGHT)
 
 
-def _ends(wall: Wall) -> tuple[float, float]:
-    outline = wall.outline
-    return (outline.left, outline.right) if wall.is_across else (outline.back, outline.front)
-
-
 def part_of(wall: Wall, start: float, end: float) -> Rectangle:
     """Return the part of a wall's outline between two places on the axis that it runs on."""
     if wall.is_across:
@@ -121,4 +115,4 @@ def around_hole(area: Rectangle, hole: Rectangle | None) -> list[Rectangle]:
         Rectangle(area.left, hole.back, hole.left, hole.front),
         Rectangle(hole.right, hole.back, area.right, hole.front),
     ]
-    return [part for part in parts if part.right - part.left > 1e-6 and part.front - part.back > 1e-6]
+    return [part for part in parts if min(part.right - part.left, part.front - part.back) > TOUCHING]

@@ -10,7 +10,8 @@ from wildscav_engine.rng import Dice, Stream
 
 SMALLEST, LARGEST = MAIN_LEAST, 24.0  # m a side, of what can be asked for
 TRIES = 200  # to place the stairs; one in three fails
-ROOF_EXITS = 0.5  # of the houses with stairs and a flat roof
+ROOF_EXITS = 0.6  # of the houses with a flat roof that have room for stairs to it
+ROOMY = 90.0  # m², from which on a house of one storey has
 
 
 def draw_plan(
@@ -43,7 +44,8 @@ def draw_plan(
     count = dice.integer(*storeys)
     style = STYLES[dice.integer(0, len(STYLES) - 1)]
     wings = draw_wings(dice, size, count)
-    roof_exit = wings[0].roof is Roof.FLAT and dice.uniform() < ROOF_EXITS
+    roomy = count > 1 or wings[0].outline.area >= ROOMY
+    roof_exit = roomy and wings[0].roof is Roof.FLAT and dice.uniform() < ROOF_EXITS
     place = _place_stairs(dice, wings) if count > 1 or roof_exit else None
     drawn, terraces, doors = [], [], []
     for level in range(count):

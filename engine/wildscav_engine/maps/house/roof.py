@@ -2,7 +2,7 @@
 
 from wildscav_engine.geometry.shapes import Pose, Rectangle, lean_to, pitched_roof
 from wildscav_engine.geometry.world import Kind, Solid
-from wildscav_engine.maps.house.builder import Builder, around_hole
+from wildscav_engine.maps.house.builder import RAILING, Builder, around_hole
 from wildscav_engine.maps.house.openings import draw_faces, strip_along
 from wildscav_engine.maps.house.plan import (
     DOOR_HEIGHT,
@@ -139,6 +139,8 @@ def _build_lean_to(builder: Builder, wing: Wing, top: float) -> Solid:
 
 def _build_exit(builder: Builder, stairs: Stairs, top: float) -> None:
     """Build walls and a roof around the head of the stairs, open behind the last step."""
+    if stairs.landing:
+        builder.block(Kind.WALL, stairs.spine, top, top + RAILING)
     outer = Rectangle(
         stairs.well.left - EDGE, stairs.well.back - EDGE, stairs.well.right + EDGE, stairs.well.front + EDGE
     )
