@@ -202,7 +202,8 @@ def _lay_rock(seed: np.uint64, spot: NDArray[np.float64], stacks: Stacks, row: i
     _rough_outline(seed, spot, stacks, row)
     _ring(stacks, row, spot[LOWEST] - ROOT, radius)
     if spot[SPECIES] == STEPPING_STONE:
-        _ring(stacks, row, ground + height, _draw(seed, spot, 0.82, 0.9, 2) * radius)
+        # Upright: a body that walks slowly does not get over a sloping side within a frame.
+        _ring(stacks, row, ground + height, 0.985 * radius)
         return row + 1
     is_boulder = spot[SPECIES] == BOULDER
     top = _draw(seed, spot, 0.56, 0.72, 2) if is_boulder else _draw(seed, spot, 0.78, 0.88, 2)
