@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.kernel import kernel
+from wildscav_engine.maps.parts import turn_small_parts
 
 DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
 SHELF = 4.5  # m from the shore to where a lake has half its depth
@@ -65,45 +66,9 @@ def _lakes_at(level: float, smooth: NDArray[np.float64], water: float) -> NDArra
     wet = (smooth < level).astype(np.int8)
     least = max(SMALLEST_LAKE / (CELL * CELL), SMALLEST_SHARE * water * smooth.size)
     waiting = np.empty(smooth.size, np.int32)
-    _turn_small_parts(1, least, waiting, wet)
-    _turn_small_parts(0, least, waiting, wet)
+    turn_small_parts(1, least, waiting, wet)
+    turn_small_parts(0, least, waiting, wet)
     return wet
-
-
-@kernel
-def _turn_small_parts(value: int, least: float, waiting: NDArray[np.int32], wet: NDArray[np.int8]) -> None:
-    """Turn connected parts of a value into the other one where they have too few points.
-
-    Args:
-        value: 0 or 1.
-        least: Points of the smallest part that stays.
-        waiting: (R * C,) room for the search.
-        wet: (R, C) zeros and ones, changed.
-    """
-    rows, columns = wet.shape
-    seen = np.int8(value + 2)  # marks a part that stays
-    for start in range(wet.size):
-        if wet[start // columns, start % columns] != value:
-            continue
-        waiting[0], found, done = start, 1, 0
-        wet[start // columns, start % columns] = seen
-        while done < found:
-            row, column = waiting[done] // columns, waiting[done] % columns
-            done += 1
-            for side in range(4):
-                r, c = row + (side == 0) - (side == 1), column + (side == 2) - (side == 3)
-                if 0 <= r < rows and 0 <= c < columns and wet[r, c] == value:
-                    wet[r, c] = seen
-                    waiting[found] = r * columns + c
-                    found += 1
-        if found < least:
-            for part in range(found):
-                wet[waiting[part] // columns, waiting[part] % columns] = 1 - value
-            # Those before the start were looked at already and would not be marked: nothing is lost by it.
-    for row in range(rows):
-        for column in range(columns):
-            if wet[row, column] == seen:
-                wet[row, column] = value
 
 
 @kernel
@@ -156,7 +121,7 @@ def _shape_shores(
                 above[row, column] = -DEEPEST_WATER * out / (out + SHELF)
             else:
                 away = from_water[row + 1, column + 1] - 0.5 * CELL
-                beach = 0.1 + 0.1 * away + 0.012 * away * away
+                beach = 0.1 + 0.1 * away + 0.025 * away * away
                 flats = min(0.1 + 0.03 * away, 0.6)
                 height = smooth_least(above[row, column], beach, min(beach, 1.0))
                 above[row, column] = -smooth_least(-height, -flats, 0.3)

@@ -15,13 +15,14 @@ STREAM = int(Stream.TERRAIN)
 GRADIENTS_KEY = 1  # the frame that keys the noise
 LATTICE = 128  # points along a side of the noise's lattice, after which it repeats; a power of two
 SPREAD = 1.5  # makes most of one octave of noise lie between -1 and 1
-SHORTEST_COUNTRY, LONGEST_COUNTRY = 40.0, 480.0  # m from one upland to the next, by the size of the map
+SHORTEST_COUNTRY, LONGEST_COUNTRY = 40.0, 540.0  # m from one upland to the next, by the size of the map
 STEEPNESS = 0.12  # m of height by m from one upland to the next, at relief 1, and for small countries more:
 STEEPNESS_OF_SMALL = 2.2  # m of height
 LEAST_RANGE = 0.65  # of the country's height between a map's highest and lowest ground, at the least
 FINEST_HILLS = 11.0  # m, the shortest waves
 HILL_OCTAVES = 4
-CLIFF_WIDTH = 2.2  # m on either side of a cliff's middle within which it rises
+CLIFF_WIDTH = 0.45  # m on either side of a cliff's middle within which it rises, by m of its height
+WIDEST_CLIFF = 2.2  # m
 
 # The layers of noise, each read from a corner of the lattice of its own.
 WARP_EAST, WARP_NORTH, UPLANDS, CHAINS, HILLS, DETAIL, MOUNTAINOUS, PLAIN, CLIFFY, BREAKS = range(10)
@@ -181,7 +182,7 @@ def lay_out(
             gap = _layer(gradients, origins, BREAKS, 1, 0.5, CELL * column / 46.0, CELL * row / 46.0)
             rocky = smooth_step(country.cliffs - 0.2, country.cliffs + 0.2, rocky)
             cliffs[row, column] = rocky * smooth_step(-0.3, 0.1, gap)
-            mountain = _layer(gradients, origins, MOUNTAINOUS, 1, 0.5, 0.7 * x + warp_x, 0.7 * z + warp_z)
+            mountain = _layer(gradients, origins, MOUNTAINOUS, 1, 0.5, 0.55 * x + warp_x, 0.55 * z + warp_z)
             mountain = smooth_step(country.mountains - 0.45, country.mountains + 0.45, mountain)
             x, z = x + warp_x, z + warp_z
             upland = _layer(gradients, origins, UPLANDS, 2, 0.4, x, z)
@@ -207,6 +208,7 @@ def raise_cliffs(
         heights: (R, C) m, of the terraced ground, written.
     """
     rows, columns = broad.shape
+    width = min(CLIFF_WIDTH * step, WIDEST_CLIFF)
     for row in range(rows):
         south, north = max(0, row - 1), min(rows - 1, row + 1)
         for column in range(columns):
@@ -218,6 +220,6 @@ def raise_cliffs(
             above = broad[row, column] - (level + 0.5) * step
             # How far in m the middle of the rise is away, on a slope as steep as here.
             away = above / max(slope, 0.03)
-            rise = smooth_step(-CLIFF_WIDTH, CLIFF_WIDTH, away)
+            rise = smooth_step(-width, width, away)
             terrace = (level + rise) * step + 0.25 * (above / step + 0.5 - rise) * step
             heights[row, column] = broad[row, column] + cliffs[row, column] * (terrace - broad[row, column])

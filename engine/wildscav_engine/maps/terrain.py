@@ -5,10 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.body import TAN_SLOPE_LIMIT
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.erosion import add_finely, crumble, rain
 from wildscav_engine.maps.lakes import DEEPEST_WATER, flood, smooth_least, softened
+from wildscav_engine.maps.parts import largest_part
 from wildscav_engine.maps.relief import (
     LEAST_RANGE,
     draw_country,
@@ -35,6 +37,9 @@ VALLEY_RAINS, GULLY_RAIN = ((4, 0.45), (2, 0.2)), (1, 0.15)
 LEAST_POINTS = 25  # along a side of ground that is worth rain
 STEEPEST_SOIL = 0.62 * CELL  # m from one point to the next
 CRUMBLING = 12  # rounds
+LEAST_CONNECTED = 0.75  # share of the ground that can be walked from one place; rock wears down until then
+WEARING = 0.7  # how far rock stays rock each time
+MOST_WEARING = 10  # times
 LEVEL_MARGIN = 3.0  # m of level ground around a house: more than the diagonal of a cell
 JOIN_SLOPE = 0.65  # m up per m, of the ground that joins level ground to a steeper slope
 JOIN_START = 3.0  # m; the greater, the more gently the join starts
@@ -53,15 +58,19 @@ def make_terrain(config: MapConfig, seed: int) -> Terrain:
     """Return the land of a map: height 0 is the water's level, or the lowest ground of a dry map."""
     corner = (-config.size / 2.0, -config.size / 2.0)
     cells = int(config.size // CELL)
-    heights = _shape_land(config, seed, cells + 1)
+    heights, cliffs = _shape_land(config, seed, cells + 1)
     scale = config.relief / max(config.relief, FLATTEST_SHAPE)
     if config.water == 0.0:
-        return Terrain(corner, (heights - heights.min()) * scale, -np.inf)
-    return Terrain(corner, flood(heights, config.water, scale), 0.0)
+        heights = (heights - heights.min()) * scale
+        _open_ways(cliffs, heights)
+        return Terrain(corner, heights, -np.inf)
+    heights = flood(heights, config.water, scale)
+    _open_ways(cliffs, heights)
+    return Terrain(corner, heights, 0.0)
 
 
-def _shape_land(config: MapConfig, seed: int, points: int) -> NDArray[np.float64]:
-    """Return (points, points) heights in m: laid out, then broken into cliffs, then worn down."""
+def _shape_land(config: MapConfig, seed: int, points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (points, points) heights in m, laid out, broken into cliffs and worn down, and what is rock."""
     key = np.uint64(seed)
     country = draw_country(config, max(config.relief, FLATTEST_SHAPE), seed)
     broad, hills, cliffs, heights = (np.empty((points, points)) for _ in range(4))
@@ -73,7 +82,32 @@ def _shape_land(config: MapConfig, seed: int, points: int) -> NDArray[np.float64
     heights += hills
     _erode(key, *GULLY_RAIN, heights)
     crumble(STEEPEST_SOIL, cliffs, CRUMBLING, heights)
-    return heights
+    return heights, cliffs
+
+
+def _open_ways(cliffs: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
+    """Wear rock down, in place, until most of the ground can be walked from one place; lakes stay."""
+    for _ in range(MOST_WEARING):
+        if _connected_share(heights) >= LEAST_CONNECTED:
+            break
+        cliffs *= WEARING
+        beds = heights.copy()
+        crumble(STEEPEST_SOIL, cliffs, CRUMBLING, heights)
+        # Screes end at the shore. What is dry stays dry: it slides only while it is higher above its
+        # neighbour than any lake is deep.
+        np.copyto(heights, beds, where=beds < 0.0)
+
+
+def _connected_share(heights: NDArray[np.float64]) -> float:
+    """Return the share of all cells in the largest connected part of those not too steep to walk."""
+    east, north = np.diff(heights, axis=1), np.diff(heights, axis=0)
+    rise = np.maximum(
+        east[:-1] * east[:-1] + north[:, 1:] * north[:, 1:],
+        east[1:] * east[1:] + north[:, :-1] * north[:, :-1],
+    )
+    steepest = TAN_SLOPE_LIMIT * CELL
+    cells = (rise < steepest * steepest).astype(np.int8)
+    return largest_part(np.empty(cells.size, np.int32), cells) / cells.size
 
 
 def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.float64]) -> None:
