@@ -1,5 +1,6 @@
 """Kept maps: the same as made ones, and never old or damaged ones."""
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -37,10 +38,9 @@ def test_a_kept_map_is_the_map_that_was_made(country: GameMap) -> None:
     again = cache.load_cached(country.spec)
 
     assert again is not None
-    assert again.digest == country.digest
+    assert again.digest == country.digest == dataclasses.replace(again).digest  # worked out anew
     assert (again.spec, again.houses) == (country.spec, country.houses)
     assert again.houses[0].wings == country.houses[0].wings
-    assert again.world.spawns is again.outdoor
     for array in (*again.world, again.indoor, again.outdoor, again.solid_house):
         assert array.flags.c_contiguous
         assert array.flags.writeable
@@ -118,7 +118,6 @@ def test_damage_is_noticed(country: GameMap, data: st.DataObject) -> None:
         {"arrays": 7},
         {"map": {}},
         {"map": []},
-        {"digest": "0" * 16},
     ],
 )
 def test_a_file_of_another_making_is_not_taken(country: GameMap, change: dict[str, object]) -> None:
@@ -194,9 +193,17 @@ for number in range(24):
     assert not list(kept.glob("*.part"))
 
 
+def test_one_array_in_two_fields_is_kept_once(country: GameMap) -> None:
+    cache.store(dataclasses.replace(country, indoor=country.outdoor))
+    again = cache.load_cached(country.spec)
+
+    assert again is not None
+    assert again.indoor is again.outdoor
+
+
 def test_arrays_that_are_not_contiguous_come_back_with_their_numbers(country: GameMap) -> None:
     turned = country.world._replace(heights=np.asfortranarray(country.world.heights))
-    cache.store(GameMap(country.spec, turned, (), country.indoor, country.outdoor, country.solid_house))
+    cache.store(dataclasses.replace(country, world=turned))
     again = cache.load_cached(country.spec)
 
     assert again is not None
