@@ -109,7 +109,7 @@ def one_of(species: int, key: int = 1, seed: int = 0) -> tuple[list[Solid], NDAr
 
 
 def on_level_ground(solids: list[Solid]) -> World:
-    return build_world((-20, -20), np.zeros((21, 21)), np.full((20, 20), -np.inf), solids, np.zeros((1, 3)))
+    return build_world((-20.0, -20.0), np.zeros((21, 21)), np.full((20, 20), -np.inf), solids, np.zeros((1, 3)))
 
 
 def test_how_many_plants_there_are() -> None:
@@ -189,7 +189,7 @@ def test_rocks_lie_where_it_is_steep() -> None:
     across = np.arange(151) * 2.0 - 150
     heights = np.tile(np.where(across > 0, across * 0.6, 0.0), (151, 1))
     config = MapConfig(size=300, houses=0, vegetation=0.5)
-    solids = plant(config, 0, Terrain((-150, -150), heights, -np.inf), [], np.zeros((0, 2)))
+    solids = plant(config, 0, Terrain((-150.0, -150.0), heights, -np.inf), [], np.zeros((0, 2)))
     rocks = circles(solids, Kind.ROCK)
 
     assert (rocks[:, 0] > 0).sum() > 2 * (rocks[:, 0] < 0).sum()
