@@ -28,6 +28,7 @@ __all__ = [
     "distance_to_footprint",
     "level_ground",
     "make_terrain",
+    "water_of_cells",
 ]
 
 FLATTEST_SHAPE = 0.25  # the least relief with which land is shaped; what is flatter is pressed flat after
@@ -111,7 +112,7 @@ def _connected_share(heights: NDArray[np.float64]) -> float:
 
 
 def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.float64]) -> None:
-    """Let it rain on every so-manieth point, and change those between alike."""
+    """Let it rain on every second, fourth … point, and change those between in the same way."""
     ground = heights[::coarseness, ::coarseness].copy()
     if len(ground) < LEAST_POINTS:
         return
