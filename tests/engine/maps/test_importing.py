@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 from tests.builders import box
 
 from wildscav_engine.geometry.world import Kind, Solid, build_world
+from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.base import Base, BaseError
+from wildscav_engine.maps.export import export_map
 from wildscav_engine.maps.importing import Imported, import_height_map, import_mesh
-from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh
+from wildscav_engine.maps.mesh import Mesh, polyhedron, solids_mesh, terrain_mesh
+from wildscav_engine.spec import MapConfig
 
 Image = pytest.importorskip("PIL.Image")
 trimesh = pytest.importorskip("trimesh")
@@ -487,3 +490,34 @@ def test_a_base_of_a_mesh_can_be_kept_and_found(tmp_path: Path, monkeypatch: pyt
 
     assert len(again.solids[0].planes) == 80
     assert again.solids[0].planes.tobytes() == base.solids[0].planes.tobytes()
+
+
+@pytest.fixture(scope="module")
+def country() -> GameMap:
+    return generate_map(MapConfig(size=60, houses=2, water=0.1), 3)
+
+
+@pytest.mark.parametrize("name", ["map.glb", "map.obj"])
+def test_an_exported_map_comes_back_the_same(name: str, country: GameMap, tmp_path: Path) -> None:
+    export_map(country, tmp_path)
+    imported = import_mesh(tmp_path / name)
+    world, base = country.world, imported.base
+
+    # A solid may have faces that only touch it, which its mesh has not: so corners are compared.
+    planes = np.split(world.faces, world.solid_start[1:-1])
+    corners = [polyhedron(of_solid)[0] for of_solid in planes]
+    before = np.array(
+        [
+            (kind, *one.min(axis=0), *one.max(axis=0))
+            for kind, one in zip(world.solid_kind, corners, strict=True)
+        ]
+    )
+    after = np.array([(solid.kind, *solid.low, *solid.high) for solid in base.solids])
+
+    assert imported.notes == ()
+    assert base.size == 60
+    assert base.water_level == pytest.approx(world.water.max(), abs=1e-4)
+    assert heights_of(imported) == pytest.approx(world.heights, abs=1e-4)
+    assert after[np.argsort(after[:, 0], kind="stable")] == pytest.approx(
+        before[np.argsort(before[:, 0], kind="stable")], abs=1e-4
+    )
