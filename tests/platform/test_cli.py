@@ -45,7 +45,7 @@ def test_help_names_every_command_and_imports_nothing_heavy() -> None:
     code += "finally: print(*sys.modules, file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0
-    for name in ("init", "play", "evaluate", "leaderboard", "replay", "verify", "serve"):
+    for name in ("init", "play", "evaluate", "leaderboard", "replay", "verify", "map", "serve"):
         assert f" {name} " in done.stdout
     heavy = {"grpc", "numba", "wildscav_engine", "pydantic", "sqlalchemy", "rerun"}
     assert not heavy & set(done.stderr.split())
