@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import blake2b
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.shapes import Pose, Rectangle, pose
 from wildscav_engine.geometry.world import World
 from wildscav_engine.spec import MapConfig, MapSpec
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps.walk import WalkGraph
 
 # Raised by every change that makes another map of the same config and seed.
 GENERATOR_VERSION = 2
@@ -44,19 +47,30 @@ class House:
 
 @dataclass(frozen=True, eq=False)
 class GameMap:
-    """The static world of matches, made from a config and a seed."""
+    """The static world of matches, made from a config and a seed.
+
+    From each of its places, indoor and outdoor, every other can be reached.
+    """
 
     spec: MapSpec
     world: World
     houses: tuple[House, ...]
-    indoor: NDArray[np.float64]  # (I, 3) m, standing places inside houses that can be reached
-    outdoor: NDArray[np.float64]  # (O, 3) m, standing places on open ground that can be reached
+    indoor: NDArray[np.float64]  # (I, 3) m, standing places inside houses
+    outdoor: NDArray[np.float64]  # (O, 3) m, standing places on open ground, then on roofs and rocks
     solid_house: NDArray[np.int16]  # (S,) the house that a solid belongs to, -1 for none
+    reachable_share: float = 1.0  # of the ground, 0–1: from any of it one gets to all of it, and back
 
     @property
     def config(self) -> MapConfig:
         """The kind of map this is."""
         return self.spec.config
+
+    @cached_property
+    def graph(self) -> "WalkGraph":
+        """Where a body can go on this map, for paths; it takes about as long as making the map."""
+        from wildscav_engine.maps.walk import build_graph
+
+        return build_graph(self.world)
 
     @cached_property
     def digest(self) -> str:

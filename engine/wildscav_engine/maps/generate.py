@@ -1,20 +1,15 @@
-"""From a config and a seed to a map: terrain, houses, vegetation, and the places that can be reached."""
+"""From a config and a seed to a map: laid out, indexed, explored, and its places chosen."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wildscav_engine.geometry.world import Solid, World, build_world
+from wildscav_engine.geometry.world import build_world
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_plan, house_of
-from wildscav_engine.maps.locations import NODE, indoor_places, outdoor_places, reachable_ground
-from wildscav_engine.maps.sites import Site, footprints_of, place_houses
-from wildscav_engine.maps.terrain import Terrain, level_ground, make_terrain, water_of_cells
-from wildscav_engine.maps.vegetation import plant
+from wildscav_engine.maps.layout import lay_out
+from wildscav_engine.maps.locations import choose_places
+from wildscav_engine.maps.terrain import water_of_cells
+from wildscav_engine.maps.walk import build_graph
 from wildscav_engine.spec import MapConfig, MapSpec
-
-NO_HOUSE = -1
-DOORSTEP = 1.5  # m before an outer doorway, where one stands before going in
 
 
 def generate_map(config: MapConfig, seed: int) -> GameMap:
@@ -31,82 +26,22 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
         MapError: The config asks for more than this map has room for, or leaves no place to stand.
     """
     spec = MapSpec(config=config, seed=seed)
-    terrain = make_terrain(config, seed)
-    plans, sites = _settle(config, seed, terrain)
-    footprints = footprints_of(sites)
-    level_ground(
-        terrain.corner, footprints, np.array([site.ground for site in sites], np.float64), terrain.heights
-    )
-    solids, solid_house = _build_houses(plans, sites)
-    steps = [
-        step for plan, site in zip(plans, sites, strict=True) for step in doorsteps(plan, site, DOORSTEP)
-    ]
-    solids += plant(config, seed, terrain, footprints, np.array(steps, np.float64).reshape(-1, 2))
-    solid_house += [NO_HOUSE] * (len(solids) - len(solid_house))
+    terrain, solids, solid_house, houses = lay_out(config, seed)
     water = water_of_cells(terrain.heights, terrain.water_level)
     world = build_world(terrain.corner, terrain.heights, water, solids, np.zeros((0, 3)))
-    outdoor, indoor = _places(world, spec, plans, sites)
+    graph = build_graph(world)
+    places = choose_places(graph, houses, seed)
+    if len(places.ground) == 0:
+        raise MapError(
+            f"seed {seed} leaves no open, dry ground to stand on in a map of {config.size} m with water "
+            f"{config.water}, relief {config.relief} and vegetation {config.vegetation}; try less of them"
+        )
     return GameMap(
         spec=spec,
-        world=world._replace(spawns=outdoor),
-        houses=tuple(house_of(plan, site) for plan, site in zip(plans, sites, strict=True)),
-        indoor=indoor,
-        outdoor=outdoor,
+        world=world._replace(spawns=places.ground),
+        houses=houses,
+        indoor=places.indoor,
+        outdoor=np.concatenate([places.ground, places.high]),
         solid_house=np.array(solid_house, np.int16),
+        reachable_share=graph.ground_share,
     )
-
-
-def plans_and_sites(config: MapConfig, seed: int) -> tuple[list[HousePlan], list[Site]]:
-    """Return what the houses of a map are like inside, and where they stand."""
-    return _settle(config, seed, make_terrain(config, seed))
-
-
-def _settle(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[HousePlan], list[Site]]:
-    """Draw the houses and find their places; where they have no room, draw smaller ones."""
-    for small in (False, True):
-        plans = [draw_plan(seed, number, config.storeys, small=small) for number in range(config.houses)]
-        sites = place_houses(config, seed, terrain, [plan.size for plan in plans])
-        if len(sites) == len(plans):
-            break
-    else:
-        raise MapError(
-            f"houses is {config.houses}: a map of {config.size} m with seed {seed} and water {config.water} "
-            f"has room for 0 to {len(sites)}"
-        )
-    return plans, sites
-
-
-def _build_houses(plans: list[HousePlan], sites: list[Site]) -> tuple[list[Solid], list[int]]:
-    solids: list[Solid] = []
-    solid_house: list[int] = []
-    for number, (plan, site) in enumerate(zip(plans, sites, strict=True)):
-        built = build_house(plan, site)
-        solids += built
-        solid_house += [number] * len(built)
-    return solids, solid_house
-
-
-def _places(
-    world: World, spec: MapSpec, plans: list[HousePlan], sites: list[Site]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return outdoor and indoor places, each (N, 3) m."""
-    reachable = reachable_ground(world)
-    outdoor = outdoor_places(world, reachable, np.uint64(spec.seed))
-    if len(outdoor) == 0:
-        raise MapError(
-            f"seed {spec.seed} leaves no open ground to stand on in a map of {spec.config.size} m "
-            f"with water {spec.config.water} and vegetation {spec.config.vegetation}"
-        )
-    indoor: list[tuple[float, float, float]] = []
-    for number, (plan, site) in enumerate(zip(plans, sites, strict=True)):
-        if any(_is_reachable(world, reachable, step) for step in doorsteps(plan, site, DOORSTEP)):
-            indoor += indoor_places(world, spec.seed, number, plan, site)
-    return outdoor, np.array(indoor, np.float64).reshape(-1, 3)
-
-
-def _is_reachable(world: World, reachable: NDArray[np.bool_], place: tuple[float, float]) -> bool:
-    """Return whether the ground's node nearest to a place can be reached."""
-    column = int((place[0] - world.corner[0]) / NODE + 0.5)
-    row = int((place[1] - world.corner[1]) / NODE + 0.5)
-    rows, columns = reachable.shape
-    return 0 <= row < rows and 0 <= column < columns and bool(reachable[row, column])

@@ -1,163 +1,227 @@
-"""Where agents and supplies may be: places that a body fits in and can walk to."""
+"""Where agents and supplies may be: nodes of the walkable graph from which one gets everywhere, and back."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, TAN_SLOPE_LIMIT
-from wildscav_engine.geometry.shapes import Rectangle
-from wildscav_engine.geometry.terrain import ground_at
-from wildscav_engine.geometry.world import World, cell_of
+from wildscav_engine.geometry.clearance import is_clear
+from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.terrain import ground_at, water_at
+from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.kernel import array_kernel, kernel
-from wildscav_engine.maps.house import FLOOR_LIFT, STOREY_HEIGHT, HousePlan
-from wildscav_engine.maps.sites import Site
-from wildscav_engine.rng import Dice, Stream, uniform_in
+from wildscav_engine.maps.game_map import House
+from wildscav_engine.maps.walk import WalkGraph
+from wildscav_engine.rng import Stream, uniform, uniform_in
 
 STREAM = int(Stream.LOCATIONS)
-SPACING = 4.0  # m, of the jittered grid of outdoor places
+OUTDOOR_SPACING = 4.0  # m, of the jittered grid of places on the ground
 STEEPEST_PLACE = 0.7002075382097097  # m up per m: 35°
-INDOOR_SPACING = 2.2  # m between indoor places: one for about 5 m² of floor
-TRIES = 4  # to find an indoor place that is clear of walls and stairs
-CLEARANCE = 0.05  # m kept free around a body, and above the ground
-NODE = 1.0  # m between the nodes of the ground that are joined to find what can be reached
+AREA_OF_PLACE = 5.0  # m² of a room for each place in it
+INDOOR_SPACING = 1.5  # m at least between places in a room
+HIGH_SPACING = 4.0  # m at least between places on roofs and rocks
+ON_GROUND = 0.05  # m above the terrain that is still on it
+ON_FLOOR = 0.1  # m above or below a floor that is still on it
+TRUNK, CROWN, BUSH = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
+CEILING = 8.0  # m above a place; what has something there is indoors
 
 
-@kernel
-def is_clear(world: World, x: float, y: float, z: float) -> bool:
-    """Return whether a body that stands at a place in m touches no solid (the terrain is not looked at)."""
-    rows, columns = world.water.shape
-    radius, low, high = BODY_RADIUS + CLEARANCE, y + CLEARANCE, y + BODY_HEIGHT + CLEARANCE
-    for row in range(
-        cell_of(world.corner[1], z - radius, rows), cell_of(world.corner[1], z + radius, rows) + 1
-    ):
-        for column in range(
-            cell_of(world.corner[0], x - radius, columns), cell_of(world.corner[0], x + radius, columns) + 1
-        ):
-            cell = row * columns + column
-            for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
-                if _touches(world, world.cell_solids[item], x, z, radius, low, high):
-                    return False
-    return True
+class Places(NamedTuple):
+    """All places of a map, each (N, 3) m, soles."""
+
+    ground: NDArray[np.float64]  # on open, dry, fairly level ground
+    high: NDArray[np.float64]  # in the open, on roofs, rocks and the like
+    indoor: NDArray[np.float64]
 
 
-@kernel
-def _touches(world: World, solid: int, x: float, z: float, radius: float, low: float, high: float) -> bool:
-    """Return whether an upright cylinder reaches behind all faces of a solid and into its box."""
-    least, most = world.solid_low[solid], world.solid_high[solid]
-    if low >= most[1] or high <= least[1]:
-        return False
-    if x - radius >= most[0] or x + radius <= least[0] or z - radius >= most[2] or z + radius <= least[2]:
-        return False
-    for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
-        n_x, n_y, n_z = world.faces[face, 0], world.faces[face, 1], world.faces[face, 2]
-        y = low if n_y > 0.0 else high
-        reach = radius * np.sqrt(n_x * n_x + n_z * n_z)
-        if n_x * x + n_y * y + n_z * z - reach >= world.faces[face, 3]:
-            return False
-    return True
+def choose_places(graph: WalkGraph, houses: Sequence[House], seed: int) -> Places:
+    """Choose the places of a map among the nodes of its graph's largest strongly connected part.
+
+    Args:
+        graph: Of the map.
+        houses: Of the map.
+        seed: Of the map.
+    """
+    nodes = np.nonzero(graph.connected)[0]
+    is_on_ground = stand_on_ground(graph.world, graph.positions(), nodes)
+    whole = _on_whole_metres(graph, nodes[is_on_ground])
+    ground = ground_places(graph.world, _lookup(graph, whole), graph.positions(), np.uint64(seed))
+    above = nodes[~is_on_ground]
+    places = graph.positions(above)
+    draws = _draws(np.uint64(seed), above)
+    indoor, taken = _in_rooms(houses, places, draws)
+    rest = np.nonzero(~taken)[0]
+    covered = is_covered(graph.world, places[rest])
+    inside = _spaced(places[rest[covered]], draws[rest[covered]], INDOOR_SPACING)
+    high = _spaced(places[rest[~covered]], draws[rest[~covered]], HIGH_SPACING)
+    return Places(ground, high, np.concatenate([indoor, inside]))
 
 
 @array_kernel
-def reachable_ground(world: World) -> NDArray[np.bool_]:
-    """Return the largest part of the ground that can be walked over, as nodes 1 m apart.
-
-    Returns:
-        (R, C), node (row, column) at the corner of the map plus (column, row) metres. Lakes are waded.
-    """
-    rows, columns = 2 * world.water.shape[0] + 1, 2 * world.water.shape[1] + 1
-    height = np.empty((rows, columns))
-    part = np.full((rows, columns), -1, np.int32)  # -1: nobody fits there; 0: not looked at yet
-    for row in range(1, rows - 1):
-        for column in range(1, columns - 1):
-            x, z = world.corner[0] + column * NODE, world.corner[1] + row * NODE
-            ground = ground_at(world, x, z)
-            height[row, column] = ground.height
-            steepness = np.sqrt(ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z)
-            if steepness < TAN_SLOPE_LIMIT and is_clear(world, x, ground.height, z):
-                part[row, column] = 0
-    queue = np.empty(rows * columns, np.int32)
-    largest, largest_size, parts = 0, 0, 0
-    for start in range(rows * columns):
-        if part[start // columns, start % columns] == 0:
-            parts += 1
-            size = _fill(height, part, queue, start, parts)
-            if size > largest_size:
-                largest, largest_size = parts, size
-    return part == largest if largest else np.zeros((rows, columns), np.bool_)
+def stand_on_ground(
+    world: World, places: NDArray[np.float64], nodes: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Return (N,) for some nodes whether they are on the terrain."""
+    on_ground = np.empty(len(nodes), np.bool_)
+    for index in range(len(nodes)):
+        place = places[nodes[index]]
+        on_ground[index] = place[1] <= ground_at(world, place[0], place[2]).height + ON_GROUND
+    return on_ground
 
 
-@kernel
-def _fill(
-    height: NDArray[np.float64], part: NDArray[np.int32], queue: NDArray[np.int32], start: int, number: int
-) -> int:
-    """Give a number to all nodes that can be walked to from one, and return how many they are."""
-    rows, columns = part.shape
-    queue[0] = start
-    part[start // columns, start % columns] = number
-    done, found = 0, 1
-    while done < found:
-        row, column = queue[done] // columns, queue[done] % columns
-        done += 1
-        for side in range(4):
-            next_row = row + (side == 0) - (side == 1)
-            next_column = column + (side == 2) - (side == 3)
-            if not (0 <= next_row < rows and 0 <= next_column < columns):
-                continue
-            if part[next_row, next_column] != 0:
-                continue
-            if abs(height[next_row, next_column] - height[row, column]) < TAN_SLOPE_LIMIT * NODE:
-                part[next_row, next_column] = number
-                queue[found] = next_row * columns + next_column
-                found += 1
+def _on_whole_metres(graph: WalkGraph, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+    point = graph.nodes.point[nodes]
+    return np.asarray(nodes[(point // graph.lattice.side % 2 == 0) & (point % graph.lattice.side % 2 == 0)])
+
+
+def _lookup(graph: WalkGraph, nodes: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Return (M, M) the node on each whole metre of the map, row after row northwards, -1 for none."""
+    side = graph.lattice.side
+    found = np.full((side // 2 + 1, side // 2 + 1), -1, np.int32)
+    found[graph.nodes.point[nodes] // side // 2, graph.nodes.point[nodes] % side // 2] = nodes
     return found
 
 
 @array_kernel
-def outdoor_places(world: World, reachable: NDArray[np.bool_], seed: np.uint64) -> NDArray[np.float64]:
-    """Return (N, 3) m, standing places on dry, fairly level, open ground that can be reached."""
-    rows = int(world.water.shape[0] * 2.0 / SPACING)
-    columns = int(world.water.shape[1] * 2.0 / SPACING)
-    places = np.empty((rows * columns, 3))
+def ground_places(
+    world: World, nodes: NDArray[np.int32], positions: NDArray[np.float64], seed: np.uint64
+) -> NDArray[np.float64]:
+    """Return (N, 3) m, places on dry, fairly level, open ground: for each square of a grid a random node.
+
+    Args:
+        world: The static world.
+        nodes: (M, M) the ground node on each whole metre, -1 for none.
+        positions: Of all nodes, m.
+        seed: Of the map.
+    """
+    squares = int((nodes.shape[0] - 1) / OUTDOOR_SPACING)
+    places = np.empty((squares * squares, 3))
     found = 0
-    for row in range(rows):
-        for column in range(columns):
-            east = (column + uniform_in(0.15, 0.85, seed, STREAM, 1, row, 2 * column)) * SPACING
-            north = (row + uniform_in(0.15, 0.85, seed, STREAM, 1, row, 2 * column + 1)) * SPACING
-            if not reachable[int(north / NODE + 0.5), int(east / NODE + 0.5)]:
-                continue
-            x, z = world.corner[0] + east, world.corner[1] + north
-            ground = ground_at(world, x, z)
-            steepness = np.sqrt(ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z)
-            cell = world.water[int(north * 0.5), int(east * 0.5)]
-            if steepness < STEEPEST_PLACE and cell < ground.height and is_clear(world, x, ground.height, z):
-                places[found] = (x, ground.height, z)
+    for row in range(squares):
+        for column in range(squares):
+            east = (column + uniform_in(0.15, 0.85, seed, STREAM, 1, row, 2 * column)) * OUTDOOR_SPACING
+            north = (row + uniform_in(0.15, 0.85, seed, STREAM, 1, row, 2 * column + 1)) * OUTDOOR_SPACING
+            node = nodes[int(north + 0.5), int(east + 0.5)]
+            if node >= 0 and _is_place(world, positions[node]):
+                places[found] = positions[node]
                 found += 1
-    return places[:found]
+    return places[:found].copy()
 
 
-def indoor_places(
-    world: World, seed: int, number: int, plan: HousePlan, site: Site
-) -> list[tuple[float, float, float]]:
-    """Return standing places in m on all floors of a house."""
-    dice = Dice(seed, Stream.LOCATIONS, agent=1000 + number)
-    places = []
-    for level, storey in enumerate(plan.storeys):
-        floor = site.ground + FLOOR_LIFT + level * STOREY_HEIGHT
-        for room in storey.rooms:
-            left, back, right, front = room.area
-            columns = max(1, round((right - left) / INDOOR_SPACING))
-            rows = max(1, round((front - back) / INDOOR_SPACING))
-            for row in range(rows):
-                for column in range(columns):
-                    for _ in range(TRIES):
-                        across = left + (right - left) * (column + dice.uniform(0.1, 0.9)) / columns
-                        along = back + (front - back) * (row + dice.uniform(0.1, 0.9)) / rows
-                        x, z = site.pose.outside(across, along)
-                        if not _is_over(storey.hole, across, along) and is_clear(world, x, floor, z):
-                            places.append((x, floor, z))
-                            break
-    return places
+@kernel
+def _is_place(world: World, place: NDArray[np.float64]) -> bool:
+    """Return whether a place on the ground is dry, fairly level, under the open sky and clear of things."""
+    ground = ground_at(world, place[0], place[2])
+    steepness = ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z
+    if steepness > STEEPEST_PLACE * STEEPEST_PLACE or water_at(world, place[0], place[2]) > -np.inf:
+        return False
+    return is_clear(world, place[0], ground.height, place[2])
 
 
-def _is_over(hole: Rectangle | None, across: float, along: float) -> bool:
-    """Return whether a place is over the hole in a floor."""
-    return bool(hole and hole.left <= across <= hole.right and hole.back <= along <= hole.front)
+@array_kernel
+def _draws(seed: np.uint64, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return (N,) a random number in [0, 1) for each node."""
+    draws = np.empty(len(nodes))
+    for index in range(len(nodes)):
+        draws[index] = uniform(seed, STREAM, 2, 0, nodes[index])
+    return draws
+
+
+def _in_rooms(
+    houses: Sequence[House], places: NDArray[np.float64], draws: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Choose places on the floors of all rooms, and tell which of (N, 3) m belong to any house's inside.
+
+    Returns:
+        (P, 3) m the places chosen, room after room; (N,) which places are inside a house's storeys.
+    """
+    chosen = [np.zeros((0, 3))]
+    taken = np.zeros(len(places), np.bool_)
+    for house in houses:
+        near = np.nonzero(_is_near(house, places))[0]
+        across, along = house.pose.inside(places[near, 0], places[near, 2])
+        storey = (places[near, 1] - house.ground) / house.storey_height
+        for level, area in house.rooms:
+            within = (across > area.left) & (across < area.right) & (along > area.back) & (along < area.front)
+            in_room = near[within & (storey > level - 0.05) & (storey < level + 0.95)]
+            taken[in_room] = True
+            off_floor = places[in_room, 1] - house.ground - level * house.storey_height
+            on_floor = in_room[np.abs(off_floor) <= ON_FLOOR]
+            count = max(1, round(area.area / AREA_OF_PLACE))
+            chosen.append(_spaced(places[on_floor], draws[on_floor], INDOOR_SPACING)[:count])
+    return np.concatenate(chosen), taken
+
+
+def _is_near(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
+    reach = house.size[0] + house.size[1]
+    near_x = np.abs(places[:, 0] - house.center[0]) < reach
+    return np.asarray(near_x & (np.abs(places[:, 2] - house.center[1]) < reach))
+
+
+def _spaced(
+    places: NDArray[np.float64], draws: NDArray[np.float64], spacing: float
+) -> NDArray[np.float64]:
+    """Return places (of (N, 3) m), taken in the order of their draws, that keep a distance from each other."""
+    return keep_apart(places[np.argsort(draws, kind="stable")], spacing)
+
+
+@array_kernel
+def keep_apart(places: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """Return (M, 3) m those of some places, in their order, that are a distance in m from all kept before."""
+    if len(places) == 0:
+        return places.copy()
+    west, south = places[:, 0].min(), places[:, 2].min()
+    columns = int((places[:, 0].max() - west) / spacing) + 1
+    rows = int((places[:, 2].max() - south) / spacing) + 1
+    first = np.full((rows, columns), -1, np.int32)  # kept places are linked by the squares that they lie in
+    following = np.empty(len(places), np.int32)
+    kept = np.empty_like(places)
+    count = 0
+    for place in places:
+        row, column = int((place[2] - south) / spacing), int((place[0] - west) / spacing)
+        if not _is_crowded(kept, first, following, row, column, place, spacing):
+            kept[count] = place
+            following[count], first[row, column] = first[row, column], count
+            count += 1
+    return kept[:count].copy()
+
+
+@kernel
+def _is_crowded(
+    kept: NDArray[np.float64],
+    first: NDArray[np.int32],
+    following: NDArray[np.int32],
+    row: int,
+    column: int,
+    place: NDArray[np.float64],
+    spacing: float,
+) -> bool:
+    """Return whether a kept place is nearer than a spacing; looks at the nine squares around."""
+    for near_row in range(max(0, row - 1), min(first.shape[0], row + 2)):
+        for near_column in range(max(0, column - 1), min(first.shape[1], column + 2)):
+            other = first[near_row, near_column]
+            while other >= 0:
+                east, up = kept[other, 0] - place[0], kept[other, 1] - place[1]
+                north = kept[other, 2] - place[2]
+                if east * east + up * up + north * north < spacing * spacing:
+                    return True
+                other = following[other]
+    return False
+
+
+@array_kernel
+def is_covered(world: World, places: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return (N,) whether there is a ceiling, a roof or the like over places in m."""
+    covered = np.empty(len(places), np.bool_)
+    for index in range(len(places)):
+        x, y, z = places[index, 0], places[index, 1] + 1.0, places[index, 2]
+        hit = cast_ray(world, x, y, z, 0.0, 1.0, 0.0, CEILING)
+        covered[index] = hit.solid >= 0 and not is_plant(world.solid_kind[hit.solid])
+    return covered
+
+
+@kernel
+def is_plant(kind: int) -> bool:
+    """Return whether a kind is a part of a plant."""
+    return kind == TRUNK or kind == CROWN or kind == BUSH

@@ -37,6 +37,7 @@ from wildscav_engine.systems.motion import Bodies, Point, on_steep_ground, walk
 ROOM = 0.03  # m around a node and to each side of an edge that a body may be off, and still arrive
 MIDDLE_ROOM = 0.05  # m half way along a diagonal, so that bodies there and at its ends cover it
 ARRIVAL = 0.02  # m, nearer than this to a lattice point is there
+RISE = 0.75  # m, more than steps or slopes rise over an edge
 SMALL_STRIDE = 0.06  # m, of a body that walks at 3 m/s
 LEVEL = 0.02  # m, a difference that is no step
 STEEP_DROP = 0.7  # m down in a metre is looked at as a way to get down
@@ -152,8 +153,8 @@ def _edge_among_things(
     x, z = place_of(world, lattice, target)
     reached = _height_if_free(world, start, x, z)
     if reached == -np.inf:
-        if not has_room(world, x, start.y + STEP_HEIGHT, z, ROOM):
-            return NO_EDGE  # a wall, not a step
+        if not (_has_room_above(world, start, x, z, STEP_HEIGHT) or _has_room_above(world, start, x, z, RISE)):
+            return NO_EDGE  # a wall, not steps
         reached = _walk_up_or_down(world, nobody, start, x, z)
     if np.isnan(reached):
         return FALLS
@@ -163,6 +164,11 @@ def _edge_among_things(
     if other < 0 and lattice.marks[target] == FINE:
         other = add_node(nodes, target, reached)
     return other
+
+
+@kernel
+def _has_room_above(world: World, start: Point, x: float, z: float, rise: float) -> bool:
+    return has_room(world, x, start.y + rise, z, ROOM)
 
 
 @kernel

@@ -1,0 +1,131 @@
+"""Laying a map out: the ground, and everything that stands on it."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import Solid
+from wildscav_engine.maps.base import Base, load_base
+from wildscav_engine.maps.errors import MapError
+from wildscav_engine.maps.game_map import House
+from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_plan, house_of
+from wildscav_engine.maps.placements import fixed_houses, placed_solids
+from wildscav_engine.maps.sites import Settlement, Site, footprints_of, room_for, settle
+from wildscav_engine.maps.terrain import CELL, Terrain, level_ground, make_terrain
+from wildscav_engine.maps.vegetation import plant
+from wildscav_engine.spec import MapConfig
+
+NO_HOUSE = -1
+DOORSTEP = 1.5  # m before an outer doorway, where one stands before going in
+
+
+class Layout(NamedTuple):
+    """A map before it is indexed and explored."""
+
+    terrain: Terrain
+    solids: list[Solid]
+    solid_house: list[int]  # the house that each solid belongs to, NO_HOUSE for none
+    houses: tuple[House, ...]
+
+
+def lay_out(config: MapConfig, seed: int) -> Layout:
+    """Lay out a map: ground, houses by hand and at random, then what grows and lies about.
+
+    Raises:
+        MapError: The config asks for what cannot be; the message names the field.
+    """
+    base = load_base(config.base) if config.base else None
+    terrain = _ground(config, seed, base)
+    plans, settlement = settle_houses(config, seed, terrain)
+    sites = settlement.sites
+    levels = np.array([site.ground for site in sites], np.float64)
+    level_ground(terrain.corner, footprints_of(sites), levels, terrain.heights)
+    solids, solid_house = _build(plans, sites)
+    steps = [
+        step for plan, site in zip(plans, sites, strict=True) for step in doorsteps(plan, site, DOORSTEP)
+    ]
+    free = np.array(steps, np.float64).reshape(-1, 2)
+    plants = plant(config, seed, terrain, sites, free, settlement.lanes)
+    if base:
+        plants = _clear_of(base.solids, plants)
+        solids += base.solids
+    solids += placed_solids(config, seed, terrain) + plants
+    solid_house += [NO_HOUSE] * (len(solids) - len(solid_house))
+    houses = tuple(house_of(plan, site) for plan, site in zip(plans, sites, strict=True))
+    return Layout(terrain, solids, solid_house, houses)
+
+
+def _ground(config: MapConfig, seed: int, base: Base | None) -> Terrain:
+    if base is None:
+        return make_terrain(config, seed)
+    if base.size != config.size:
+        raise MapError(f"size is {config.size}, but the base {base.name!r} is {base.size} m; it must be that")
+    if base.solids and config.houses:
+        raise MapError(
+            f"houses is {config.houses}: on a base with solids, like {base.name!r}, houses stand only where "
+            "placements put them; houses must be 0"
+        )
+    points = int(config.size // CELL) + 1
+    heights = np.zeros((points, points)) if base.heights is None else base.heights.copy()
+    return Terrain((-config.size / 2.0, -config.size / 2.0), heights, base.water_level)
+
+
+def settle_houses(
+    config: MapConfig, seed: int, terrain: Terrain
+) -> tuple[list[HousePlan], Settlement]:
+    """Draw the houses and find their places, those by hand first; where there is no room, draw smaller ones.
+
+    Args:
+        config: Of the map.
+        seed: Of the map.
+        terrain: Before any ground is levelled.
+
+    Returns:
+        The plan of each house, and where all stand.
+
+    Raises:
+        MapError: There is no room for so many, or not where they are wanted.
+    """
+    fixed_plans, fixed_sites = fixed_houses(config, seed, terrain)
+    for small in (False, True):
+        plans = [draw_plan(seed, number, config.storeys, small=small) for number in range(config.houses)]
+        sizes = [plan.size for plan in plans]
+        found = settle(config, seed, terrain, sizes, fixed_sites)
+        if len(found.sites) == len(plans):
+            return fixed_plans + plans, Settlement(fixed_sites + found.sites, found.lanes)
+    most = room_for(config, seed, terrain, sizes, fixed_sites)
+    raise MapError(
+        f"houses is {config.houses}: a map of {config.size} m with seed {seed}, relief {config.relief} and "
+        f"water {config.water} has room for 0 to {most}"
+    )
+
+
+def _build(plans: Sequence[HousePlan], sites: Sequence[Site]) -> tuple[list[Solid], list[int]]:
+    """Return the solids of all houses, and the house of each."""
+    solids: list[Solid] = []
+    solid_house: list[int] = []
+    for number, (plan, site) in enumerate(zip(plans, sites, strict=True)):
+        built = build_house(plan, site)
+        solids += built
+        solid_house += [number] * len(built)
+    return solids, solid_house
+
+
+def _clear_of(parts: Sequence[Solid], plants: list[Solid]) -> list[Solid]:
+    """Return the plants that stand clear of imported parts."""
+    if not parts or not plants:
+        return plants
+    low, high = _boxes(parts)
+    kept = []
+    for solid in plants:
+        x_apart = (low[:, 0] > solid.high[0]) | (high[:, 0] < solid.low[0])
+        z_apart = (low[:, 2] > solid.high[2]) | (high[:, 2] < solid.low[2])
+        if (x_apart | z_apart).all():
+            kept.append(solid)
+    return kept
+
+
+def _boxes(solids: Sequence[Solid]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return np.array([solid.low for solid in solids]), np.array([solid.high for solid in solids])
