@@ -42,7 +42,7 @@ class Piece(NamedTuple):
     depth: float  # m
     height: float  # m
     boxes: Callable[[float], tuple[Box, ...]]  # of its width
-    in_middle: bool = False
+    in_middle: bool = False  # whether it rather stands in the middle of a room than at a wall
 
 
 def _plain(depth: float, height: float) -> Callable[[float], tuple[Box, ...]]:
@@ -52,6 +52,12 @@ def _plain(depth: float, height: float) -> Callable[[float], tuple[Box, ...]]:
 PIECES: dict[str, Piece] = {
     "bed": Piece(
         (1.2, 1.8), 2.1, 0.95, lambda w: ((0.0, 0.0, 0.0, w, 0.12, 0.95), (0.0, 0.12, 0.0, w, 2.1, 0.5))
+    ),
+    "cot": Piece(
+        (1.9, 2.1),
+        0.95,
+        0.85,
+        lambda w: ((0.0, 0.0, 0.0, 0.12, 0.95, 0.85), (0.12, 0.0, 0.0, w, 0.95, 0.48)),
     ),
     "wardrobe": Piece((1.2, 2.2), 0.6, 2.05, _plain(0.6, 2.05)),
     "shelf": Piece((1.0, 2.4), 0.4, 1.9, _plain(0.4, 1.9)),
@@ -81,6 +87,9 @@ PIECES: dict[str, Piece] = {
     "island": Piece((1.6, 2.2), 0.8, 0.92, _plain(0.8, 0.92), in_middle=True),
 }
 
+# What stands where there is no room for something else.
+ELSE = {"bed": "cot", "sofa": "chest", "counter": "basin", "tub": "shelf"}
+
 # What a room of a purpose has, the most important first.
 ROOMS: dict[str, tuple[str, ...]] = {
     "living": ("sofa", "table", "shelf", "chest"),
@@ -93,7 +102,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "store": ("crates", "rack", "shelf", "crates", "crate"),
     "workshop": ("counter", "crates", "table", "shelf"),
     "office": ("desk", "shelf", "table", "chest"),
-    "hall": ("chest",),
+    "hall": ("chest", "sofa", "shelf"),
     "corridor": (),
 }
 
@@ -106,6 +115,13 @@ class _Standing:
         self.core = area  # between the pieces at the walls
         self.kept: Rectangle | None = None  # of the core, around a piece in the middle
         self.outlines: list[Rectangle] = []
+
+    def is_deep_enough(self, side: Side, depth: float) -> bool:
+        """Return whether a piece of a depth at a wall leaves a way between it and what is opposite."""
+        left, back, right, front = self.core
+        taken = abs(line_of(self.area, side) - line_of(self.core, side))
+        across = front - back if side.is_across else right - left
+        return across - max(0.0, depth - taken) >= CLEAR_WAY
 
     def stands_at_wall(self, outline: Rectangle, side: Side) -> bool:
         """Put a piece at a wall if all ways stay free, and return whether it stands."""
@@ -161,29 +177,38 @@ def furnish(
     Returns:
         One to four pieces; none where there is no room.
     """
-    most = 1 if purpose == "hall" else 2 + (area.area > 12.0) + (area.area > PIECES_OF_LARGE_ROOM)
+    most = (purpose != "hall") + 1 + (area.area > 12.0) + (area.area > PIECES_OF_LARGE_ROOM)
     standing = _Standing(area, gaps)
     placed: list[Furniture] = []
     for name in ROOMS[purpose]:
         if len(placed) == most:
             break
-        piece = PIECES[name]
-        width = dice.uniform(*piece.widths)
-        if piece.in_middle:
-            outline, side = _in_middle(dice, standing.core, piece, width)
-            if standing.stands_in_middle(outline):
-                placed.append(_furniture(name, outline, side, width))
-            continue
-        order = _shuffled(dice, sides)
-        for side in order:
-            span = _draw_place(dice, standing.free_spans(side, piece), width)
-            if span is None:
-                continue
-            outline = _strip(area, side, span, piece.depth)
-            if standing.stands_at_wall(outline, side):
-                placed.append(_furniture(name, outline, side, width))
-                break
+        found = _stand(dice, standing, name, sides)
+        if not found and name in ELSE:
+            found = _stand(dice, standing, ELSE[name], sides)
+        if found:
+            placed.append(found)
     return placed
+
+
+def _stand(dice: Dice, standing: _Standing, name: str, sides: tuple[Side, ...]) -> Furniture | None:
+    """Put a piece into a room, and return it, or None where it finds no room."""
+    piece = PIECES[name]
+    width = dice.uniform(*piece.widths)
+    if piece.in_middle:
+        outline, side = _in_middle(dice, standing.core, piece, width)
+        if standing.stands_in_middle(outline):
+            return _furniture(name, outline, side, width)
+    for side in _shuffled(dice, sides):
+        if not standing.is_deep_enough(side, piece.depth):
+            continue
+        span = _draw_place(dice, standing.free_spans(side, piece), width)
+        if span is None:
+            continue
+        outline = _strip(standing.area, side, span, piece.depth)
+        if standing.stands_at_wall(outline, side):
+            return _furniture(name, outline, side, width)
+    return None
 
 
 def _shuffled(dice: Dice, sides: tuple[Side, ...]) -> list[Side]:

@@ -30,7 +30,7 @@ class Side(IntEnum):
     @property
     def is_across(self) -> bool:
         """Whether a wall on this side runs across, else along."""
-        return self in (Side.FRONT, Side.BACK)
+        return self % 2 == 0
 
     @property
     def opposite(self) -> "Side":

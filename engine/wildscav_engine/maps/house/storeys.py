@@ -32,6 +32,7 @@ from wildscav_engine.rng import Dice
 
 TRIES = 12  # to divide a storey so that doorways can join all rooms
 SIDES = tuple(Side)
+FURNISHED_HALL = 2.5  # m, how long a hall is, less the way to its stairs, that has furniture at its sides
 
 
 class _Draft:
@@ -84,7 +85,7 @@ def draw_storey(
     draft = _Draft(layout, faces, inner)
     for door in doors:
         draft.join(door)
-    terraces, doorways = _open_outwards(dice, draft, wings, level, stairs)
+    terraces, doorways = _open_outwards(dice, draft, wings, level, top, stairs)
     names = name_rooms(dice, layout.rooms, stairs.hall if stairs else None, style, level)
     rooms = tuple(Room(area, name) for area, name in zip(layout.rooms, names, strict=True))
     storey = Storey(
@@ -152,7 +153,7 @@ def _draw_layout(
 
 
 def _open_outwards(
-    dice: Dice, draft: _Draft, wings: tuple[Wing, ...], level: int, stairs: Stairs | None
+    dice: Dice, draft: _Draft, wings: tuple[Wing, ...], level: int, top: int, stairs: Stairs | None
 ) -> tuple[list[int], list[OuterDoor]]:
     """Make outer doors and windows; return the wings whose roofs a doorway leads to, and the outer doors."""
     edges = edges_of(draft.faces, draft.layout.rooms, stairs)
@@ -167,7 +168,8 @@ def _open_outwards(
             doors.append(found[1])
     for door in doors:
         draft.open(door, doorway(door.span))
-    for edge in edges:
+    # Where no stairs go on, there is nothing before the walls around the well.
+    for edge in edges if level < top else edges_of(draft.faces, draft.layout.rooms, None):
         for span in windows_in(edge, doors):
             draft.open(edge._replace(span=span), window(span))
     return terraces, [_outer_door(draft.faces[door.face], door) for door in doors if level == 0]
@@ -191,19 +193,23 @@ def _draw_furniture(
 
 
 def _furnish_hall(dice: Dice, stairs: Stairs, gaps: list[Gap]) -> list[Furniture]:
-    """Furnish the end of a hall before its stairs, at the wall that the stairs lead away from."""
-    side = stairs.entry
-    before = line_of(stairs.foot, side)
-    hall = stairs.hall
+    """Furnish the end of a hall before its stairs, but not right before them."""
+    side, hall = stairs.entry, stairs.hall
+    ahead = CLEAR_WAY if side in (Side.FRONT, Side.RIGHT) else -CLEAR_WAY
+    end = line_of(stairs.foot, side) + ahead
+    length = abs(line_of(hall, side) - end)
+    if length > FURNISHED_HALL:
+        sides = tuple(other for other in SIDES if other is not side.opposite)
+    else:
+        # A short end has room at its far wall only; before that is the way.
+        sides, end = (side,), end - ahead
     area = {
-        Side.FRONT: hall._replace(back=before),
-        Side.RIGHT: hall._replace(left=before),
-        Side.BACK: hall._replace(front=before),
-        Side.LEFT: hall._replace(right=before),
+        Side.FRONT: hall._replace(back=end),
+        Side.RIGHT: hall._replace(left=end),
+        Side.BACK: hall._replace(front=end),
+        Side.LEFT: hall._replace(right=end),
     }[side]
-    if abs(line_of(hall, side) - before) < CLEAR_WAY:
-        return []
-    return furnish(dice, area, "hall", [gap for gap in gaps if _is_before(area, gap)], (side,))
+    return furnish(dice, area, "hall", [gap for gap in gaps if _is_before(area, gap)], sides)
 
 
 def _is_before(area: Rectangle, gap: Gap) -> bool:
