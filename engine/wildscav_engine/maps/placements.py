@@ -11,20 +11,10 @@ from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.footprints import Site, footprints_of, gap_between, heights_under
 from wildscav_engine.maps.house import HousePlan, draw_plan
+from wildscav_engine.maps.land import BUSHES, ROCKS, TREES, Fields, Land, land_of
 from wildscav_engine.maps.plants import PARTS, grow
 from wildscav_engine.maps.plots import EDGE_MARGIN, SHORE_MARGIN
-from wildscav_engine.maps.scatter import (
-    BUSHES,
-    ROCKS,
-    TREES,
-    Fields,
-    Land,
-    Spots,
-    allocate_spots,
-    land_of,
-    place_one,
-    scatter,
-)
+from wildscav_engine.maps.scatter import Spots, allocate_spots, place_one, scatter
 from wildscav_engine.maps.streets import height_at
 from wildscav_engine.maps.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint
 from wildscav_engine.maps.vegetation import conifers
@@ -163,7 +153,7 @@ def placed_solids(config: MapConfig, seed: int, terrain: Terrain) -> list[Solid]
     spots = allocate_spots(config.size, sum(wanted))
     found = _place_plants(config, seed, terrain, list(zip(plants, wanted, strict=True)), spots)
     stacks = allocate_stacks(PARTS * found)
-    return blocks + solids_of(stacks, grow(np.uint64(seed), spots.rows, found, stacks))
+    return blocks + solids_of(stacks, grow(spots.rows, found, stacks))
 
 
 def _count(placed: Placement, area: tuple[float, float]) -> int:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.stacks import MOST_SIDES, Stacks
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.kernel import kernel
-from wildscav_engine.rng import Stream, uniform, uniform_in
+from wildscav_engine.rng import Stream, uniform
 from wildscav_engine.trig import cosine, sine
 
 STREAM = int(Stream.VEGETATION)
@@ -27,7 +27,10 @@ SPECIES = 5
 RADIUS, CROWN = 6, 7  # m, of what stands on the ground (its corners), and of the crown
 HEIGHT = 8  # m: of a crown from its bottom to its top, else above the ground
 KEY, MEMBER = 9, 10  # which plant it is, and which of its group
-COLUMNS = 11
+DRAWS = 11  # here and in the columns that follow: random numbers of 0 to 1 for its size, shape and group
+COLUMNS = 33
+SIZE, SHAPE, TURN, LIFT, LEAN, SIDES, STRETCH_TURN, STRETCH, CORNERS = 11, 12, 13, 14, 15, 17, 18, 19, 20
+BESIDE, GROUP, MORE, HEDGE = 28, 29, 30, 31  # where it touches its group, and what the group is like
 
 CROWN_CLEARANCE = 2.4  # m between the ground and a crown
 WIDEST_CROWN, WIDEST_ROCK = 2.9, 2.2  # m, radius
@@ -49,10 +52,11 @@ def is_rock(species: float) -> bool:
 
 @kernel
 def draw_size(seed: np.uint64, spot: NDArray[np.float64]) -> None:
-    """Draw a plant's radius, crown and height from its species, its key and its number in its group."""
+    """Draw a plant's random numbers by its key and its number in its group, and so its radius and height."""
     key, agent, species = int(spot[KEY]), SHAPES + int(spot[MEMBER]), int(spot[SPECIES])
-    size = uniform(seed, STREAM, key, agent, 0)
-    shape = uniform(seed, STREAM, key, agent, 1)
+    for column in range(DRAWS, COLUMNS):
+        spot[column] = uniform(seed, STREAM, key, agent, column)
+    size, shape = spot[SIZE], spot[SHAPE]
     spot[CROWN] = 0.0
     if species == BROADLEAF:
         spot[CROWN] = 1.6 + (WIDEST_CROWN - 1.6) * size
@@ -76,23 +80,23 @@ def draw_size(seed: np.uint64, spot: NDArray[np.float64]) -> None:
 
 
 @kernel
-def grow(seed: np.uint64, spots: NDArray[np.float64], count: int, stacks: Stacks) -> int:
+def grow(spots: NDArray[np.float64], count: int, stacks: Stacks) -> int:
     """Write the shapes of the first so many plants; return how many shapes that makes."""
     written = 0
     for number in range(count):
         spot = spots[number]
         if is_tree(spot[SPECIES]):
-            written = _grow_tree(seed, spot, stacks, written)
+            written = _grow_tree(spot, stacks, written)
         elif spot[SPECIES] == BUSH:
-            written = _grow_bush(seed, spot, stacks, written)
+            written = _grow_bush(spot, stacks, written)
         else:
-            written = _lay_rock(seed, spot, stacks, written)
+            written = _lay_rock(spot, stacks, written)
     return written
 
 
 @kernel
-def _draw(seed: np.uint64, spot: NDArray[np.float64], low: float, high: float, draw: int) -> float:
-    return uniform_in(low, high, seed, STREAM, int(spot[KEY]), SHAPES + int(spot[MEMBER]), draw)
+def _between(low: float, high: float, share: float) -> float:
+    return low + (high - low) * share
 
 
 @kernel
@@ -119,32 +123,31 @@ def _round_outline(stacks: Stacks, row: int, sides: int, turn: float) -> None:
 
 
 @kernel
-def _rough_outline(seed: np.uint64, spot: NDArray[np.float64], stacks: Stacks, row: int) -> None:
+def _rough_outline(spot: NDArray[np.float64], stacks: Stacks, row: int) -> None:
     """An irregular outline; the circle inside has at least 0.7 of the radius of the one around."""
-    sides = 7 + int(_draw(seed, spot, 0.0, 2.0, 10))
-    sides = min(sides, MOST_SIDES)
+    sides = min(MOST_SIDES, 7 + int(2.0 * spot[SIDES]))
     stacks.sides[row] = sides
-    turn, across = _draw(seed, spot, 0.0, 360.0, 11), _draw(seed, spot, 0.86, 1.0, 12)
+    turn, across = 360.0 * spot[STRETCH_TURN], _between(0.86, 1.0, spot[STRETCH])
     for corner in range(sides):
-        yaw = (corner + _draw(seed, spot, -0.15, 0.15, 20 + corner)) * 360.0 / sides
+        yaw = (corner + _between(-0.15, 0.15, spot[CORNERS + corner])) * 360.0 / sides
         along, beside = cosine(yaw), across * sine(yaw)
         stacks.outline[row, corner, 0] = along * sine(turn) + beside * cosine(turn)
         stacks.outline[row, corner, 1] = along * cosine(turn) - beside * sine(turn)
 
 
 @kernel
-def _grow_tree(seed: np.uint64, spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
+def _grow_tree(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
     """A tapering trunk in a crown of one or two solids; a dead one has none."""
     species, crown, height = int(spot[SPECIES]), spot[CROWN], spot[HEIGHT]
-    turn = _draw(seed, spot, 0.0, 60.0, 2)
-    bottom = spot[HIGHEST] + CROWN_CLEARANCE + _draw(seed, spot, 0.0, 0.8, 3)
+    turn = 60.0 * spot[TURN]
+    bottom = spot[HIGHEST] + CROWN_CLEARANCE + 0.8 * spot[LIFT]
     _begin(stacks, row, TRUNK, spot)
     _round_outline(stacks, row, 6, turn)
     _ring(stacks, row, spot[LOWEST] - ROOT, spot[RADIUS])
     if species == DEAD:
         # It leans, but stands where its axis meets the ground.
         for axis in range(2):
-            lean = _draw(seed, spot, -0.1, 0.1, 4 + axis)
+            lean = _between(-0.1, 0.1, spot[LEAN + axis])
             stacks.axis[row, 2 + axis] = lean
             stacks.axis[row, axis] -= lean * (spot[GROUND] - spot[LOWEST] + ROOT)
         _ring(stacks, row, spot[GROUND] + height, 0.3 * spot[RADIUS])
@@ -182,11 +185,11 @@ def _grow_tree(seed: np.uint64, spot: NDArray[np.float64], stacks: Stacks, row: 
 
 
 @kernel
-def _grow_bush(seed: np.uint64, spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
+def _grow_bush(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
     """A low dome."""
     ground, radius, height = spot[GROUND], spot[RADIUS], spot[HEIGHT]
     _begin(stacks, row, LEAFY, spot)
-    _rough_outline(seed, spot, stacks, row)
+    _rough_outline(spot, stacks, row)
     _ring(stacks, row, spot[LOWEST] - ROOT, 0.8 * radius)
     _ring(stacks, row, ground + 0.35 * height, radius)
     _ring(stacks, row, ground + 0.75 * height, 0.74 * radius)
@@ -195,18 +198,18 @@ def _grow_bush(seed: np.uint64, spot: NDArray[np.float64], stacks: Stacks, row: 
 
 
 @kernel
-def _lay_rock(seed: np.uint64, spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
+def _lay_rock(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
     """An irregular block with a level top at least 1 m across."""
     ground, radius, height = spot[GROUND], spot[RADIUS], spot[HEIGHT]
     _begin(stacks, row, STONE, spot)
-    _rough_outline(seed, spot, stacks, row)
+    _rough_outline(spot, stacks, row)
     _ring(stacks, row, spot[LOWEST] - ROOT, radius)
     if spot[SPECIES] == STEPPING_STONE:
         # Upright: a body that walks slowly does not get over a sloping side within a frame.
         _ring(stacks, row, ground + height, 0.985 * radius)
         return row + 1
     is_boulder = spot[SPECIES] == BOULDER
-    top = _draw(seed, spot, 0.56, 0.72, 2) if is_boulder else _draw(seed, spot, 0.78, 0.88, 2)
-    _ring(stacks, row, ground + _draw(seed, spot, 0.45, 0.65, 3) * height, 0.95 * radius)
+    top = _between(0.56, 0.72, spot[TURN]) if is_boulder else _between(0.78, 0.88, spot[TURN])
+    _ring(stacks, row, ground + _between(0.45, 0.65, spot[LIFT]) * height, 0.95 * radius)
     _ring(stacks, row, ground + height, top * radius)
     return row + 1

@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.kernel import kernel
-from wildscav_engine.maps.footprints import corner_of, nearest_on_lane
+from wildscav_engine.maps.footprints import nearest_on_lane
+from wildscav_engine.maps.land import BUSHES, NEAR, ROCKS, TREES, Land, patch_of
 from wildscav_engine.maps.plants import (
+    BESIDE,
     BLOCK,
     BOULDER,
     BROADLEAF,
@@ -17,12 +19,16 @@ from wildscav_engine.maps.plants import (
     CONIFER,
     CROWN,
     DEAD,
+    DRAWS,
     GROUND,
+    GROUP,
+    HEDGE,
     HEIGHT,
     HIGHEST,
     KEY,
     LOWEST,
     MEMBER,
+    MORE,
     POPLAR,
     RADIUS,
     SPECIES,
@@ -34,13 +40,11 @@ from wildscav_engine.maps.plants import (
     is_tree,
 )
 from wildscav_engine.maps.streets import height_at
-from wildscav_engine.maps.terrain import Terrain, distance_to_footprint
-from wildscav_engine.maps.woods import PATCH
-from wildscav_engine.rng import Stream, uniform, uniform_in
+from wildscav_engine.maps.terrain import distance_to_footprint
+from wildscav_engine.rng import Stream, uniform
 from wildscav_engine.trig import arctangent, cosine, sine
 
 STREAM = int(Stream.VEGETATION)
-TREES, BUSHES, ROCKS = range(3)  # what is scattered
 TRIES = 40  # places tried for each plant
 EDGE_MARGIN = 2.0  # m from the edge of the map
 WALK = 1.6  # m between two things that stand on the ground, so that one walks between
@@ -49,31 +53,9 @@ DOORSTEP_MARGIN, LANE_MARGIN = 3.0, 3.0  # m from the place before a door, and f
 SHORE_MARGIN = 0.1  # m above the water
 STEEPEST, STEEPEST_FOR_ROCKS = 0.8, 1.2  # m up per m
 LINK = 4.0  # m, side of the cells in which plants are found; things farther than two of them never meet
-NEAR = 10.0  # m from a house, a doorstep or a lane, from where on none is looked for
-HEDGE_STEP = 1.15  # m between the bushes of a hedge
-TOUCH = 0.8  # distance between the axes of two things that touch, by the sum of their radii
-
-
-class Fields(NamedTuple):
-    """What grows where, on patches of 4 m."""
-
-    weights: NDArray[np.float64]  # (3, Q, Q) chance that trees, bushes or rocks take to a patch
-    conifers: NDArray[np.float64]  # (Q, Q) chance that a tree in a wood is a conifer
-    shore: NDArray[np.bool_]  # (Q, Q)
-
-
-class Land(NamedTuple):
-    """What plants must keep off, and where they grow."""
-
-    corner: tuple[float, float]  # m
-    heights: NDArray[np.float64]  # (R + 1, C + 1) m
-    water_level: float  # m
-    houses: NDArray[np.float64]  # (H, 6) footprints
-    placed: NDArray[np.float64]  # (P, 6) footprints of what is placed by hand
-    doorsteps: NDArray[np.float64]  # (D, 2) m
-    lanes: NDArray[np.float64]  # (L, 4) m
-    near: NDArray[np.bool_]  # (Q, Q) patches near any of these
-    fields: Fields
+HEDGE_STEP = 1.35  # between the bushes of a hedge, by their radius
+MOST_AROUND = 4  # things that touch the first of their group
+TOUCH = 0.68  # distance between the axes of two things that touch, by the sum of their radii
 
 
 class Spots(NamedTuple):
@@ -88,84 +70,6 @@ def allocate_spots(size: int, most: int) -> Spots:
     """Return room for so many plants on a map of a size in m."""
     cells = int(size / LINK) + 1
     return Spots(np.zeros((most, COLUMNS)), np.full((cells, cells), -1), np.full(most, -1))
-
-
-def land_of(
-    terrain: Terrain,
-    houses: NDArray[np.float64],
-    placed: NDArray[np.float64],
-    doorsteps: NDArray[np.float64],
-    lanes: NDArray[np.float64],
-    fields: Fields,
-) -> Land:
-    """Return a land (see ``Land``); marks the patches near what plants must keep off."""
-    near = np.zeros(fields.shore.shape, np.bool_)
-    _mark_near(terrain.corner, houses, near)
-    _mark_near(terrain.corner, placed, near)
-    _mark_near_points(terrain.corner, doorsteps, near)
-    _mark_near_lanes(terrain.corner, lanes, near)
-    return Land(
-        terrain.corner,
-        terrain.heights,
-        terrain.water_level,
-        houses,
-        placed,
-        doorsteps,
-        lanes,
-        near,
-        fields,
-    )
-
-
-@kernel
-def _mark_near(corner: tuple[float, float], footprints: NDArray[np.float64], near: NDArray[np.bool_]) -> None:
-    for number in range(footprints.shape[0]):
-        footprint = footprints[number]
-        low_x, high_x, low_z, high_z = np.inf, -np.inf, np.inf, -np.inf
-        for end in range(4):
-            x, z = corner_of(footprint, end)
-            low_x, high_x, low_z, high_z = min(low_x, x), max(high_x, x), min(low_z, z), max(high_z, z)
-        _mark_box(corner, low_x, low_z, high_x, high_z, near)
-
-
-@kernel
-def _mark_near_points(
-    corner: tuple[float, float], points: NDArray[np.float64], near: NDArray[np.bool_]
-) -> None:
-    for number in range(points.shape[0]):
-        x, z = points[number, 0], points[number, 1]
-        _mark_box(corner, x, z, x, z, near)
-
-
-@kernel
-def _mark_near_lanes(
-    corner: tuple[float, float], lanes: NDArray[np.float64], near: NDArray[np.bool_]
-) -> None:
-    for number in range(lanes.shape[0]):
-        x0, z0, x1, z1 = lanes[number, 0], lanes[number, 1], lanes[number, 2], lanes[number, 3]
-        _mark_box(corner, min(x0, x1), min(z0, z1), max(x0, x1), max(z0, z1), near)
-
-
-@kernel
-def _mark_box(
-    corner: tuple[float, float],
-    low_x: float,
-    low_z: float,
-    high_x: float,
-    high_z: float,
-    near: NDArray[np.bool_],
-) -> None:
-    count = near.shape[0]
-    first_row, last_row = _patch(corner[1], low_z - NEAR, count), _patch(corner[1], high_z + NEAR, count)
-    first, last = _patch(corner[0], low_x - NEAR, count), _patch(corner[0], high_x + NEAR, count)
-    for row in range(first_row, last_row + 1):
-        for column in range(first, last + 1):
-            near[row, column] = True
-
-
-@kernel
-def _patch(corner: float, coordinate: float, count: int) -> int:
-    return min(count - 1, max(0, int((coordinate - corner) / PATCH)))
 
 
 @kernel
@@ -198,19 +102,10 @@ def scatter(
     for number in range(wanted):
         if found >= last:
             break
-        key = first_key + number
+        spot = spots.rows[found]
         for trial in range(TRIES):
-            across = area[4] * uniform_in(-1.0, 1.0, seed, STREAM, key, trial, 0)
-            along = area[5] * uniform_in(-1.0, 1.0, seed, STREAM, key, trial, 1)
-            x = area[0] + across * area[3] + along * area[2]
-            z = area[1] - across * area[2] + along * area[3]
-            row, column = _patch_of(land, x, z)
-            if uniform(seed, STREAM, key, trial, 2) >= land.fields.weights[what, row, column]:
+            if not _try_place(seed, first_key + number, trial, what, area, land, spot):
                 continue
-            spot = spots.rows[found]
-            spot[X], spot[Z], spot[KEY], spot[MEMBER] = x, z, key, 0
-            spot[SPECIES] = draw_species(seed, key, what, land, row, column)
-            draw_size(seed, spot)
             if can_stand(land, spots, found, found):
                 link(land, spots, found)
                 found = _add_group(seed, land, spots, found + 1, last, area)
@@ -219,29 +114,49 @@ def scatter(
 
 
 @kernel
+def _try_place(
+    seed: np.uint64,
+    key: int,
+    trial: int,
+    what: int,
+    area: NDArray[np.float64],
+    land: Land,
+    spot: NDArray[np.float64],
+) -> bool:
+    """Draw a place in an area, and the plant there; return whether it takes to that patch."""
+    for draw in range(5):
+        spot[DRAWS + draw] = uniform(seed, STREAM, key, trial, draw)
+    across, along = area[4] * (2.0 * spot[DRAWS] - 1.0), area[5] * (2.0 * spot[DRAWS + 1] - 1.0)
+    x = area[0] + across * area[3] + along * area[2]
+    z = area[1] - across * area[2] + along * area[3]
+    row, column = patch_of(land, x, z)
+    if spot[DRAWS + 2] >= land.fields.weights[what, row, column]:
+        return False
+    spot[X], spot[Z], spot[KEY], spot[MEMBER] = x, z, key, 0
+    spot[SPECIES] = _species(what, land, row, column, spot[DRAWS + 3], spot[DRAWS + 4])
+    draw_size(seed, spot)
+    return True
+
+
+@kernel
 def place_one(
     seed: np.uint64, key: int, what: int, x: float, z: float, land: Land, spots: Spots, found: int
 ) -> None:
     """Put one plant exactly at a place in m, whatever is there."""
-    row, column = _patch_of(land, x, z)
+    row, column = patch_of(land, x, z)
     spot = spots.rows[found]
     spot[X], spot[Z], spot[KEY], spot[MEMBER] = x, z, key, 0
-    spot[SPECIES] = draw_species(seed, key, what, land, row, column)
+    for draw in range(2):
+        spot[DRAWS + draw] = uniform(seed, STREAM, key, 0, draw)
+    spot[SPECIES] = _species(what, land, row, column, spot[DRAWS], spot[DRAWS + 1])
     draw_size(seed, spot)
     survey(land, spot)
     link(land, spots, found)
 
 
 @kernel
-def _patch_of(land: Land, x: float, z: float) -> tuple[int, int]:
-    count = land.near.shape[0]
-    return _patch(land.corner[1], z, count), _patch(land.corner[0], x, count)
-
-
-@kernel
-def draw_species(seed: np.uint64, key: int, what: int, land: Land, row: int, column: int) -> int:
-    """Draw what exactly a plant is, from its key and where it stands."""
-    choice, chance = uniform(seed, STREAM, key, 500, 0), uniform(seed, STREAM, key, 500, 1)
+def _species(what: int, land: Land, row: int, column: int, choice: float, chance: float) -> int:
+    """Return what exactly a plant is, by two random numbers of 0 to 1 and where it stands."""
     if what == BUSHES:
         return BUSH
     if what == ROCKS:
@@ -276,7 +191,7 @@ def can_stand(land: Land, spots: Spots, number: int, group: int) -> bool:
     steepest = STEEPEST_FOR_ROCKS if is_rock(spot[SPECIES]) else STEEPEST
     if min(lowest, spot[LOWEST]) < land.water_level + SHORE_MARGIN or highest - lowest > steepest * CELL:
         return False
-    row, column = _patch_of(land, spot[X], spot[Z])
+    row, column = patch_of(land, spot[X], spot[Z])
     if land.near[row, column] and not _is_clear(land, spot):
         return False
     return not _is_crowded(land, spots, spot, group)
@@ -369,62 +284,45 @@ def _add_group(
     seed: np.uint64, land: Land, spots: Spots, found: int, last: int, area: NDArray[np.float64]
 ) -> int:
     """Let more of its kind touch the plant added last: a hedge, a clump, or smaller rocks at a boulder."""
-    leader = spots.rows[found - 1]
-    key, choice = int(leader[KEY]), uniform(seed, STREAM, int(leader[KEY]), 501, 0)
-    if leader[SPECIES] == BUSH:
-        row, column = _patch_of(land, leader[X], leader[Z])
-        if choice < (0.5 if land.near[row, column] else 0.08):
-            return _add_hedge(seed, land, spots, found, last, area)
-        more = int(5.0 * uniform(seed, STREAM, key, 501, 1)) if choice < 0.75 else 0
-        return _add_around(seed, land, spots, found, last, area, more, BUSH)
-    if leader[SPECIES] == BOULDER and choice < 0.75:
-        found = _add_around(seed, land, spots, found, last, area, 1, BLOCK)
-        more = int(4.0 * uniform(seed, STREAM, key, 501, 1))
-        return _add_around(seed, land, spots, found, last, area, more, STEPPING_STONE)
-    return found
-
-
-@kernel
-def _add_member(land: Land, spots: Spots, found: int, group: int, x: float, z: float, species: int) -> bool:
-    """Try to add a member to the group that starts with a plant; its size is drawn before its place."""
-    spot = spots.rows[found]
-    spot[X], spot[Z], spot[SPECIES] = x, z, species
-    if can_stand(land, spots, found, group):
-        link(land, spots, found)
-        return True
-    return False
-
-
-@kernel
-def _add_around(
-    seed: np.uint64,
-    land: Land,
-    spots: Spots,
-    found: int,
-    last: int,
-    area: NDArray[np.float64],
-    more: int,
-    species: int,
-) -> int:
-    """Add members of one species that touch the first of their group."""
     group = found - 1
-    while spots.rows[group, MEMBER] > 0.0:
-        group -= 1
     leader = spots.rows[group]
-    for _ in range(more):
+    more = _members(land, leader)
+    is_hedge = more > MOST_AROUND
+    yaw = _yaw_of_hedge(land, leader) if is_hedge else 0.0
+    for member in range(1, more + 1):
         if found >= last:
             break
         spot = spots.rows[found]
-        spot[KEY], spot[MEMBER], spot[SPECIES] = leader[KEY], found - group, species
+        spot[KEY], spot[MEMBER], spot[SPECIES] = leader[KEY], member, BUSH
+        if leader[SPECIES] == BOULDER:
+            spot[SPECIES] = BLOCK if member == 1 else STEPPING_STONE
         draw_size(seed, spot)
-        yaw = uniform_in(0.0, 360.0, seed, STREAM, int(leader[KEY]), 502, found - group)
         away = TOUCH * (leader[RADIUS] + spot[RADIUS])
-        x, z = leader[X] + away * sine(yaw), leader[Z] + away * cosine(yaw)
-        if _is_in(area, x, z) and _add_member(land, spots, found, group, x, z, species):
-            found += 1
+        if is_hedge:
+            spot[RADIUS], spot[HEIGHT] = leader[RADIUS], leader[HEIGHT]
+            away = member * HEDGE_STEP * leader[RADIUS]
         else:
+            yaw = 360.0 * spot[BESIDE]
+        spot[X], spot[Z] = leader[X] + away * sine(yaw), leader[Z] + away * cosine(yaw)
+        if _is_in(area, spot[X], spot[Z]) and can_stand(land, spots, found, group):
+            link(land, spots, found)
+            found += 1
+        elif is_hedge:
             break
     return found
+
+
+@kernel
+def _members(land: Land, leader: NDArray[np.float64]) -> int:
+    """Return how many more a group has; that many only a hedge has."""
+    if leader[SPECIES] == BUSH:
+        row, column = patch_of(land, leader[X], leader[Z])
+        if leader[GROUP] < (0.5 if land.near[row, column] else 0.08):
+            return MOST_AROUND + 1 + int(8.0 * leader[MORE])
+        return int((MOST_AROUND + 1) * leader[MORE]) if leader[GROUP] < 0.75 else 0
+    if leader[SPECIES] == BOULDER and leader[GROUP] < 0.75:
+        return 1 + int(MOST_AROUND * leader[MORE])
+    return 0
 
 
 @kernel
@@ -433,31 +331,9 @@ def _is_in(area: NDArray[np.float64], x: float, z: float) -> bool:
 
 
 @kernel
-def _add_hedge(
-    seed: np.uint64, land: Land, spots: Spots, found: int, last: int, area: NDArray[np.float64]
-) -> int:
-    """Add bushes in a row, in line with the nearest house where there is one near."""
-    group = found - 1
-    leader = spots.rows[group]
-    key = int(leader[KEY])
-    leader[RADIUS] = max(0.75, min(0.95, leader[RADIUS]))
-    yaw = _yaw_of_hedge(seed, land, leader)
-    for _ in range(4 + int(9.0 * uniform(seed, STREAM, key, 503, 1))):
-        if found >= last:
-            break
-        spot, away = spots.rows[found], (found - group) * HEDGE_STEP
-        spot[KEY], spot[MEMBER] = key, found - group
-        spot[RADIUS], spot[CROWN], spot[HEIGHT] = leader[RADIUS], 0.0, leader[HEIGHT]
-        x, z = leader[X] + away * sine(yaw), leader[Z] + away * cosine(yaw)
-        if not (_is_in(area, x, z) and _add_member(land, spots, found, group, x, z, BUSH)):
-            break
-        found += 1
-    return found
-
-
-@kernel
-def _yaw_of_hedge(seed: np.uint64, land: Land, leader: NDArray[np.float64]) -> float:
-    yaw = uniform_in(0.0, 360.0, seed, STREAM, int(leader[KEY]), 503, 0)
+def _yaw_of_hedge(land: Land, leader: NDArray[np.float64]) -> float:
+    """Return the yaw in degrees of a hedge: in line with the nearest house, where there is one near."""
+    yaw = 360.0 * leader[HEDGE]
     nearest = 1.5 * NEAR
     for house in range(land.houses.shape[0]):
         away = distance_to_footprint(land.houses[house], leader[X], leader[Z])
@@ -465,4 +341,4 @@ def _yaw_of_hedge(seed: np.uint64, land: Land, leader: NDArray[np.float64]) -> f
             nearest = away
             quarter = 90.0 * int(yaw / 90.0)
             yaw = arctangent(land.houses[house, 2], land.houses[house, 3]) + quarter
-    return yaw
+    return float(yaw)

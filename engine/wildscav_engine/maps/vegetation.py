@@ -8,15 +8,10 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.stacks import allocate_stacks, solids_of
 from wildscav_engine.geometry.world import Solid
 from wildscav_engine.maps.footprints import Site, footprints_of, placed_footprints
+from wildscav_engine.maps.land import BUSHES, ROCKS, TREES, Fields, Land, land_of
 from wildscav_engine.maps.plants import PARTS, grow
 from wildscav_engine.maps.scatter import (
-    BUSHES,
-    ROCKS,
-    TREES,
-    Fields,
-    Land,
     allocate_spots,
-    land_of,
     scatter,
 )
 from wildscav_engine.maps.sites import door_paths
@@ -33,7 +28,7 @@ def plant(
     config: MapConfig,
     seed: int,
     terrain: Terrain,
-    sites: Sequence[Site] | NDArray[np.float64],
+    sites: Sequence[Site],
     doorsteps: NDArray[np.float64],
     lanes: NDArray[np.float64] = NO_LANES,
 ) -> list[Solid]:
@@ -60,18 +55,17 @@ def plant(
     for what, count in wanted.items():
         found = scatter(np.uint64(seed), (what + 1) * KEYS, what, count, everywhere, land, spots, found)
     stacks = allocate_stacks(PARTS * found)
-    return solids_of(stacks, grow(np.uint64(seed), spots.rows, found, stacks))
+    return solids_of(stacks, grow(spots.rows, found, stacks))
 
 
 def _land(
     config: MapConfig,
     seed: int,
     terrain: Terrain,
-    sites: Sequence[Site] | NDArray[np.float64],
+    sites: Sequence[Site],
     doorsteps: NDArray[np.float64],
     lanes: NDArray[np.float64],
 ) -> Land:
-    houses = sites if isinstance(sites, np.ndarray) else footprints_of(sites)
     woods = wooded(seed, config.size, config.vegetation)
     shore, steep = shores(terrain, len(woods)), steepness(terrain, len(woods))
     trees = np.maximum(np.maximum(woods, 0.03), np.where(shore, 0.45, 0.0))
@@ -80,7 +74,7 @@ def _land(
     rocks = np.clip(0.05 + 0.08 * woods + 1.8 * np.maximum(0.0, steep - 0.2), 0.0, 1.0)
     paths = np.concatenate([lanes, door_paths(lanes, doorsteps)])
     fields = Fields(np.stack([trees, bushes, rocks]), conifers(config, seed, terrain), shore)
-    return land_of(terrain, houses, placed_footprints(config), doorsteps, paths, fields)
+    return land_of(terrain, footprints_of(sites), placed_footprints(config), doorsteps, paths, fields)
 
 
 def conifers(config: MapConfig, seed: int, terrain: Terrain) -> NDArray[np.float64]:

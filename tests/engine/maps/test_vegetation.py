@@ -105,11 +105,13 @@ def one_of(species: int, key: int = 1, seed: int = 0) -> tuple[list[Solid], NDAr
     rows[0, SPECIES], rows[0, KEY] = species, key
     draw_size(np.uint64(seed), rows[0])
     stacks = allocate_stacks(PARTS)
-    return solids_of(stacks, grow(np.uint64(seed), rows, 1, stacks)), rows[0]
+    return solids_of(stacks, grow(rows, 1, stacks)), rows[0]
 
 
 def on_level_ground(solids: list[Solid]) -> World:
-    return build_world((-20.0, -20.0), np.zeros((21, 21)), np.full((20, 20), -np.inf), solids, np.zeros((1, 3)))
+    return build_world(
+        (-20.0, -20.0), np.zeros((21, 21)), np.full((20, 20), -np.inf), solids, np.zeros((1, 3))
+    )
 
 
 def test_how_many_plants_there_are() -> None:
