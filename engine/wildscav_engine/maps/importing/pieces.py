@@ -14,6 +14,9 @@ FLAT = 1e-3  # m, below which a piece has no thickness
 DENT = 0.01  # share of its hull that a convex piece may leave empty
 SAME_NORMAL = 1e-6  # how far the cosine between two normals may be from 1; 0.08°
 SAME_OFFSET = 1e-3  # m between the planes of two faces that are one
+ASIDE = 0.7  # cosine of 45.6°: more, and a face does not blunt its solid in some direction
+MOST_OWN_FACES = MOST_FACES - 6  # beside those that blunt it
+DIRECTIONS = np.concatenate([np.eye(3), -np.eye(3)])
 
 
 class Piece(NamedTuple):
@@ -92,6 +95,7 @@ def solid_of(kind: Kind, name: str, piece: Piece) -> Solid | None:
             f"{name} is not convex: it fills {100 * piece.volume / hull.volume:.0f} % of its hull; split it "
             "into convex parts, each an object, a group or a closed piece that shares no vertex with others"
         )
+    planes = _blunt(planes, corners)
     planes[:, 3] += planes[:, 0] * middle[0] + planes[:, 1] * middle[1] + planes[:, 2] * middle[2]
     return Solid(kind, planes, corners.min(axis=0) + middle, corners.max(axis=0) + middle)
 
@@ -107,6 +111,16 @@ def _merge(name: str, equations: NDArray[np.float64], corners: NDArray[np.float6
             for known in planes
         ):
             planes.append(np.array([*normal, offset]))
-        if len(planes) > MOST_FACES:
-            raise BaseError(f"{name} has more than {MOST_FACES} faces: use a simpler shape, or split it")
+        if len(planes) > MOST_OWN_FACES:
+            raise BaseError(f"{name} has more than {MOST_OWN_FACES} faces: use a simpler shape, or split it")
     return np.array(planes)
+
+
+def _blunt(planes: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return planes with more of them that touch a solid at its sharp edges and tips.
+
+    A body is kept off the planes, so it would be stopped metres away from a roof that ends in a sharp edge.
+    """
+    missing = [direction for direction in DIRECTIONS if (planes[:, :3] @ direction).max() < ASIDE]
+    touching = [[*direction, (corners * direction).sum(axis=1).max()] for direction in missing]
+    return np.concatenate([planes, np.array(touching).reshape(-1, 4)])
