@@ -13,10 +13,10 @@ KINDS = tuple(Kind)
 
 
 class Stacks(NamedTuple):
-    """The shapes of N solids, each as ``shapes.stack`` makes it; an axis may lean."""
+    """The shapes of N solids, each as ``shapes.stack`` makes it."""
 
     kind: NDArray[np.int64]  # (N,) a Kind
-    axis: NDArray[np.float64]  # (N, 4) m, x and z of the axis at the lowest ring; m east and north per m up
+    axis: NDArray[np.float64]  # (N, 2) m, x and z
     sides: NDArray[np.int64]  # (N,) corners of the outline
     outline: NDArray[np.float64]  # (N, 8, 2) m, corners of a convex polygon around (0, 0)
     levels: NDArray[np.int64]  # (N,) rings
@@ -27,7 +27,7 @@ def allocate_stacks(count: int) -> Stacks:
     """Return room for so many solids."""
     return Stacks(
         np.zeros(count, np.int64),
-        np.zeros((count, 4)),
+        np.zeros((count, 2)),
         np.zeros(count, np.int64),
         np.zeros((count, MOST_SIDES, 2)),
         np.zeros(count, np.int64),
@@ -66,9 +66,8 @@ def _build(
 @kernel
 def _corner(stacks: Stacks, row: int, ring: int, corner: int) -> tuple[float, float, float]:
     height, scale = stacks.rings[row, ring, 0], stacks.rings[row, ring, 1]
-    rise = height - stacks.rings[row, 0, 0]
-    x = stacks.axis[row, 0] + stacks.axis[row, 2] * rise + stacks.outline[row, corner, 0] * scale
-    z = stacks.axis[row, 1] + stacks.axis[row, 3] * rise + stacks.outline[row, corner, 1] * scale
+    x = stacks.axis[row, 0] + stacks.outline[row, corner, 0] * scale
+    z = stacks.axis[row, 1] + stacks.outline[row, corner, 1] * scale
     return x, height, z
 
 
@@ -120,9 +119,7 @@ def _write_plane(
     length = np.sqrt(x * x + y * y + z * z)
     x, y, z = x / length, y / length, z / length
     offset = x * a[0] + y * a[1] + z * a[2]
-    half_rise = (stacks.rings[row, stacks.levels[row] - 1, 0] - stacks.rings[row, 0, 0]) * 0.5
-    inside_x = stacks.axis[row, 0] + stacks.axis[row, 2] * half_rise
-    inside_z = stacks.axis[row, 1] + stacks.axis[row, 3] * half_rise
-    inside = x * inside_x + y * (stacks.rings[row, 0, 0] + half_rise) + z * inside_z
+    height = 0.5 * (stacks.rings[row, 0, 0] + stacks.rings[row, stacks.levels[row] - 1, 0])
+    inside = x * stacks.axis[row, 0] + y * height + z * stacks.axis[row, 1]
     sign = -1.0 if inside > offset else 1.0
     plane[0], plane[1], plane[2], plane[3] = sign * x, sign * y, sign * z, sign * offset

@@ -28,9 +28,9 @@ RADIUS, CROWN = 6, 7  # m, of what stands on the ground (its corners), and of th
 HEIGHT = 8  # m: of a crown from its bottom to its top, else above the ground
 KEY, MEMBER = 9, 10  # which plant it is, and which of its group
 DRAWS = 11  # here and in the columns that follow: random numbers of 0 to 1 for its size, shape and group
-COLUMNS = 33
-SIZE, SHAPE, TURN, LIFT, LEAN, SIDES, STRETCH_TURN, STRETCH, CORNERS = 11, 12, 13, 14, 15, 17, 18, 19, 20
-BESIDE, GROUP, MORE, HEDGE = 28, 29, 30, 31  # where it touches its group, and what the group is like
+COLUMNS = 30
+SIZE, SHAPE, TURN, LIFT, SIDES, STRETCH_TURN, STRETCH, CORNERS = 11, 12, 13, 14, 15, 16, 17, 18
+BESIDE, GROUP, MORE, HEDGE = 26, 27, 28, 29  # where it touches its group, and what the group is like
 
 CROWN_CLEARANCE = 2.4  # m between the ground and a crown
 WIDEST_CROWN, WIDEST_ROCK = 2.9, 2.2  # m, radius
@@ -103,7 +103,6 @@ def _between(low: float, high: float, share: float) -> float:
 def _begin(stacks: Stacks, row: int, kind: int, spot: NDArray[np.float64]) -> None:
     stacks.kind[row] = kind
     stacks.axis[row, 0], stacks.axis[row, 1] = spot[X], spot[Z]
-    stacks.axis[row, 2], stacks.axis[row, 3] = 0.0, 0.0
     stacks.levels[row] = 0
 
 
@@ -145,11 +144,6 @@ def _grow_tree(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
     _round_outline(stacks, row, 6, turn)
     _ring(stacks, row, spot[LOWEST] - ROOT, spot[RADIUS])
     if species == DEAD:
-        # It leans, but stands where its axis meets the ground.
-        for axis in range(2):
-            lean = _between(-0.1, 0.1, spot[LEAN + axis])
-            stacks.axis[row, 2 + axis] = lean
-            stacks.axis[row, axis] -= lean * (spot[GROUND] - spot[LOWEST] + ROOT)
         _ring(stacks, row, spot[GROUND] + height, 0.3 * spot[RADIUS])
         return row + 1
     _ring(stacks, row, bottom + 0.5 * height, 0.55 * spot[RADIUS])

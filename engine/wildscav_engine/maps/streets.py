@@ -21,6 +21,7 @@ STEEPEST_STREET, STEEPEST_ROAD = 0.3, 0.55  # m up per m
 SHARPEST_BEND = 0.8  # degrees per m
 FRONTAGE = 16.5  # m of a street that a house takes, with the gap to the next
 SIDE_STREETS_FROM = 7  # houses
+SWAY, SWAY_STEP = 18.0, 6.5  # degrees that a road winds, and degrees of its winding a stride
 LONGEST_MAIN = 170.0  # m
 SQUARE, SQUARE_DEPTH = 13.0, 6.0  # m along the main street to both sides of the middle, and m it is widened
 
@@ -147,10 +148,11 @@ def draw_road(
     x, z = start
     points = [start]
     stride = 2.0 * STATION
-    for _ in range(int(2.0 * (abs(end[0] - x) + abs(end[1] - z)) / stride) + 8):
+    for step in range(int(2.0 * (abs(end[0] - x) + abs(end[1] - z)) / stride) + 8):
         if (end[0] - x) * (end[0] - x) + (end[1] - z) * (end[1] - z) < 4.0 * stride * stride:
             return np.array([*points, end], np.float64)
-        onward = _onward(plots, x, z, arctangent(end[0] - x, end[1] - z), stride)
+        towards = arctangent(end[0] - x, end[1] - z) + SWAY * sine(SWAY_STEP * step)
+        onward = _onward(plots, x, z, towards, stride)
         if onward is None:
             return None
         x, z = onward
