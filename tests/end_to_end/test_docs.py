@@ -2,11 +2,17 @@
 
 import ast
 import re
+import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+import typer
+
+from wildscav.cli import map as map_commands
+from wildscav_engine.spec import MapConfig
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -46,3 +52,49 @@ def test_the_files_that_the_architecture_names_exist() -> None:
     assert len(named) > 10
     for name in set(named) - {"engine/wildscav_engine/"}:  # the head of the table
         assert (ROOT / "engine" / "wildscav_engine" / name).exists(), name
+
+
+def test_the_page_of_maps_tells_every_field_with_its_default() -> None:
+    text = (ROOT / "docs" / "maps.md").read_text("utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| ([^|]+) \|", text, re.MULTILINE)
+    fields = {name: field.default for name, field in MapConfig.model_fields.items()}
+    assert {name: ast.literal_eval(default) for name, default in rows} == fields
+
+
+def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> None:
+    page = ROOT / "docs" / "maps.md"
+    (code,) = blocks(page, "python")
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "2 60\n"), done.stderr
+    (config,) = blocks(page, "toml")
+    (tmp_path / "fort.toml").write_text(config, "utf-8")
+    assert len(MapConfig.model_validate(tomllib.loads(config)).placements) == 3
+    command = [
+        sys.executable,
+        "-m",
+        "wildscav.cli.main",
+        "map",
+        "show",
+        "--config",
+        "fort.toml",
+        "--seed",
+        "1",
+    ]
+    assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0
+
+
+def test_the_map_commands_of_the_pages_have_the_options_named() -> None:
+    group = typer.main.get_command(map_commands.app)
+    lines = [
+        line
+        for page in PAGES
+        for text in blocks(page, "console")
+        for line in text.splitlines()
+        if line.startswith("wildscav map ")
+    ]
+    assert len(lines) > 5
+    for line in lines:
+        _, _, name, *words = shlex.split(line, comments=True)
+        command = group.commands[name]  # type: ignore[attr-defined]
+        options = {option for parameter in command.params for option in parameter.opts}
+        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
