@@ -15,7 +15,7 @@ from wildscav_engine.maps.house.plan import (
 from wildscav_engine.maps.house.rooms import without
 from wildscav_engine.maps.house.stairs import LANDING_HEIGHT, steps_of
 
-STEP_THICKNESS = 0.22  # m, of steps that hang over the stairs below, to leave most head room there
+STEP_THICKNESS = 0.1  # m, of steps that hang over the stairs below: treads, to leave most head room there
 RAILING = 1.0  # m, height
 
 
