@@ -9,8 +9,8 @@ between gentle neighbours need no walk.
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import STEP_HEIGHT
-from wildscav_engine.geometry.clearance import has_room, is_clear
+from wildscav_engine.body import BODY_HEIGHT
+from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
@@ -22,7 +22,6 @@ from wildscav_engine.maps.walk.lattice import (
     FINE,
     NO_EDGE,
     OPEN,
-    SAME_SURFACE,
     SPACING,
     Lattice,
     Nodes,
@@ -37,7 +36,9 @@ from wildscav_engine.systems.motion import Bodies, Point, on_steep_ground, walk
 ROOM = 0.03  # m around a node and to each side of an edge that a body may be off, and still arrive
 MIDDLE_ROOM = 0.05  # m half way along a diagonal, so that bodies there and at its ends cover it
 ARRIVAL = 0.02  # m, nearer than this to a lattice point is there
-RISE = 0.75  # m, more than steps or slopes rise over an edge
+A_STEP = 0.25  # m, heights that differ less are neighbouring steps of a flight at most
+RISE = 0.66  # m, more than steps or slopes rise or drop over an edge
+WAIST = 1.0  # m, less than a body's height above what is RISE lower
 SMALL_STRIDE = 0.06  # m, of a body that walks at 3 m/s
 LEVEL = 0.02  # m, a difference that is no step
 STEEP_DROP = 0.7  # m down in a metre is looked at as a way to get down
@@ -134,7 +135,7 @@ def _edge(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, node: in
     to_x, to_z = place_of(world, lattice, target)
     start = Point(x, nodes.height[node], z)
     if lattice.marks[point] == FINE or lattice.marks[target] == FINE:
-        return _edge_among_things(world, nobody, lattice, nodes, start, target)
+        return _edge_among_things(world, nobody, lattice, nodes, node, start, target, direction)
     other = int(nodes.first[target])
     if other >= 0 and _is_roomy(world, start, to_x, to_z, nodes.height[other]):
         return other
@@ -147,28 +148,31 @@ def _edge(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, node: in
 
 @kernel
 def _edge_among_things(
-    world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: Point, target: int
+    world: World,
+    nobody: Bodies,
+    lattice: Lattice,
+    nodes: Nodes,
+    node: int,
+    start: Point,
+    target: int,
+    direction: int,
 ) -> int:
     """Return the node that a walk in a house or on a rock leads to, NO_EDGE or FALLS; it may be a new one."""
     x, z = place_of(world, lattice, target)
     reached = _height_if_free(world, start, x, z)
     if reached == -np.inf:
-        if not (_has_room_above(world, start, x, z, STEP_HEIGHT) or _has_room_above(world, start, x, z, RISE)):
-            return NO_EDGE  # a wall, not steps
-        reached = _walk_up_or_down(world, nobody, start, x, z)
+        if not is_free(world, x, start.y + RISE, start.y + WAIST, z, 0.0):
+            return NO_EDGE  # whatever it stands on there, a body would have to be in there
+        back = _leads_here(nodes, node, target, direction)
+        reached = _walk_up_or_down(world, nobody, start, x, z, back >= 0)
     if np.isnan(reached):
         return FALLS
-    if reached == -np.inf or not has_room(world, x, reached, z, ROOM):
+    if reached == -np.inf:
         return NO_EDGE
     other = node_at(nodes, target, reached)
     if other < 0 and lattice.marks[target] == FINE:
         other = add_node(nodes, target, reached)
     return other
-
-
-@kernel
-def _has_room_above(world: World, start: Point, x: float, z: float, rise: float) -> bool:
-    return has_room(world, x, start.y + rise, z, ROOM)
 
 
 @kernel
@@ -198,14 +202,19 @@ def _is_floored(world: World, x: float, height: float, z: float) -> bool:
 
 
 @kernel
-def _walk_up_or_down(world: World, nobody: Bodies, start: Point, x: float, z: float) -> float:
+def _walk_up_or_down(world: World, nobody: Bodies, start: Point, x: float, z: float, back: bool) -> float:
     """Return what ``walk_straight`` does, for ways over steps and slopes of things; they leave room.
 
-    There, small strides may get less far than great ones, so both have to arrive.
+    There, small strides may get less far than great ones, so both have to arrive. Where the way ``back`` is
+    known to be like that, one walk is enough.
     """
     reached = walk_straight(world, nobody, start, x, z, SPACING)
-    if abs(reached) < np.inf:
-        reached = walk_straight(world, nobody, start, x, z, SMALL_STRIDE)
+    if back or not abs(reached) < np.inf:
+        return reached
+    # Right behind the end, the next step of a flight may begin.
+    if not is_free(world, x, reached + A_STEP, reached + BODY_HEIGHT, z, ROOM):
+        return -np.inf
+    reached = walk_straight(world, nobody, start, x, z, SMALL_STRIDE)
     if abs(reached) < np.inf and not leaves_room(world, nobody, start, x, z, reached, ROOM, SPACING):
         return -np.inf
     return reached
@@ -225,14 +234,20 @@ def _known_the_other_way(lattice: Lattice, nodes: Nodes, node: int, target: int,
 
     A way that is free on the ground or on a level floor is so both ways; steps are another matter.
     """
+    other = _leads_here(nodes, node, target, direction)
+    if other < 0 or abs(nodes.height[other] - nodes.height[node]) <= LEVEL:
+        return other
     on_ground = lattice.marks[nodes.point[node]] != FINE and lattice.marks[target] != FINE
+    return other if on_ground else -1
+
+
+@kernel
+def _leads_here(nodes: Nodes, node: int, target: int, direction: int) -> int:
+    """Return the node over a point from which an edge leads to another, against a direction, or -1."""
     other = int(nodes.first[target])
-    while other >= 0:
-        if nodes.edges[other, (direction + DIRECTIONS // 2) % DIRECTIONS] == node:
-            is_level = abs(nodes.height[other] - nodes.height[node]) <= LEVEL
-            return other if on_ground or is_level else -1
+    while other >= 0 and nodes.edges[other, (direction + DIRECTIONS // 2) % DIRECTIONS] != node:
         other = int(nodes.following[other])
-    return -1
+    return other
 
 
 @kernel
@@ -279,12 +294,12 @@ def walk_straight(world: World, nobody: Bodies, start: Point, x: float, z: float
 def leaves_room(
     world: World, nobody: Bodies, start: Point, x: float, z: float, height: float, room: float, stride: float
 ) -> bool:
-    """Return whether a straight walk arrives at the same height if it runs ``room`` m to the left or right."""
+    """Return whether a straight walk arrives about as high if it runs ``room`` m to the left or right."""
     east, north = x - start.x, z - start.z
     share = room / np.sqrt(east * east + north * north)
     for side in (-share, share):
         beside = Point(start.x - side * north, start.y, start.z + side * east)
         reached = walk_straight(world, nobody, beside, x - side * north, z + side * east, stride)
-        if not abs(reached - height) <= SAME_SURFACE:
+        if not abs(reached - height) <= A_STEP:
             return False
     return True

@@ -24,7 +24,8 @@ NORTH = (0, 1, 1, 1, 0, -1, -1, -1)
 SAME_SURFACE = 0.15  # m, nodes over one point are farther apart than this
 
 OPEN, NEAR, FINE = 0, 1, 2  # cells: nothing to walk into; plants; things to walk in and on
-NO_EDGE, FALLS = -1, -2  # edges that lead to no node; FALLS: a body walks off something there
+# Edges that lead to no node. FALLS: a body walks off something there; GETS_DOWN: and a leap is known for it.
+NO_EDGE, FALLS, GETS_DOWN = -1, -2, -3
 
 ROCK, TRUNK, CROWN, BUSH = int(Kind.ROCK), int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
 NEAR_REACH = 1.05  # m around a plant: no edge between open cells comes as near as a body's radius
@@ -46,7 +47,7 @@ class Nodes(NamedTuple):
     point: NDArray[np.int32]  # (N,) lattice point: row * side + column
     height: NDArray[np.float64]  # (N,) m, where the soles are
     following: NDArray[np.int32]  # (N,) next node over the same point, -1: none
-    edges: NDArray[np.int32]  # (N, 8) the node that a walk in each direction leads to, NO_EDGE or FALLS
+    edges: NDArray[np.int32]  # (N, 8) the node that a walk in each direction leads to, NO_EDGE …
     count: NDArray[np.int64]  # (1,) N
 
 

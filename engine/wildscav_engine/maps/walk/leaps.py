@@ -22,6 +22,7 @@ from wildscav_engine.maps.walk.lattice import (
     EAST,
     FALLS,
     FINE,
+    GETS_DOWN,
     NO_EDGE,
     NORTH,
     SAME_SURFACE,
@@ -40,7 +41,7 @@ from wildscav_engine.trig import arctangent
 LEAP_SPEED = 5.0  # m/s, of a body that leaps
 JUMP_HEIGHT = 1.2  # m, what is jumped onto at most: a little less than a jump is high
 FARTHEST_LEAP = 4  # edges' lengths that a leap spans at most
-FRAMES = 150  # that a leap takes at most
+DROP_FRAMES, JUMP_FRAMES = 150, 60  # that a leap takes at most
 ARRIVED = 0.02  # m from the point, standing, is there
 IN_WATER = 0.5  # what is left of the speed in water, for leaps
 
@@ -76,12 +77,13 @@ def find_leaps(
     for node in range(start, last):
         if nodes.count[0] + DIRECTIONS >= room[0] or leaps.count[0] + DIRECTIONS >= room[1]:
             return node
+        is_down = _neighbour_gets_down(nodes, node)  # one way down from around here is enough
         for direction in range(DIRECTIONS):
             target = neighbour(lattice, int(nodes.point[node]), direction)
             if target < 0:
                 continue
-            if nodes.edges[node, direction] == FALLS:
-                _get_down(world, body, lattice, nodes, leaps, node, direction)
+            if nodes.edges[node, direction] == FALLS and not is_down:
+                is_down = _get_down(world, body, lattice, nodes, leaps, node, direction)
             elif nodes.edges[node, direction] == NO_EDGE:
                 if _can_stand_higher(world, lattice, nodes, node, target):
                     _leap(world, body, lattice, nodes, leaps, node, target, True)
@@ -89,22 +91,36 @@ def find_leaps(
 
 
 @kernel
+def _neighbour_gets_down(nodes: Nodes, node: int) -> bool:
+    """Return whether one can walk to a node from which a way down is known already."""
+    for direction in range(DIRECTIONS):
+        other = nodes.edges[node, direction]
+        if other >= 0:
+            for way in range(DIRECTIONS):
+                if nodes.edges[other, way] == GETS_DOWN:
+                    return True
+    return False
+
+
+@kernel
 def _get_down(
     world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, direction: int
-) -> None:
-    """Look for the nearest point in a direction where a body that walks off an edge comes to stand."""
+) -> bool:
+    """Leap to the nearest point in a direction where a body that walks off an edge comes to stand, if any."""
     point = int(nodes.point[node])
     units = 1 if abs(neighbour(lattice, point, direction) - point) <= lattice.side + 1 else 2
     row, column = point // lattice.side, point % lattice.side
     for far in range(1, FARTHEST_LEAP + 1):
         to_row, to_column = row + far * units * NORTH[direction], column + far * units * EAST[direction]
         if min(to_row, to_column) < 2 or max(to_row, to_column) > lattice.side - 3:
-            return
+            return False
         target = to_row * lattice.side + to_column
         x, z = place_of(world, lattice, target)
         if landing_height(world, x, z, nodes.height[node]) > -np.inf:
             if _leap(world, body, lattice, nodes, leaps, node, target, False):
-                return
+                nodes.edges[node, direction] = GETS_DOWN
+                return True
+    return False
 
 
 @kernel
@@ -184,7 +200,7 @@ def leap_height(world: World, body: Bodies, start: Point, x: float, z: float, ju
     place = body.position[body.mover]
     place[0], place[1], place[2] = start.x, start.y, start.z
     rise, on_ground = 0.0, True
-    for frame in range(FRAMES):
+    for frame in range(JUMP_FRAMES if jump else DROP_FRAMES):
         east, north = x - place[0], z - place[2]
         left = np.sqrt(east * east + north * north)
         if left < ARRIVED and on_ground and frame > 0:
