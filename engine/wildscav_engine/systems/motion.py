@@ -29,6 +29,8 @@ from wildscav_engine.trig import cosine, sine
 
 SLIDES = 4  # how many surfaces one move can slide along
 FARTHEST = MAX_WALK_SPEED * FRAME  # m, the longest way sideways in a frame, by whatever means
+# What slides along a surface leaves it by this share of what it ran into it: rounding must not hold it there.
+LEAVING = 1.0 + 1e-6
 TOUCHING = 3.0 * SKIN  # m, a body this near above something stands on it
 
 
@@ -154,7 +156,7 @@ def _clip(way: Point, contact: Contact) -> Point:
     if 0.0 < n_y < COS_SLOPE_LIMIT:
         flat = np.sqrt(n_x * n_x + n_z * n_z)
         n_x, n_y, n_z = n_x / flat, 0.0, n_z / flat
-    into = way.x * n_x + way.y * n_y + way.z * n_z
+    into = (way.x * n_x + way.y * n_y + way.z * n_z) * LEAVING
     return Point(way.x - n_x * into, way.y - n_y * into, way.z - n_z * into)
 
 
@@ -316,7 +318,7 @@ def _fly_straight(world: World, bodies: Bodies, here: Point, rise: float) -> Mov
 def _slip(way: Point, contact: Contact) -> Point:
     """Return what is left of a flight along the surface that stopped it."""
     left = 1.0 - contact.fraction
-    into = way.x * contact.n_x + way.y * contact.n_y + way.z * contact.n_z
+    into = (way.x * contact.n_x + way.y * contact.n_y + way.z * contact.n_z) * LEAVING
     slipped_x = (way.x - contact.n_x * into) * left
     slipped_z = (way.z - contact.n_z * into) * left
     # A fall onto a steep face goes on sideways, but no faster than anybody can walk.
