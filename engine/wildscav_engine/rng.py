@@ -40,6 +40,7 @@ class Stream(IntEnum):
     TURNS = 18
     BOX_SERIAL = 19
     SUITE = 20
+    CATALOGUE = 21
 
 
 @kernel

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.body import EDGE_MARGIN
+from wildscav_engine.geometry.clearance import is_clear
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.locations import is_clear
 from wildscav_engine.rng import Dice, Stream, philox
 from wildscav_engine.robots import ROBOTS
 from wildscav_engine.rules import FRAMES_PER_SECOND

@@ -17,13 +17,13 @@ def is_clear(world: World, x: float, y: float, z: float) -> bool:
 
 @kernel
 def has_room(world: World, x: float, y: float, z: float, room: float) -> bool:
-    """Return whether a body at a place in m touches no solid, nor comes as near as ``room`` m to one beside it."""
+    """Return whether a body at a place in m keeps ``room`` m away from every solid beside it."""
     return is_free(world, x, y + CLEARANCE, y + BODY_HEIGHT + CLEARANCE, z, room)
 
 
 @kernel
 def is_free(world: World, x: float, low: float, high: float, z: float, room: float) -> bool:
-    """Return whether an upright cylinder touches no solid; it is ``room`` m wider on each side than a body."""
+    """Return whether an upright cylinder, ``room`` m wider than a body, touches no solid."""
     rows, columns = world.water.shape
     radius = BODY_RADIUS + room
     for row in range(

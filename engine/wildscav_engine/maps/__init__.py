@@ -1,8 +1,19 @@
-"""Maps: made from a config and a seed."""
+"""Maps: made from a config and a seed, or by their number."""
 
 from wildscav_engine.maps.cache import map_of
+from wildscav_engine.maps.catalogue import load_map, map_spec
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap, House, Room
 from wildscav_engine.maps.generate import generate_map
 
-__all__ = ["GENERATOR_VERSION", "GameMap", "House", "MapError", "Room", "generate_map", "map_of"]
+__all__ = [
+    "GENERATOR_VERSION",
+    "GameMap",
+    "House",
+    "MapError",
+    "Room",
+    "generate_map",
+    "load_map",
+    "map_of",
+    "map_spec",
+]

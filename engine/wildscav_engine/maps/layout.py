@@ -6,14 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.world import Solid
+from wildscav_engine.geometry.world import CELL, Solid
 from wildscav_engine.maps.base import Base, load_base
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import House
 from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_plan, house_of
 from wildscav_engine.maps.placements import fixed_houses, placed_solids
 from wildscav_engine.maps.sites import Settlement, Site, footprints_of, room_for, settle
-from wildscav_engine.maps.terrain import CELL, Terrain, level_ground, make_terrain
+from wildscav_engine.maps.terrain import Terrain, level_ground, make_terrain
 from wildscav_engine.maps.vegetation import plant
 from wildscav_engine.spec import MapConfig
 
@@ -72,9 +72,7 @@ def _ground(config: MapConfig, seed: int, base: Base | None) -> Terrain:
     return Terrain((-config.size / 2.0, -config.size / 2.0), heights, base.water_level)
 
 
-def settle_houses(
-    config: MapConfig, seed: int, terrain: Terrain
-) -> tuple[list[HousePlan], Settlement]:
+def settle_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[HousePlan], Settlement]:
     """Draw the houses and find their places, those by hand first; where there is no room, draw smaller ones.
 
     Args:

@@ -59,9 +59,7 @@ def choose_places(graph: WalkGraph, houses: Sequence[House], seed: int) -> Place
 
 
 @array_kernel
-def stand_on_ground(
-    world: World, places: NDArray[np.float64], nodes: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+def stand_on_ground(world: World, places: NDArray[np.float64], nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return (N,) for some nodes whether they are on the terrain."""
     on_ground = np.empty(len(nodes), np.bool_)
     for index in range(len(nodes)):
@@ -159,10 +157,8 @@ def _is_near(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.asarray(near_x & (np.abs(places[:, 2] - house.center[1]) < reach))
 
 
-def _spaced(
-    places: NDArray[np.float64], draws: NDArray[np.float64], spacing: float
-) -> NDArray[np.float64]:
-    """Return places (of (N, 3) m), taken in the order of their draws, that keep a distance from each other."""
+def _spaced(places: NDArray[np.float64], draws: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """Return places, taken in the order of their draws, that keep a distance from each other."""
     return keep_apart(places[np.argsort(draws, kind="stable")], spacing)
 
 
@@ -224,4 +220,4 @@ def is_covered(world: World, places: NDArray[np.float64]) -> NDArray[np.bool_]:
 @kernel
 def is_plant(kind: int) -> bool:
     """Return whether a kind is a part of a plant."""
-    return kind == TRUNK or kind == CROWN or kind == BUSH
+    return kind in (TRUNK, CROWN, BUSH)

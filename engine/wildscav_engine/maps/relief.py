@@ -99,7 +99,7 @@ def _noise(gradients: NDArray[np.float64], x: float, z: float) -> float:
     h10 = gradients[r1, c0, 0] * east + gradients[r1, c0, 1] * (north - 1.0)
     h11 = gradients[r1, c1, 0] * (east - 1.0) + gradients[r1, c1, 1] * (north - 1.0)
     at_south, at_north = h00 + blend_x * (h01 - h00), h10 + blend_x * (h11 - h10)
-    return SPREAD * (at_south + blend_z * (at_north - at_south))
+    return float(SPREAD * (at_south + blend_z * (at_north - at_south)))
 
 
 @kernel

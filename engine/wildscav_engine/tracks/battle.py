@@ -25,9 +25,11 @@ class Battle:
     )
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
-        """Return the spec's supplies, or the competition's first wave over the whole map."""
-        return spec.supplies or SupplyConfig(
-            waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0
+        """Return the spec's supplies, or the map's, or the competition's first wave over the whole map."""
+        return (
+            spec.supplies
+            or spec.map.config.supplies
+            or SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0)
         )
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:

@@ -21,9 +21,13 @@ class Gathering:
     metrics = (Metric("supplies", "supplies", "", lower_is_better=False),)
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
-        """Return the spec's supplies, or one wave around the middle of the map."""
-        return spec.supplies or SupplyConfig(
-            waves=(SupplyWave(center=(0.0, 0.0), radius=max(10.0, spec.map.config.size / 4)),)
+        """Return the spec's supplies, or the map's, or one wave around the middle of the map."""
+        return (
+            spec.supplies
+            or spec.map.config.supplies
+            or SupplyConfig(
+                waves=(SupplyWave(center=(0.0, 0.0), radius=max(10.0, spec.map.config.size / 4)),)
+            )
         )
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:

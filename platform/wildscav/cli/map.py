@@ -3,7 +3,6 @@
 import json
 import time
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -245,7 +244,7 @@ def _choose(map_id: int | None, seed: int | None, file: Path | None, fields: dic
     from pydantic import ValidationError
 
     from wildscav.console import error_console
-    from wildscav_engine.maps import MapError, generate_map
+    from wildscav_engine.maps import MapError, generate_map, load_map
     from wildscav_engine.spec import MapSpec, one_line
 
     given = seed is not None or file is not None or bool(fields)
@@ -260,7 +259,7 @@ def _choose(map_id: int | None, seed: int | None, file: Path | None, fields: dic
     try:
         with error_console.status("making the map"):
             if map_id is not None:
-                return Choice(_load(map_id), f"Map {map_id:03}")
+                return Choice(load_map(map_id), f"Map {map_id:03}")
             spec = MapSpec.model_validate(_spec_fields(seed, file, fields))
             title = f"Map {file.stem}" if file else f"Seed {spec.seed}"
             return Choice(generate_map(spec.config, spec.seed), title)
@@ -268,15 +267,6 @@ def _choose(map_id: int | None, seed: int | None, file: Path | None, fields: dic
         raise UserError(_without_config(one_line(error)), exit_code=2) from None
     except MapError as error:
         raise UserError(str(error), exit_code=2) from None
-
-
-def _load(map_id: int) -> "GameMap":
-    from wildscav_engine import maps
-
-    load: Callable[[int], GameMap] | None = getattr(maps, "load_map", None)
-    if load is None:
-        raise UserError("no map has an ID yet", exit_code=2)
-    return load(map_id)
 
 
 def _without_config(message: str) -> str:

@@ -9,7 +9,11 @@ from wildscav_engine.maps.walk.lattice import DIRECTIONS
 
 @kernel
 def successor(
-    node: int, number: int, edges: NDArray[np.int32], leap_start: NDArray[np.int64], leap_end: NDArray[np.int32]
+    node: int,
+    number: int,
+    edges: NDArray[np.int32],
+    leap_start: NDArray[np.int64],
+    leap_end: NDArray[np.int32],
 ) -> int:
     """Return where the edge or leap of a number leads to: -1 for nowhere, -2 past the last."""
     if number < DIRECTIONS:

@@ -7,7 +7,6 @@ between gentle neighbours need no walk.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_HEIGHT
 from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
@@ -33,13 +32,13 @@ from wildscav_engine.maps.walk.lattice import (
 )
 from wildscav_engine.systems.motion import Bodies, Point, on_steep_ground, walk
 
-ROOM = 0.03  # m around a node and to each side of an edge that a body may be off, and still arrive
+ROOM = 0.04  # m around a node and to each side of an edge that a body may be off, and still arrive
 MIDDLE_ROOM = 0.05  # m half way along a diagonal, so that bodies there and at its ends cover it
 ARRIVAL = 0.02  # m, nearer than this to a lattice point is there
 A_STEP = 0.25  # m, heights that differ less are neighbouring steps of a flight at most
 RISE = 0.66  # m, more than steps or slopes rise or drop over an edge
 WAIST = 1.0  # m, less than a body's height above what is RISE lower
-SMALL_STRIDE = 0.06  # m, of a body that walks at 3 m/s
+SMALL_STRIDE = 0.02  # m, of a body that walks at 1 m/s
 LEVEL = 0.02  # m, a difference that is no step
 STEEP_DROP = 0.7  # m down in a metre is looked at as a way to get down
 FLAT_DIAGONAL = 0.45  # m between the ends of a diagonal that needs no walk where all sides can be walked
@@ -73,7 +72,7 @@ def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start:
         The first node without edges: all have theirs, or there is no room left for eight more nodes.
     """
     node = start
-    while node < nodes.count[0] and nodes.count[0] + DIRECTIONS < room:
+    while node < nodes.found[0] and nodes.found[0] + DIRECTIONS < room:
         for direction in range(0, DIRECTIONS, 2):
             nodes.edges[node, direction] = _edge(world, nobody, lattice, nodes, node, direction)
         node += 1
@@ -81,11 +80,13 @@ def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start:
 
 
 @kernel
-def join_diagonals(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, room: int) -> int:
+def join_diagonals(
+    world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, room: int
+) -> int:
     """Find the diagonal edges of nodes that have their straight ones; see ``explore``."""
-    last = int(nodes.count[0])
+    last = int(nodes.found[0])
     for node in range(start, last):
-        if nodes.count[0] + DIRECTIONS >= room:
+        if nodes.found[0] + DIRECTIONS >= room:
             return node
         for direction in range(1, DIRECTIONS, 2):
             across = _across_square(lattice, nodes, node, direction)
@@ -116,7 +117,7 @@ def _across_square(lattice: Lattice, nodes: Nodes, node: int, direction: int) ->
 
 @kernel
 def _is_open(lattice: Lattice, nodes: Nodes, node: int) -> bool:
-    return lattice.marks[nodes.point[node]] == OPEN
+    return bool(lattice.marks[nodes.point[node]] == OPEN)
 
 
 @kernel

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,8 @@ from wildscav_engine.maps.walk.leaps import Leaps, find_leaps
 from wildscav_engine.systems.motion import Bodies
 
 LAYERS = 2.0  # nodes over a lattice point in a house to begin with; tables grow where it is more
+Number = TypeVar("Number", bound=np.generic)
+
 LEAPS_PER_NODE = 0.1  # to begin with
 
 
@@ -94,7 +97,7 @@ def _no_nodes(lattice: Lattice, room: int) -> Nodes:
         height=np.empty(room),
         following=np.empty(room, np.int32),
         edges=np.empty((room, DIRECTIONS), np.int32),
-        count=np.zeros(1, np.int64),
+        found=np.zeros(1, np.int64),
     )
 
 
@@ -109,26 +112,34 @@ def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> 
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     body = Bodies(np.zeros((1, 3)), np.ones(1, np.int32), 0)
     walked = joined = leapt = 0
-    while leapt < nodes.count[0]:
+    while leapt < nodes.found[0]:
         room = len(nodes.point)
         walked = explore(world, nobody, lattice, nodes, walked, room)
-        if walked == nodes.count[0]:
+        if walked == nodes.found[0]:
             joined = join_diagonals(world, nobody, lattice, nodes, joined, room)
-        if joined == nodes.count[0]:
+        if joined == nodes.found[0]:
             leapt = find_leaps(world, body, lattice, nodes, leaps, leapt, (room, len(leaps.start)))
-        if nodes.count[0] + 2 * DIRECTIONS >= room:
+        if nodes.found[0] + 2 * DIRECTIONS >= room:
             nodes = _with_room(nodes, room + room // 2)
-        if leaps.count[0] + 2 * DIRECTIONS >= len(leaps.start):
-            leaps = Leaps(*(_longer(table, 2 * len(table) + 64) for table in leaps[:3]), leaps.count)
+        if leaps.found[0] + 2 * DIRECTIONS >= len(leaps.start):
+            leaps = _with_more_leaps(leaps, 2 * len(leaps.start) + 64)
     return nodes, leaps
 
 
 def _with_room(nodes: Nodes, room: int) -> Nodes:
-    tables = (_longer(table, room) for table in (nodes.point, nodes.height, nodes.following, nodes.edges))
-    return Nodes(nodes.first, *tables, nodes.count)
+    return nodes._replace(
+        point=_longer(nodes.point, room),
+        height=_longer(nodes.height, room),
+        following=_longer(nodes.following, room),
+        edges=_longer(nodes.edges, room),
+    )
 
 
-def _longer(table: NDArray[np.generic], room: int) -> NDArray[np.generic]:
+def _with_more_leaps(leaps: Leaps, room: int) -> Leaps:
+    return Leaps(_longer(leaps.start, room), _longer(leaps.end, room), _longer(leaps.jump, room), leaps.found)
+
+
+def _longer(table: NDArray[Number], room: int) -> NDArray[Number]:
     longer = np.empty((room, *table.shape[1:]), table.dtype)
     longer[: len(table)] = table
     return longer
@@ -136,15 +147,20 @@ def _longer(table: NDArray[np.generic], room: int) -> NDArray[np.generic]:
 
 def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> WalkGraph:
     """Cut the tables to length and sort the leaps by their starts."""
-    count, leap_count = int(nodes.count[0]), int(leaps.count[0])
-    tables = (table[:count].copy() for table in (nodes.point, nodes.height, nodes.following, nodes.edges))
+    count, leap_count = int(nodes.found[0]), int(leaps.found[0])
+    nodes = nodes._replace(
+        point=nodes.point[:count].copy(),
+        height=nodes.height[:count].copy(),
+        following=nodes.following[:count].copy(),
+        edges=nodes.edges[:count].copy(),
+    )
     order = np.argsort(leaps.start[:leap_count], kind="stable")
     leap_start = np.zeros(count + 1, np.int64)
     np.cumsum(np.bincount(leaps.start[:leap_count], minlength=count), out=leap_start[1:])
     return WalkGraph(
         world,
         lattice,
-        Nodes(nodes.first, *tables, nodes.count),
+        nodes,
         leap_start,
         leaps.end[:leap_count][order],
         leaps.jump[:leap_count][order],

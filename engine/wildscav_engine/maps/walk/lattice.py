@@ -48,7 +48,7 @@ class Nodes(NamedTuple):
     height: NDArray[np.float64]  # (N,) m, where the soles are
     following: NDArray[np.int32]  # (N,) next node over the same point, -1: none
     edges: NDArray[np.int32]  # (N, 8) the node that a walk in each direction leads to, NO_EDGE …
-    count: NDArray[np.int64]  # (1,) N
+    found: NDArray[np.int64]  # (1,) N
 
 
 @array_kernel
@@ -58,7 +58,7 @@ def classify_cells(world: World) -> NDArray[np.uint8]:
     cells = np.zeros((rows, columns), np.uint8)
     for solid in range(world.solid_kind.shape[0]):
         kind = world.solid_kind[solid]
-        is_plant = kind == TRUNK or kind == CROWN or kind == BUSH
+        is_plant = kind in (TRUNK, CROWN, BUSH)
         low, high = world.solid_low[solid], world.solid_high[solid]
         _mark(world, cells, low, high, NEAR_REACH, NEAR)
         if not is_plant:
@@ -155,8 +155,8 @@ def node_at(nodes: Nodes, point: int, height: float) -> int:
 @kernel
 def add_node(nodes: Nodes, point: int, height: float) -> int:
     """Add a node over a point and return it. There must be room."""
-    node = int(nodes.count[0])
-    nodes.count[0] = node + 1
+    node = int(nodes.found[0])
+    nodes.found[0] = node + 1
     nodes.point[node], nodes.height[node] = point, height
     nodes.following[node], nodes.first[point] = nodes.first[point], node
     for direction in range(DIRECTIONS):

@@ -42,7 +42,7 @@ LEAP_SPEED = 5.0  # m/s, of a body that leaps
 JUMP_HEIGHT = 1.2  # m, what is jumped onto at most: a little less than a jump is high
 FARTHEST_LEAP = 4  # edges' lengths that a leap spans at most
 DROP_FRAMES, JUMP_FRAMES = 150, 60  # that a leap takes at most
-ARRIVED = 0.02  # m from the point, standing, is there
+ARRIVED = 0.01  # m from the point, standing, is there
 IN_WATER = 0.5  # what is left of the speed in water, for leaps
 
 
@@ -52,12 +52,18 @@ class Leaps(NamedTuple):
     start: NDArray[np.int32]  # (L,) node
     end: NDArray[np.int32]  # (L,) node
     jump: NDArray[np.bool_]  # (L,) whether it begins with a jump
-    count: NDArray[np.int64]  # (1,) L
+    found: NDArray[np.int64]  # (1,) L
 
 
 @kernel
 def find_leaps(
-    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, start: int, room: tuple[int, int]
+    world: World,
+    body: Bodies,
+    lattice: Lattice,
+    nodes: Nodes,
+    leaps: Leaps,
+    start: int,
+    room: tuple[int, int],
 ) -> int:
     """Find the leaps from the nodes that have all their edges, beginning with ``start``.
 
@@ -73,9 +79,9 @@ def find_leaps(
     Returns:
         The first node whose leaps are not known, as ``explore`` does.
     """
-    last = int(nodes.count[0])
+    last = int(nodes.found[0])
     for node in range(start, last):
-        if nodes.count[0] + DIRECTIONS >= room[0] or leaps.count[0] + DIRECTIONS >= room[1]:
+        if nodes.found[0] + DIRECTIONS >= room[0] or leaps.found[0] + DIRECTIONS >= room[1]:
             return node
         is_down = _neighbour_gets_down(nodes, node)  # one way down from around here is enough
         for direction in range(DIRECTIONS):
@@ -85,8 +91,7 @@ def find_leaps(
             if nodes.edges[node, direction] == FALLS and not is_down:
                 is_down = _get_down(world, body, lattice, nodes, leaps, node, direction)
             elif nodes.edges[node, direction] == NO_EDGE:
-                if _can_stand_higher(world, lattice, nodes, node, target):
-                    _leap(world, body, lattice, nodes, leaps, node, target, True)
+                _get_up(world, body, lattice, nodes, leaps, node, target)
     return last
 
 
@@ -116,10 +121,11 @@ def _get_down(
             return False
         target = to_row * lattice.side + to_column
         x, z = place_of(world, lattice, target)
-        if landing_height(world, x, z, nodes.height[node]) > -np.inf:
-            if _leap(world, body, lattice, nodes, leaps, node, target, False):
-                nodes.edges[node, direction] = GETS_DOWN
-                return True
+        if landing_height(world, x, z, nodes.height[node]) == -np.inf:
+            continue
+        if _leap(world, body, lattice, nodes, leaps, node, target, False):
+            nodes.edges[node, direction] = GETS_DOWN
+            return True
     return False
 
 
@@ -139,16 +145,19 @@ def landing_height(world: World, x: float, z: float, top: float) -> float:
 
 
 @kernel
-def _can_stand_higher(world: World, lattice: Lattice, nodes: Nodes, node: int, target: int) -> bool:
-    """Return whether over a point there is something to stand on, higher than a step and not than a jump.
+def _get_up(
+    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, target: int
+) -> None:
+    """Jump onto what there is to stand on over a point, higher than a step and not than a jump.
 
     It must not be known already: one jump onto a thing is enough.
     """
     if lattice.marks[target] != FINE:
-        return False
+        return
     x, z = place_of(world, lattice, target)
     height = landing_height(world, x, z, nodes.height[node] + JUMP_HEIGHT)
-    return bool(height > nodes.height[node] + STEP_HEIGHT and node_at(nodes, target, height) < 0)
+    if height > nodes.height[node] + STEP_HEIGHT and node_at(nodes, target, height) < 0:
+        _leap(world, body, lattice, nodes, leaps, node, target, True)
 
 
 @kernel
@@ -174,9 +183,9 @@ def _leap(
         other = add_node(nodes, target, height)
     if other < 0 or other == node:
         return False
-    leap = int(leaps.count[0])
+    leap = int(leaps.found[0])
     leaps.start[leap], leaps.end[leap], leaps.jump[leap] = node, other, jump
-    leaps.count[0] = leap + 1
+    leaps.found[0] = leap + 1
     return True
 
 
@@ -196,7 +205,7 @@ def _leaves_room(
 
 @kernel
 def leap_height(world: World, body: Bodies, start: Point, x: float, z: float, jump: bool) -> float:
-    """Play a leap and return the height in m at which the body comes to stand at (x, z), -inf if it does not."""
+    """Play a leap and return the height in m at which a body comes to stand at (x, z), -inf if not."""
     place = body.position[body.mover]
     place[0], place[1], place[2] = start.x, start.y, start.z
     rise, on_ground = 0.0, True

@@ -25,7 +25,7 @@ def shortest_way(
     start: int,
     end: int,
 ) -> NDArray[np.int32]:
-    """Return the nodes of the shortest way over edges and leaps, start and end included; empty if there is none.
+    """Return the nodes of the shortest way over edges and leaps, both ends included; empty if none.
 
     A* (Hart, Nilsson & Raphael 1968); lengths are horizontal, as ``walked`` counts them.
 
@@ -162,7 +162,7 @@ def _is_straight(world: World, nobody: Bodies, places: NDArray[np.float64], star
 @kernel
 def is_edge(edges: NDArray[np.int32], start: int, end: int) -> bool:
     """Return whether a walk leads from one node to another."""
+    leads_there = False
     for direction in range(DIRECTIONS):
-        if edges[start, direction] == end:
-            return True
-    return False
+        leads_there = leads_there or edges[start, direction] == end
+    return leads_there
