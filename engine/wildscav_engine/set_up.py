@@ -10,6 +10,7 @@ from wildscav_engine.geometry.clearance import is_clear
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.walk import is_reached, leads_out
 from wildscav_engine.rng import Dice, Stream, philox
 from wildscav_engine.robots import ROBOTS
 from wildscav_engine.rules import FRAMES_PER_SECOND
@@ -66,11 +67,13 @@ def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
     """Decide starts, target and supplies of a match.
 
     Raises:
-        MatchSetupError: A start or target is outside the map or inside something.
+        MatchSetupError: A start or target is outside the map or inside something, or there is no way from the
+            start, or none to the target.
     """
     track = TRACKS[spec.track]
     starts = _choose_starts(spec, game_map)
     target = _choose_target(spec, game_map, starts[0]) if track.has_target else None
+    _check_ways(spec, game_map, starts[0], target)
     config = track.supplies(spec)
     boxes, waves = _choose_boxes(spec, game_map, config) if config else ((), ())
     return Setup(spec, starts, target, boxes, waves)
@@ -123,8 +126,34 @@ def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: 
         raise MatchSetupError(f"{name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
     standing = max(y, ground_at(game_map.world, x, z).height)
     if not is_clear(game_map.world, x, standing + LIFT, z):
-        raise MatchSetupError(f"{name} is at x = {x}, y = {y}, z = {z}: inside something")
+        raise MatchSetupError(f"{name} is at {_named(place)}: inside something")
     return np.array([x, standing, z])
+
+
+def _check_ways(
+    spec: MatchSpec, game_map: GameMap, start: NDArray[np.float64], target: NDArray[np.float64] | None
+) -> None:
+    """Refuse a start and a target of the spec's own that would make the match impossible.
+
+    Places that are chosen at random need no check: a map's places can all be reached from each other.
+
+    Raises:
+        MatchSetupError: One does not get away from the start, or not to the target.
+    """
+    if spec.start is not None and not leads_out(game_map.graph, start):
+        raise MatchSetupError(
+            f"start is at {_named(spec.start)}: there is no way from there to the rest of the map"
+        )
+    if spec.target is None or target is None:
+        return
+    if not is_reached(game_map.graph, target, spec.rules.target_distance):
+        raise MatchSetupError(
+            f"target is at {_named(spec.target)}: there is no way to it from the rest of the map"
+        )
+
+
+def _named(place: tuple[float, float, float]) -> str:
+    return f"x = {place[0]}, y = {place[1]}, z = {place[2]}"
 
 
 def _choose_boxes(

@@ -85,6 +85,22 @@ def test_a_start_inside_a_wall_is_refused() -> None:
         make_match("navigation", world=world, start=(0, 0, 0))
 
 
+def test_a_start_or_target_that_nobody_gets_away_from_or_to_is_refused() -> None:
+    walls = [
+        box((5, 0, 5), (5.5, 3, 12)),
+        box((11.5, 0, 5), (12, 3, 12)),
+        box((5.5, 0, 5), (11.5, 3, 5.5)),
+        box((5.5, 0, 11.5), (11.5, 3, 12)),
+    ]
+    yard = flat_world(solids=walls)
+    with pytest.raises(MatchSetupError, match=r"target is at x = 8.*no way to it"):
+        make_match("navigation", world=yard, target=(8, 0, 8))
+    with pytest.raises(MatchSetupError, match=r"start is at x = 8.*no way from there"):
+        make_match("navigation", world=yard, start=(8, 0, 8))
+    gate = flat_world(solids=walls[1:])
+    assert not make_match("navigation", world=gate, start=(8, 0, 8), target=(-8, 0, -8)).over
+
+
 @pytest.mark.parametrize("name", TRACKS)
 def test_every_track_measures_all_of_its_metrics(name: str) -> None:
     match = make_match(name, seats=2)

@@ -1,6 +1,6 @@
 """Where a body can go: the walkable graph of a map, what of it can be reached and left, and shortest ways."""
 
 from wildscav_engine.maps.walk.graph import WalkGraph, build_graph
-from wildscav_engine.maps.walk.paths import Leg, Path, find_path, node_near
+from wildscav_engine.maps.walk.paths import Leg, Path, find_path, is_reached, leads_out, node_near
 
-__all__ = ["Leg", "Path", "WalkGraph", "build_graph", "find_path", "node_near"]
+__all__ = ["Leg", "Path", "WalkGraph", "build_graph", "find_path", "is_reached", "leads_out", "node_near"]

@@ -73,6 +73,32 @@ def find_path(graph: WalkGraph, start: Sequence[float], end: Sequence[float]) ->
     return Path(_triple(start), tuple(legs))
 
 
+def is_reached(graph: WalkGraph, place: Sequence[float], distance: float) -> bool:
+    """Return whether one gets to a place (or within a distance in m of it) from all over the map.
+
+    Args:
+        graph: Of the map.
+        place: x, y, z in m, soles.
+        distance: m, 3D.
+    """
+    node = node_near(graph, place, leave=False)
+    if node is not None and graph.connected[node]:
+        return True
+    nodes = _nodes_around(graph, float(place[0]), float(place[2]))
+    ways = graph.positions(nodes) - np.asarray(place, np.float64)
+    return bool((graph.connected[nodes] & ((ways * ways).sum(axis=1) <= distance * distance)).any())
+
+
+def leads_out(graph: WalkGraph, place: Sequence[float]) -> bool:
+    """Return whether from a place (x, y, z in m, soles) one gets all over the map."""
+    node = node_near(graph, place, leave=True)
+    if node is None or graph.connected[node]:
+        return node is not None
+    anywhere = int(np.argmax(graph.connected))
+    tables = graph.nodes.edges, graph.leap_start, graph.leap_end
+    return len(shortest_way(graph.positions(), *tables, node, anywhere)) > 0
+
+
 def node_near(graph: WalkGraph, place: Sequence[float], *, leave: bool) -> int | None:
     """Return the nearest node that can be walked to straight from a place (or from where it can be), or None.
 
