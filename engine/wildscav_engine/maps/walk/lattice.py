@@ -91,10 +91,13 @@ def _mark(
 
 
 def make_lattice(world: World) -> Lattice:
-    """Return the lattice of a world; a point on the line between two cells belongs to the greater one."""
-    cells = classify_cells(world)
-    of_points = cells.repeat(POINTS, axis=0).repeat(POINTS, axis=1)
-    marks = np.pad(of_points, ((0, 1), (0, 1)), mode="edge")
+    """Return the lattice of a world; a point on the line between cells is what the greater of them is."""
+    cells = classify_cells(world).repeat(POINTS, axis=0).repeat(POINTS, axis=1)
+    marks = np.zeros((len(cells) + 1, len(cells) + 1), np.uint8)
+    for row in (0, 1):
+        for column in (0, 1):
+            part = marks[row : row + len(cells), column : column + len(cells)]
+            np.maximum(part, cells, out=part)
     return Lattice(len(marks), marks.reshape(-1))
 
 
