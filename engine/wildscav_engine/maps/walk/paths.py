@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from wildscav_engine.maps.walk.explore import walk_straight
 from wildscav_engine.maps.walk.graph import WalkGraph
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
-from wildscav_engine.maps.walk.search import farthest_straight, is_edge, shortest_way
+from wildscav_engine.maps.walk.search import is_edge, pull_straight, shortest_way
 from wildscav_engine.systems.motion import Bodies, Point
 
 ATTACH = 1.5  # m, how far a place may lie from the node that stands for it
 ON_NODE = 1e-6  # m
+
+Place = Sequence[float] | NDArray[np.float64]  # x, y, z in m, soles
 
 
 class Leg(NamedTuple):
@@ -44,7 +46,7 @@ class Path:
         return float(np.sqrt(ways[:, 0] * ways[:, 0] + ways[:, 1] * ways[:, 1]).sum())
 
 
-def find_path(graph: WalkGraph, start: Sequence[float], end: Sequence[float]) -> Path | None:
+def find_path(graph: WalkGraph, start: Place, end: Place) -> Path | None:
     """Return the shortest known path between two places of a map.
 
     The shortest way over the graph is pulled straight wherever a straight walk arrives too. What is left is
@@ -65,15 +67,17 @@ def find_path(graph: WalkGraph, start: Sequence[float], end: Sequence[float]) ->
     way = shortest_way(places, graph.nodes.edges, graph.leap_start, graph.leap_end, first, last)
     if len(way) == 0:
         return None
-    legs = _straight_legs(graph, places, way)
+    is_leap = [not is_edge(graph.nodes.edges, int(way[at]), int(way[at + 1])) for at in range(len(way) - 1)]
     if not _is_at(start, places[first]):
-        legs.insert(0, Leg(_triple(places[first])))
+        places = np.concatenate([places, [start]])
+        way, is_leap = np.insert(way, 0, len(places) - 1), [False, *is_leap]
     if not _is_at(end, places[last]):
-        legs.append(Leg(_triple(end)))
-    return Path(_triple(start), tuple(legs))
+        places = np.concatenate([places, [end]])
+        way, is_leap = np.append(way, len(places) - 1), [*is_leap, False]
+    return Path(_triple(start), tuple(_legs(graph, places, way.astype(np.int32), is_leap)))
 
 
-def is_reached(graph: WalkGraph, place: Sequence[float], distance: float) -> bool:
+def is_reached(graph: WalkGraph, place: Place, distance: float) -> bool:
     """Return whether one gets to a place (or within a distance in m of it) from all over the map.
 
     Args:
@@ -89,7 +93,7 @@ def is_reached(graph: WalkGraph, place: Sequence[float], distance: float) -> boo
     return bool((graph.connected[nodes] & ((ways * ways).sum(axis=1) <= distance * distance)).any())
 
 
-def leads_out(graph: WalkGraph, place: Sequence[float]) -> bool:
+def leads_out(graph: WalkGraph, place: Place) -> bool:
     """Return whether from a place (x, y, z in m, soles) one gets all over the map."""
     node = node_near(graph, place, leave=True)
     if node is None or graph.connected[node]:
@@ -99,7 +103,7 @@ def leads_out(graph: WalkGraph, place: Sequence[float]) -> bool:
     return len(shortest_way(graph.positions(), *tables, node, anywhere)) > 0
 
 
-def node_near(graph: WalkGraph, place: Sequence[float], *, leave: bool) -> int | None:
+def node_near(graph: WalkGraph, place: Place, *, leave: bool) -> int | None:
     """Return the nearest node that can be walked to straight from a place (or from where it can be), or None.
 
     Args:
@@ -139,35 +143,30 @@ def _leads_to(graph: WalkGraph, start: Point, end: Point) -> bool:
     return bool(abs(height - end.y) <= SAME_SURFACE)
 
 
-def _straight_legs(graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32]) -> list[Leg]:
-    """Return the legs along a way, each as long as a straight walk arrives."""
-    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+def _legs(
+    graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32], is_leap: Sequence[bool]
+) -> list[Leg]:
+    """Return the legs along a way: its leaps as they are, the walks between them pulled straight."""
     legs = []
-    for first, last in _walks(graph, way):
-        if last < 0:
-            jump = _begins_with_jump(graph, int(way[first]), int(way[first + 1]))
-            legs.append(Leg(_triple(places[way[first + 1]]), True, jump))
-            continue
-        at = first
-        while at < last:
-            at = farthest_straight(graph.world, nobody, places, way, at, last)
-            legs.append(Leg(_triple(places[way[at]])))
+    first = 0
+    for at, leaps in enumerate([*is_leap, True]):
+        if leaps:
+            legs += [Leg(_triple(places[node])) for node in _pulled(graph, places, way[first : at + 1])[1:]]
+            first = at + 1
+            if first < len(way):
+                jump = _begins_with_jump(graph, int(way[at]), int(way[first]))
+                legs.append(Leg(_triple(places[way[first]]), True, jump))
     return legs
 
 
-def _walks(graph: WalkGraph, way: NDArray[np.int32]) -> list[tuple[int, int]]:
-    """Cut a way into walks, (first, last) index, and leaps, (index, -1)."""
-    parts = []
-    first = 0
-    for index in range(len(way) - 1):
-        if not is_edge(graph.nodes.edges, int(way[index]), int(way[index + 1])):
-            if index > first:
-                parts.append((first, index))
-            parts.append((index, -1))
-            first = index + 1
-    if len(way) - 1 > first:
-        parts.append((first, len(way) - 1))
-    return parts
+def _pulled(graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return the nodes of a walk that are left when it is pulled straight, again while that helps."""
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    while True:
+        kept = pull_straight(graph.world, nobody, places, way)
+        if len(kept) == len(way):
+            return way
+        way = kept
 
 
 def _begins_with_jump(graph: WalkGraph, start: int, end: int) -> bool:
@@ -176,9 +175,9 @@ def _begins_with_jump(graph: WalkGraph, start: int, end: int) -> bool:
     return bool(graph.leap_jump[leaps][graph.leap_end[leaps] == end].all())
 
 
-def _is_at(place: Sequence[float], node: NDArray[np.float64]) -> bool:
+def _is_at(place: Place, node: NDArray[np.float64]) -> bool:
     return all(abs(float(value) - other) <= ON_NODE for value, other in zip(place, node, strict=True))
 
 
-def _triple(place: Sequence[float] | NDArray[np.float64]) -> tuple[float, float, float]:
+def _triple(place: Place) -> tuple[float, float, float]:
     return float(place[0]), float(place[1]), float(place[2])

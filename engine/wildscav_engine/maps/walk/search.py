@@ -117,29 +117,44 @@ def _pop(heap: NDArray[np.int32], urgency: NDArray[np.float64], size: int) -> in
     return size - 1
 
 
-@kernel
-def farthest_straight(
-    world: World, nobody: Bodies, places: NDArray[np.float64], way: NDArray[np.int32], first: int, last: int
-) -> int:
-    """Return the index of a node of a way, as far as possible, that can be walked to straight from another.
-
-    It gallops ahead while straight walks arrive, then halves the gap; so it may miss a later one.
+@array_kernel
+def pull_straight(
+    world: World, nobody: Bodies, places: NDArray[np.float64], way: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """Return the nodes that are left of a way where straight walks take the place of many short ones.
 
     Args:
         world: The static world.
         nobody: No bodies.
         places: (N, 3) m, of the nodes.
-        way: Nodes, joined by edges (not leaps) from ``first`` to ``last``.
-        first: Index in the way to walk from.
-        last: Index to look up to.
+        way: Nodes, each of which can be walked to from the one before.
     """
+    kept = np.empty_like(way)
+    kept[0], count, at, last = way[0], 1, 0, len(way) - 1
+    while at < last:
+        at = _farthest_straight(world, nobody, places, way, at, last)
+        kept[count] = way[at]
+        count += 1
+    return kept[:count].copy()
+
+
+@kernel
+def _farthest_straight(
+    world: World, nobody: Bodies, places: NDArray[np.float64], way: NDArray[np.int32], first: int, last: int
+) -> int:
+    """Return the index of a node of a way, as far as possible, that can be walked to straight from another.
+
+    After the last node it gallops ahead while straight walks arrive, then halves the gap; so it may miss one.
+    """
+    if first + 1 == last or _is_straight(world, nobody, places, way[first], way[last]):
+        return last
     good, stride = first + 1, 2
     while good < last:
         ahead = min(last, first + stride)
         if not _is_straight(world, nobody, places, way[first], way[ahead]):
             break
         good, stride = ahead, 2 * stride
-    bad = min(last + 1, first + stride)
+    bad = min(last, first + stride)
     while bad - good > 1:
         middle = (good + bad) // 2
         if _is_straight(world, nobody, places, way[first], way[middle]):

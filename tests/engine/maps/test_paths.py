@@ -1,0 +1,115 @@
+"""Paths hold: an agent that goes along them by the engine's own motion arrives, wherever they lead."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.engine.maps.walker import Walker
+
+from builders import box, flat_world
+from wildscav_engine.maps import GameMap, MapError, generate_map
+from wildscav_engine.maps.walk import build_graph, find_path
+from wildscav_engine.rng import Dice, Stream
+from wildscav_engine.spec import MapConfig
+
+SPEEDS = (3.0, 5.0, 10.0)  # m/s
+
+configs = st.builds(
+    MapConfig,
+    size=st.integers(30, 45).map(lambda half: 2 * half),
+    houses=st.integers(0, 3),
+    storeys=st.sampled_from([(1, 1), (1, 4), (2, 3)]),
+    density=st.sampled_from(["low", "high"]),
+    relief=st.floats(0.0, 2.0),
+    ruggedness=st.floats(0.0, 1.0),
+    water=st.floats(0.0, 0.3),
+    vegetation=st.floats(0.0, 1.0),
+)
+
+
+def try_map(config: MapConfig, seed: int) -> GameMap | None:
+    try:
+        return generate_map(config, seed)
+    except MapError:  # steep and wet, and more houses than fit
+        return None
+
+
+def walk_between_places(game_map: GameMap, seed: int, paths: int) -> None:
+    """Go from random place to random place, indoors and out, at all speeds."""
+    dice = Dice(seed, Stream.TARGET)
+    places = np.concatenate([game_map.outdoor, game_map.indoor])
+    for number in range(paths):
+        start, end = (places[dice.integer(0, len(places) - 1)] for _ in range(2))
+        path = find_path(game_map.graph, start, end)
+        assert path is not None, f"no way from {start} to {end}"
+        assert path.length >= math.dist(start[::2], end[::2]) - 1e-9
+        walker = Walker(game_map.world, *path.start)
+        assert walker.follow(path, SPEEDS[number % 3]), (
+            f"seed {seed}: from {start} to {end}: stuck at {walker.position[0]}"
+        )
+
+
+@settings(max_examples=8)
+@given(config=configs, seed=st.integers(0, 2**64 - 1))
+def test_every_path_between_places_of_any_map_is_walked_to_its_end(config: MapConfig, seed: int) -> None:
+    game_map = try_map(config, seed)
+    if game_map:
+        walk_between_places(game_map, seed, paths=6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hundred", [0, 1])
+def test_paths_on_two_hundred_random_maps_are_walked_to_their_ends(hundred: int) -> None:
+    for seed in range(100 * hundred, 100 * hundred + 100):
+        dice = Dice(seed, Stream.HOUSES)
+        config = MapConfig(
+            size=2 * dice.integer(30, 60),
+            houses=dice.integer(0, 4),
+            storeys=((1, 4), (1, 2), (2, 3))[seed % 3],
+            density=("low", "high")[seed % 2],
+            relief=dice.uniform(0.3, 1.6),
+            ruggedness=dice.uniform(),
+            water=dice.uniform(0.0, 0.25),
+            vegetation=dice.uniform(),
+        )
+        game_map = try_map(config, seed)
+        if game_map:
+            walk_between_places(game_map, seed, paths=6)
+
+
+def test_a_path_over_open_ground_is_the_straight_line() -> None:
+    graph = build_graph(flat_world())
+    path = find_path(graph, (-15.3, 0, -11.2), (14.7, 0, 8.9))
+    assert path is not None
+    assert path.length == pytest.approx(math.dist((-15.3, -11.2), (14.7, 8.9)), rel=0.01)
+
+
+def test_a_path_goes_round_a_wall_by_the_shorter_end() -> None:
+    # From (0, -5) to (0, 5); the wall reaches from x = -12 to x = 6, and a body keeps 0.45 m from its end.
+    graph = build_graph(flat_world(solids=[box((-12, 0, -0.5), (6, 3, 0.5))]))
+    path = find_path(graph, (0, 0, -5), (0, 0, 5))
+    shortest = 2 * math.dist((0, -5), (6.45, -0.95)) + 1.9
+    assert path is not None
+    assert shortest <= path.length <= 1.05 * shortest
+
+
+def test_the_length_of_a_path_is_what_an_agent_walks() -> None:
+    game_map = generate_map(MapConfig(size=60, houses=1), 5)
+    start, end = game_map.indoor[-1], game_map.outdoor[0]
+    path = find_path(game_map.graph, start, end)
+    assert path is not None
+    walked, here = 0.0, path.start
+    walker = Walker(game_map.world, *here)
+    for leg in path.legs:
+        before = walker.position[0].copy()
+        assert walker._go(leg, 5.0)
+        walked += math.dist(before[::2], walker.position[0, ::2])
+    assert walked == pytest.approx(path.length, rel=0.01)
+
+
+def test_there_is_no_path_to_where_nobody_can_stand() -> None:
+    graph = build_graph(flat_world(solids=[box((-2, 0, -2), (2, 3, 2))]))
+    assert find_path(graph, (-10, 0, 0), (0, 0, 0)) is None
+    assert find_path(graph, (-10, 0, 0), (5, 9.0, 5)) is None
