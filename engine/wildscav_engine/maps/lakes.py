@@ -11,16 +11,21 @@ DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
 SHELF = 4.5  # m from the shore to where a lake has half its depth
 SMALLEST_LAKE = 40.0  # m²
 SMALLEST_SHARE = 0.006  # of all the water in one lake; smaller ponds are filled in
+SHORE_ROUNDS = 3  # of softening, which round the corners of a shore off
+LEAST_LEFT = 0.75  # of the smallest lake, after that
 ROUNDS = 14  # of halving the range in which the water's level is sought
 DIAGONAL = 1.4142135623730951
 FAR = 1e6  # m, more than any distance on a map
 
 
-def flood(heights: NDArray[np.float64], water: float, scale: float) -> NDArray[np.float64]:
+def flood(
+    heights: NDArray[np.float64], bumps: NDArray[np.float64], water: float, scale: float
+) -> NDArray[np.float64]:
     """Let water stand in the hollows.
 
     Args:
         heights: (R, C) m.
+        bumps: (R, C) m, added to the heights to find out where water stands: they bend the shores.
         water: Share of the points to be under water, above 0.
         scale: What heights above the water are multiplied by.
 
@@ -30,6 +35,7 @@ def flood(heights: NDArray[np.float64], water: float, scale: float) -> NDArray[n
     smooth = heights.copy()
     for _ in range(3):
         smooth = softened(smooth)
+    smooth += bumps
     level = _level_of(smooth, water)
     wet = _lakes_at(level, smooth, water)
     above = (heights - level) * scale
@@ -37,7 +43,13 @@ def flood(heights: NDArray[np.float64], water: float, scale: float) -> NDArray[n
     from_water, from_land = (np.full((len(wet) + 2, wet.shape[1] + 2), FAR) for _ in range(2))
     _measure(1, wet, from_water)
     _measure(0, wet, from_land)
-    _shape_shores(from_water, from_land, wet, above)
+    # A shore runs between the points: half a cell from the last wet one, and around corners in a curve.
+    from_shore = np.where(wet == 1, 0.5 * CELL - from_land[1:-1, 1:-1], from_water[1:-1, 1:-1] - 0.5 * CELL)
+    for _ in range(SHORE_ROUNDS):
+        from_shore = softened(from_shore)
+    wet = (from_shore < 0.0).astype(np.int8)
+    turn_small_parts(1, LEAST_LEFT * _least_points(water, wet.size), np.empty(wet.size, np.int32), wet)
+    _shape_shores(np.where(wet == 1, from_shore, np.abs(from_shore)), above)
     return above
 
 
@@ -64,11 +76,16 @@ def _level_of(smooth: NDArray[np.float64], water: float) -> float:
 def _lakes_at(level: float, smooth: NDArray[np.float64], water: float) -> NDArray[np.int8]:
     """Return (R, C) 1 where water stands at a level, without small ponds and islands, else 0."""
     wet = (smooth < level).astype(np.int8)
-    least = max(SMALLEST_LAKE / (CELL * CELL), SMALLEST_SHARE * water * smooth.size)
+    least = _least_points(water, smooth.size)
     waiting = np.empty(smooth.size, np.int32)
     turn_small_parts(1, least, waiting, wet)
     turn_small_parts(0, least, waiting, wet)
     return wet
+
+
+def _least_points(water: float, points: int) -> float:
+    """Return how many points the smallest lake of a map has."""
+    return max(SMALLEST_LAKE / (CELL * CELL), SMALLEST_SHARE * water * points)
 
 
 @kernel
@@ -100,31 +117,24 @@ def _measure(value: int, wet: NDArray[np.int8], away: NDArray[np.float64]) -> No
 
 
 @kernel
-def _shape_shores(
-    from_water: NDArray[np.float64],
-    from_land: NDArray[np.float64],
-    wet: NDArray[np.int8],
-    above: NDArray[np.float64],
-) -> None:
+def _shape_shores(from_shore: NDArray[np.float64], above: NDArray[np.float64]) -> None:
     """Make beds shallow, shores gentle, and lift the land that lies too low into dry flats.
 
     Args:
-        from_water: (R + 2, C + 2) m to the nearest water, with a rim.
-        from_land: (R + 2, C + 2) m to the nearest land, with a rim.
-        wet: (R, C) 1 under water.
+        from_shore: (R, C) m to the nearest shore, less than 0 in a lake.
         above: (R, C) m above the water's level, changed.
     """
-    for row in range(wet.shape[0]):
-        for column in range(wet.shape[1]):
-            if wet[row, column] == 1:
-                out = from_land[row + 1, column + 1] - 0.5 * CELL
-                above[row, column] = -DEEPEST_WATER * out / (out + SHELF)
+    for row in range(above.shape[0]):
+        for column in range(above.shape[1]):
+            away = from_shore[row, column]
+            if away < 0.0:
+                above[row, column] = DEEPEST_WATER * away / (SHELF - away)
             else:
-                away = from_water[row + 1, column + 1] - 0.5 * CELL
-                beach = 0.1 + 0.1 * away + 0.025 * away * away
-                flats = min(0.1 + 0.03 * away, 0.6)
+                bank = min(away, 1.0)
+                beach = 0.1 * bank + 0.1 * away + 0.025 * away * away
+                flats = min(0.1 * bank + 0.03 * away, 0.6)
                 height = smooth_least(above[row, column], beach, min(beach, 1.0))
-                above[row, column] = -smooth_least(-height, -flats, 0.3)
+                above[row, column] = -smooth_least(-height, -flats, 0.3 * bank)
 
 
 @kernel

@@ -19,14 +19,15 @@ SHORTEST_COUNTRY, LONGEST_COUNTRY = 40.0, 540.0  # m from one upland to the next
 STEEPNESS = 0.12  # m of height by m from one upland to the next, at relief 1, and for small countries more:
 STEEPNESS_OF_SMALL = 2.2  # m of height
 LEAST_RANGE = 0.65  # of the country's height between a map's highest and lowest ground, at the least
+SHORE_WAVE, SHORE_HEIGHT = 26.0, 0.5  # m, of what bends the shores of lakes, at relief 1
 FINEST_HILLS = 11.0  # m, the shortest waves
 HILL_OCTAVES = 4
 CLIFF_WIDTH = 0.45  # m on either side of a cliff's middle within which it rises, by m of its height
 WIDEST_CLIFF = 2.2  # m
 
 # The layers of noise, each read from a corner of the lattice of its own.
-WARP_EAST, WARP_NORTH, UPLANDS, CHAINS, HILLS, DETAIL, MOUNTAINOUS, PLAIN, CLIFFY, BREAKS = range(10)
-LAYERS = 10
+WARP_EAST, WARP_NORTH, UPLANDS, CHAINS, HILLS, DETAIL, MOUNTAINOUS, PLAIN, CLIFFY, BREAKS, SHORES = range(11)
+LAYERS = 11
 
 
 class Country(NamedTuple):
@@ -193,6 +194,17 @@ def lay_out(
             broad[row, column] = country.height * (0.5 * upland * flat + 1.1 * mountain * crest)
             hill = _layer(gradients, origins, HILLS, octaves, 0.42, 2.5 * x, 2.5 * z)
             hills[row, column] = country.height * hill * (0.04 + 0.18 * (1.0 - plain))
+
+
+@kernel
+def draw_bumps(
+    relief: float, gradients: NDArray[np.float64], origins: NDArray[np.float64], bumps: NDArray[np.float64]
+) -> None:
+    """Write (R, C) m, what bends the shores of lakes where their banks are flat."""
+    for row in range(bumps.shape[0]):
+        for column in range(bumps.shape[1]):
+            x, z = column * CELL / SHORE_WAVE, row * CELL / SHORE_WAVE
+            bumps[row, column] = SHORE_HEIGHT * relief * _layer(gradients, origins, SHORES, 2, 0.5, x, z)
 
 
 @kernel

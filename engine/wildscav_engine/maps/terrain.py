@@ -13,6 +13,7 @@ from wildscav_engine.maps.lakes import DEEPEST_WATER, flood, smooth_least, softe
 from wildscav_engine.maps.parts import largest_part
 from wildscav_engine.maps.relief import (
     LEAST_RANGE,
+    draw_bumps,
     draw_country,
     draw_gradients,
     draw_origins,
@@ -35,6 +36,7 @@ FLATTEST_SHAPE = 0.25  # the least relief with which land is shaped; what is fla
 # Rain carves valleys into coarse ground first, then gullies into the fine: points of the height field by one
 # of the ground, and drops for each of these.
 VALLEY_RAINS, GULLY_RAIN = ((4, 0.45), (2, 0.2)), (1, 0.15)
+ROUNDINGS = 2  # of a rain's traces, by how coarse its ground is: else one sees the squares of that ground
 LEAST_POINTS = 25  # along a side of ground that is worth rain
 STEEPEST_SOIL = 0.62 * CELL  # m from one point to the next
 CRUMBLING = 12  # rounds
@@ -65,7 +67,9 @@ def make_terrain(config: MapConfig, seed: int) -> Terrain:
         heights = (heights - heights.min()) * scale
         _open_ways(cliffs, heights)
         return Terrain(corner, heights, -np.inf)
-    heights = flood(heights, config.water, scale)
+    bumps = np.empty(heights.shape)
+    draw_bumps(max(config.relief, FLATTEST_SHAPE), draw_gradients(seed), draw_origins(seed), bumps)
+    heights = flood(heights, bumps, config.water, scale)
     _open_ways(cliffs, heights)
     return Terrain(corner, heights, 0.0)
 
@@ -119,7 +123,11 @@ def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.f
     change = -ground
     rain(seed, coarseness, int(drops * ground.size), ground)
     change += ground
-    add_finely(coarseness, softened(change), heights)
+    finely = np.zeros(heights.shape)
+    add_finely(coarseness, softened(change), finely)
+    for _ in range(ROUNDINGS * (coarseness - 1)):
+        finely = softened(finely)
+    heights += finely
 
 
 def water_of_cells(heights: NDArray[np.float64], level: float) -> NDArray[np.float64]:
