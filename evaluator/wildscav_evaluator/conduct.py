@@ -4,9 +4,9 @@ Fields that a track does not have are counted in the results and not told: an ag
 well set them.
 """
 
+from wildscav.console import counted
 from wildscav.wire.actions import MAX_WALK_SPEED
 from wildscav_evaluator.results import Evaluation
-from wildscav_evaluator.tables import counted
 
 
 def evaluation_remark(evaluation: Evaluation) -> str | None:

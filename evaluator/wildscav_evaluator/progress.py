@@ -9,9 +9,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from wildscav.console import counted
 from wildscav_evaluator.jobs import Job, JobResult
 from wildscav_evaluator.run import metric_infos
-from wildscav_evaluator.tables import counted, number
+from wildscav_evaluator.tables import number
 
 
 class Line:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.console import command, console
+from wildscav.console import command, console, counted
 from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.complaints import raise_all
@@ -16,7 +16,7 @@ from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
 from wildscav_evaluator.sinks import ResultSink, sinks
-from wildscav_evaluator.tables import LEGEND, counted, ranked, track_table
+from wildscav_evaluator.tables import LEGEND, ranked, track_table
 from wildscav_evaluator.workers import WorkerDiedError, Workers
 
 INTERRUPTED = 130  # exit code, as shells have it

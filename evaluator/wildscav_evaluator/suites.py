@@ -139,19 +139,27 @@ def _small_map(dice: Dice) -> MapConfig:
     return MapConfig(
         size=choose(dice, (60, 80, 100)),
         houses=dice.integer(2, 3),
+        density="high" if dice.integer(0, 1) else "low",
         storeys=(1, 2),
+        relief=choose(dice, (0.5, 1.0, 1.5)),
+        ruggedness=choose(dice, (0.1, 0.4, 0.8)),
         water=choose(dice, (0.0, 0.06)),
         vegetation=choose(dice, (0.2, 0.4)),
     )
 
 
 def _large_map(dice: Dice) -> MapConfig:
-    """A map like the original's large ones: 500 m, 12 to 15 houses of two or three storeys."""
+    """A map like the original's large ones: 500 m, 12 to 15 houses of two or three storeys.
+
+    The land itself is anything from smooth downs to rugged mountains.
+    """
     return MapConfig(
         size=500,
         houses=dice.integer(12, 15),
         density="high" if dice.integer(0, 1) else "low",
         storeys=(2, 3),
+        relief=choose(dice, (0.5, 1.0, 1.5, 2.0)),
+        ruggedness=choose(dice, (0.1, 0.4, 0.7, 1.0)),
         water=choose(dice, (0.04, 0.08, 0.12)),
         vegetation=choose(dice, (0.2, 0.4, 0.6)),
     )

@@ -86,12 +86,6 @@ def number(value: float, metric: MetricInfo) -> str:
     return f"{value:.0%}" if metric.title.endswith("rate") else f"{value:.1f}"
 
 
-def counted(count: int, noun: str) -> str:
-    """Return a count with its noun, such as "1 match" and "1,000 matches"."""
-    plural = "es" if noun.endswith("h") else "s"
-    return f"{count:,} {noun}{'' if count == 1 else plural}"
-
-
 def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:
     """Return evaluations of one track in order, with their ranks; equal scores share one.
 

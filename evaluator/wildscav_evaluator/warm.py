@@ -9,18 +9,20 @@ def warm() -> None:
     Numba compiles what is called, for the types that it is called with, and writes it to the cache: every
     process that comes later only loads it.
     """
+    from wildscav.server.warm import warm_map
     from wildscav_engine.actions import no_actions
     from wildscav_engine.maps.mesh import solids_mesh
     from wildscav_engine.match import Match
     from wildscav_engine.robots import ROBOTS
     from wildscav_engine.sensors import SENSORS
-    from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec
+    from wildscav_engine.spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS
 
-    game_map = MapSpec(config=MapConfig(size=40, houses=1))
+    game_map = warm_map()
     for track in TRACKS:
         seats = (SUBMISSION, *ROBOTS) if track == "battle" else (SUBMISSION,)
-        match = Match(MatchSpec(track=track, map=game_map, seats=seats, time_limit=0.5))
+        spec = MatchSpec(track=track, map=game_map.spec, seats=seats, time_limit=0.5)
+        match = Match(spec, game_map)
         while not match.over:
             match.step(no_actions(match.seats) + np.float32(1.0))
         match.start_info(0)

@@ -6,8 +6,8 @@ from pathlib import Path
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from wildscav.console import counted
 from wildscav_evaluator import results
-from wildscav_evaluator.tables import counted
 from wildscav_leaderboard.database import check_writable, writing
 from wildscav_leaderboard.models import Evaluation, MatchResult, Score, Submission
 

@@ -18,6 +18,12 @@ def printable(text: str) -> str:
     )
 
 
+def counted(count: int, noun: str) -> str:
+    """Return a count with its noun, such as "1 match" and "1,000 matches"."""
+    plural = "es" if noun.endswith("h") else "s"
+    return f"{count:,} {noun}{'' if count == 1 else plural}"
+
+
 def command(name: str) -> str:
     """Return what to type to run a program that was installed with this one."""
     beside = Path(sys.executable).parent / name

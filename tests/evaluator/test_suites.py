@@ -5,6 +5,7 @@ from typing import get_args, get_type_hints
 
 import pytest
 
+from wildscav_engine.maps.layout import lay_out
 from wildscav_engine.spec import SUBMISSION
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli import evaluate
@@ -26,6 +27,22 @@ def test_every_suite_has_every_track_and_is_a_function_of_its_seed(name: str, tr
 @pytest.mark.parametrize(("name", "track"), BOTH)
 def test_the_maps_are_from_the_seeds_that_are_kept_for_evaluation(name: str, track: str) -> None:
     assert all(spec.map.seed >= EVALUATION_MAPS for spec in suite(track, name, 0))
+
+
+@pytest.mark.parametrize(("name", "track"), BOTH)
+def test_every_map_of_a_suite_can_be_made(name: str, track: str) -> None:
+    for spec in {match.map for match in suite(track, name, 3)}:
+        layout = lay_out(spec.config, spec.seed)
+
+        assert 0 < len(layout.houses) <= spec.config.houses
+
+
+def test_the_maps_of_a_suite_are_of_many_kinds() -> None:
+    maps = {match.map.config for seed in range(3) for match in suite("battle", "official", seed)}
+
+    assert {config.density for config in maps} == {"low", "high"}
+    assert {config.relief for config in maps} == {0.5, 1.0, 1.5, 2.0}
+    assert {config.ruggedness for config in maps} == {0.1, 0.4, 0.7, 1.0}
 
 
 def test_tracks_and_suites_share_no_maps() -> None:

@@ -30,7 +30,7 @@ def verify(
     A record that holds is a true account of its match: what every seat did, and what came of it. The names
     of the seats are not part of that; nothing proves who played.
     """
-    from wildscav.console import console, error_console
+    from wildscav.console import console, counted, error_console
 
     findings: list[Finding] = []
     with error_console.status("") as status:
@@ -39,18 +39,15 @@ def verify(
             findings.append(_check(path))
     console.print(_table(findings))
     failed = [one for one in findings if not one.holds]
-    held = f"{len(records) - len(failed)} of {_count(len(records))}"
+    everything = counted(len(records), "record")
+    held = f"{len(records) - len(failed)} of {everything}"
     console.print(f"\n{held} {'holds' if len(records) - len(failed) == 1 else 'hold'}", highlight=False)
     if failed:
         more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
         raise UserError(
-            f"{len(failed)} of {_count(len(records))} {'does' if len(failed) == 1 else 'do'} not hold: "
+            f"{len(failed)} of {everything} {'does' if len(failed) == 1 else 'do'} not hold: "
             f"{failed[0].path}: {failed[0].message}{more}"
         )
-
-
-def _count(records: int) -> str:
-    return f"{records} record{'' if records == 1 else 's'}"
 
 
 def _table(findings: list[Finding]) -> "Table":
