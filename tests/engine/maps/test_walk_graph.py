@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from builders import box, flat_world
+from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World
 from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path, is_reached, leads_out, node_near
 
@@ -149,6 +150,15 @@ def test_the_same_world_gives_the_same_graph_byte_for_byte() -> None:
     for first, second in zip(one.nodes, other.nodes, strict=True):
         assert first.tobytes() == second.tobytes()
     assert one.leap_end.tobytes() == other.leap_end.tobytes()
+
+
+def test_nobody_stands_below_the_ground_on_what_a_slope_buries() -> None:
+    # The top of this block is level at 2 m; the ground around rises from 1 m to 3 m above it.
+    graph = graph_of(block((2, 0, -4), (6, 2.0, 4)), slope=0.5)
+    places = graph.positions()
+    ground = np.array([ground_at(graph.world, x, z).height for x, _, z in places])
+    assert (places[:, 1] >= ground - 1e-6).all()
+    assert (places[:, 1] > ground + 0.3).any()  # but on the part that stands out
 
 
 def test_tables_that_are_full_grow(monkeypatch: pytest.MonkeyPatch) -> None:

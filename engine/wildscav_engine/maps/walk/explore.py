@@ -198,7 +198,9 @@ def _height_if_free(world: World, start: Point, x: float, z: float) -> float:
 
 @kernel
 def _is_floored(world: World, x: float, height: float, z: float) -> bool:
-    """Return whether a body at a place in m stands on something (not the ground)."""
+    """Return whether a body at a place in m stands on something that the ground does not cover."""
+    if ground_at(world, x, z).height > height:
+        return False
     return bool(sweep_world(world, x, height, z, 0.0, -LEVEL, 0.0).fraction < 1.0)
 
 

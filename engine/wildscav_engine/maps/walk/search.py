@@ -7,7 +7,7 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.walk.components import successor
 from wildscav_engine.maps.walk.explore import leaves_room, walk_straight
-from wildscav_engine.maps.walk.lattice import DIRECTIONS, SAME_SURFACE
+from wildscav_engine.maps.walk.lattice import DIRECTIONS, SAME_SURFACE, SPACING
 from wildscav_engine.systems.motion import Bodies, Point
 
 HEAP_FIRST = 1  # the heap's root is at 1, so that the parent of i is i // 2
@@ -169,8 +169,9 @@ def _is_straight(world: World, nobody: Bodies, places: NDArray[np.float64], star
     """Return whether a body that walks straight from one node arrives at another."""
     at = Point(places[start, 0], places[start, 1], places[start, 2])
     x, height, z = places[end, 0], places[end, 1], places[end, 2]
-    if not abs(walk_straight(world, nobody, at, x, z, LEG_STRIDE) - height) <= SAME_SURFACE:
-        return False
+    for stride in (SPACING, LEG_STRIDE):  # great strides are quickly stopped where nobody gets through
+        if not abs(walk_straight(world, nobody, at, x, z, stride) - height) <= SAME_SURFACE:
+            return False
     return leaves_room(world, nobody, at, x, z, height, LEG_ROOM, LEG_STRIDE)
 
 

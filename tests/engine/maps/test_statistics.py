@@ -1,0 +1,167 @@
+"""What a map promises, held on two hundred random maps; and that no two are alike."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.terrain import ground_at, water_at
+from wildscav_engine.geometry.world import Kind
+from wildscav_engine.maps import GameMap, House, generate_map
+from wildscav_engine.maps.footprints import footprints_of, gap_between
+from wildscav_engine.maps.layout import NO_HOUSE
+from wildscav_engine.maps.sites import Site
+from wildscav_engine.rng import Dice, Stream
+from wildscav_engine.spec import MapConfig
+
+BATCH = 20  # maps a test
+PLANTS = (Kind.TRUNK, Kind.CROWN, Kind.BUSH, Kind.ROCK)
+
+
+def small_config(seed: int) -> MapConfig:
+    """A map of 60 to 120 m of any kind; houses as many as surely have room."""
+    dice = Dice(seed, Stream.SUITE, agent=1)
+    size = 2 * dice.integer(30, 60)
+    return MapConfig(
+        size=size,
+        houses=dice.integer(0, size // 30),
+        storeys=((1, 1), (1, 2), (2, 3), (1, 4), (4, 4))[dice.integer(0, 4)],
+        density=("low", "high")[seed % 2],
+        relief=dice.uniform(0.0, 1.2),
+        ruggedness=dice.uniform(),
+        water=dice.uniform(0.0, 0.25),
+        vegetation=dice.uniform(),
+    )
+
+
+def great_config(seed: int) -> MapConfig:
+    """A map of 500 m, as in competitions."""
+    dice = Dice(seed, Stream.SUITE, agent=2)
+    return MapConfig(
+        size=500,
+        houses=dice.integer(8, 20),
+        storeys=((1, 3), (2, 3))[dice.integer(0, 1)],
+        density=("low", "high")[seed % 2],
+        ruggedness=dice.uniform(),
+        water=dice.uniform(0.0, 0.2),
+    )
+
+
+@pytest.mark.parametrize("batch", range(9))
+def test_small_maps_keep_their_promises(batch: int) -> None:
+    for seed in range(batch * BATCH, (batch + 1) * BATCH):
+        check_promises(generate_map(small_config(seed), seed))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("batch", range(4))
+def test_great_maps_keep_their_promises(batch: int) -> None:
+    for seed in range(5 * batch, 5 * batch + 5):
+        check_promises(generate_map(great_config(seed), seed))
+
+
+def check_promises(game_map: GameMap) -> None:
+    check_houses(game_map)
+    check_water(game_map)
+    check_places(game_map)
+    check_plants(game_map)
+
+
+def check_houses(game_map: GameMap) -> None:
+    """As many houses as asked for, of as many storeys, clear of each other, every room to be entered."""
+    config = game_map.config
+    assert len(game_map.houses) == config.houses, config
+    assert all(config.storeys[0] <= house.storeys <= config.storeys[1] for house in game_map.houses)
+    footprints = footprints_of([site_of(house) for house in game_map.houses])
+    for one, other in combinations(range(len(footprints)), 2):
+        assert gap_between(footprints[one], footprints[other]) > 1.5
+    for number, house in enumerate(game_map.houses):
+        for room in house.rooms:
+            assert places_in(game_map.indoor, house, room.level, room.area).any(), (config, number, room)
+
+
+def site_of(house: House) -> Site:
+    return Site(house.pose, house.yaw, house.size, house.ground)
+
+
+def places_in(places: NDArray[np.float64], house: House, level: int, area: object) -> NDArray[np.bool_]:
+    across, along = house.pose.inside(places[:, 0], places[:, 2])
+    on_floor = np.abs(places[:, 1] - house.ground - level * house.storey_height) < 0.2
+    left, back, right, front = area
+    return on_floor & (across > left) & (across < right) & (along > back) & (along < front)
+
+
+def check_water(game_map: GameMap) -> None:
+    """About as much of the map is under lakes as asked for, and lakes can be waded."""
+    world, asked = game_map.world, game_map.config.water
+    nodes = world.heights[1:-1, 1:-1]
+    level = world.water.max()
+    share = (nodes < level).mean() if level > -np.inf else 0.0
+    assert share == pytest.approx(asked, abs=0.06), game_map.config
+    if share:
+        assert level - world.heights.min() <= 1.21
+
+
+def check_places(game_map: GameMap) -> None:
+    """There is room to stand outdoors for its size, indoors for its rooms; no spawn in water or on a roof."""
+    config, world = game_map.config, game_map.world
+    assert game_map.reachable_share > 0.6, config
+    squares = (config.size / 4) ** 2
+    assert 0.3 * squares < len(game_map.outdoor) < 1.1 * squares
+    rooms = sum(len(house.rooms) for house in game_map.houses)
+    assert rooms <= len(game_map.indoor) <= 12 * rooms
+    for x, y, z in world.spawns:
+        assert water_at(world, x, z) == -np.inf
+        assert y == pytest.approx(ground_at(world, x, z).height, abs=0.01)
+
+
+def check_plants(game_map: GameMap) -> None:
+    """What grows and lies about stands in no house; none of it without vegetation."""
+    world = game_map.world
+    plants = np.nonzero(np.isin(world.solid_kind, PLANTS))[0]
+    assert (game_map.solid_house[plants] == NO_HOUSE).all()
+    if game_map.config.vegetation == 0.0:
+        assert len(plants) == 0
+    rooted = plants[world.solid_kind[plants] != Kind.CROWN]
+    middle = (world.solid_low[rooted] + world.solid_high[rooted]) / 2
+    for house in game_map.houses:
+        for wing in house.wings:
+            across, along = house.pose.inside(middle[:, 0], middle[:, 2])
+            inside = (across > wing.left) & (across < wing.right) & (along > wing.back) & (along < wing.front)
+            assert not inside.any()
+
+
+def test_two_seeds_differ_in_structure_and_not_only_in_noise() -> None:
+    config = MapConfig(size=200, houses=6, storeys=(1, 3))
+    maps = [generate_map(config, seed) for seed in range(6)]
+    likeness = []
+    for one, other in combinations(maps, 2):
+        # The lie of the land: heights averaged over squares of 25 m.
+        likeness.append(abs(np.corrcoef(lie_of(one).ravel(), lie_of(other).ravel())[0, 1]))
+        # Houses stand elsewhere, and are other houses.
+        apart = [
+            min(np.hypot(*np.subtract(house.center, twin.center)) for twin in other.houses)
+            for house in one.houses
+        ]
+        assert np.mean(apart) > 5.0
+        assert {house.size for house in one.houses}.isdisjoint({house.size for house in other.houses})
+        assert [len(house.rooms) for house in one.houses] != [len(house.rooms) for house in other.houses]
+    assert np.mean(likeness) < 0.5
+    assert max(likeness) < 0.95
+
+
+def lie_of(game_map: GameMap) -> NDArray[np.float64]:
+    heights = game_map.world.heights[:96, :96]
+    return heights.reshape(8, 12, 8, 12).mean(axis=(1, 3))
+
+
+def test_houses_come_in_many_forms() -> None:
+    houses = [
+        house
+        for seed in range(6)
+        for house in generate_map(MapConfig(size=120, houses=5, storeys=(1, 4)), seed).houses
+    ]
+    assert {house.storeys for house in houses} == {1, 2, 3, 4}
+    assert {len(house.wings) for house in houses} >= {1, 2}
+    assert len({len(house.rooms) for house in houses}) > 8
