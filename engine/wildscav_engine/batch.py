@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, Field, no_actions
 from wildscav_engine.kernel import array_kernel, parallel_kernel
-from wildscav_engine.maps import map_of
+from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank, build_bank, world_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rules import Rules
@@ -34,7 +34,7 @@ class Batch:
             MatchSetupError: A match cannot be set up, or the specs cannot share a batch.
         """
         self.specs = tuple(specs)
-        self.maps = tuple(maps) if maps is not None else tuple(map_of(spec.map) for spec in specs)
+        self.maps = tuple(maps) if maps is not None else _make_maps(self.specs)
         if len(self.maps) != len(self.specs):
             raise MatchSetupError(f"{len(self.maps)} maps are given for {len(self.specs)} matches")
         first = _shared(self.specs)
@@ -108,6 +108,18 @@ def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.floa
         )
     with np.errstate(over="ignore"):  # too large for 32 bits becomes infinite, which is no action
         return np.array(rows, np.float32, order="C")
+
+
+def _make_maps(specs: Sequence[MatchSpec]) -> tuple[GameMap, ...]:
+    """Return the map of every match.
+
+    Raises:
+        MatchSetupError: One cannot be made.
+    """
+    try:
+        return tuple(map_of(spec.map) for spec in specs)
+    except MapError as error:
+        raise MatchSetupError(str(error)) from error
 
 
 def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:

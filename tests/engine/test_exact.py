@@ -10,12 +10,17 @@ import numpy as np
 import pytest
 
 from wildscav_engine.batch import Batch
-from wildscav_engine.maps import generate_map
+from wildscav_engine.maps import MapError, generate_map, map_of
 from wildscav_engine.match import Match
 from wildscav_engine.set_up import MatchSetupError
-from wildscav_engine.spec import MapConfig, MatchSpec
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 
 CONFIGS = (MapConfig(size=60, houses=2, storeys=(1, 2)), MapConfig(size=80, houses=3, vegetation=0.9))
+MAPS = (
+    *CONFIGS,
+    MapConfig(size=60, houses=3, storeys=(1, 3), water=0.15, vegetation=0.6),
+    MapConfig(size=80, houses=6, density="high", relief=1.8, ruggedness=0.9),
+)
 SEATS = ("submission", "fighter", "gatherer", "fighter", "walker")
 STEPS = 60
 
@@ -100,7 +105,7 @@ def others() -> list[pytest.ParameterSet]:
 def test_other_processes_and_processors_play_the_same(alone: list[int], environment: dict[str, str]) -> None:
     code = (
         "import test_exact as t; from wildscav_engine.maps import generate_map\n"
-        "print([generate_map(c, 5).digest for c in t.CONFIGS], t.digests_alone(4))"
+        "print([generate_map(c, 5).digest for c in t.MAPS], t.digests_alone(4))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -110,7 +115,7 @@ def test_other_processes_and_processors_play_the_same(alone: list[int], environm
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    maps = [generate_map(config, 5).digest for config in CONFIGS]
+    maps = [generate_map(config, 5).digest for config in MAPS]
     assert done.stdout.strip() == f"{maps} {alone[:4]}"
 
 
@@ -122,6 +127,16 @@ def test_matches_that_differ_in_track_or_rules_cannot_share_a_batch() -> None:
         Batch([first, second.model_copy(update={"frames_per_action": 3})])
     with pytest.raises(MatchSetupError, match="at least one"):
         Batch([])
+
+
+def test_a_map_that_cannot_be_made_is_a_match_that_cannot_be_set_up() -> None:
+    crowded = MapSpec(config=MapConfig(size=40, houses=50))
+    with pytest.raises(MapError) as refused:
+        map_of(crowded)
+    with pytest.raises(MatchSetupError) as not_set_up:
+        Batch([MatchSpec(track="battle", map=crowded)])
+    assert str(not_set_up.value) == str(refused.value)
+    assert str(refused.value).startswith("houses is 50")
 
 
 @pytest.mark.parametrize(

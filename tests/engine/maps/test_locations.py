@@ -1,23 +1,40 @@
-"""Standing places, outdoors and indoors."""
+"""Where agents and supplies may be: what can be reached and left, under the open sky or indoors."""
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
+from wildscav_engine.geometry.clearance import has_room, is_clear
+from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.shapes import box, pose
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
-from wildscav_engine.maps import GameMap, generate_map
-from wildscav_engine.maps.locations import is_clear, outdoor_places, reachable_ground
+from wildscav_engine.maps import GameMap, House, generate_map
+from wildscav_engine.maps.locations import (
+    CEILING,
+    HIGH_SPACING,
+    INDOOR_SPACING,
+    OUTDOOR_SPACING,
+    Places,
+    choose_places,
+    is_covered,
+    keep_apart,
+)
+from wildscav_engine.maps.walk import build_graph
 from wildscav_engine.spec import MapConfig
 
-CONFIG = MapConfig(size=80, houses=4, storeys=(1, 3), water=0.2, vegetation=1.0)
+CONFIGS = [
+    MapConfig(size=80, houses=4, storeys=(1, 3), water=0.2, vegetation=1.0),
+    MapConfig(size=100, houses=5, storeys=(2, 4), density="high", relief=1.8, ruggedness=0.8),
+]
 NORTH = pose(0.0, 0.0, 0.0)
+PLANTS = (Kind.TRUNK, Kind.CROWN, Kind.BUSH)
 
 
 @pytest.fixture(scope="module", params=[0, 1])
 def game_map(request: pytest.FixtureRequest) -> GameMap:
-    return generate_map(CONFIG, request.param)
+    return generate_map(CONFIGS[request.param], request.param)
 
 
 def flat_world(*solids: Solid, heights: np.ndarray | None = None, water: np.ndarray | None = None) -> World:
@@ -27,70 +44,125 @@ def flat_world(*solids: Solid, heights: np.ndarray | None = None, water: np.ndar
     return build_world((-20.0, -20.0), heights, water, list(solids), np.zeros((0, 3)))
 
 
-def test_there_is_about_one_outdoor_place_in_16_square_metres(game_map: GameMap) -> None:
-    assert 0.55 * 80 * 80 / 16 < len(game_map.outdoor) <= 80 * 80 / 16
+def places_of(world: World) -> Places:
+    return choose_places(build_graph(world), (), 1)
 
 
-def test_outdoor_places_are_dry_gentle_ground_inside_the_map(game_map: GameMap) -> None:
-    for x, y, z in game_map.outdoor:
+def in_room(house: House, level: int, places: np.ndarray) -> np.ndarray:
+    """Return which places are between the storey's floor and its ceiling, inside the house's walls."""
+    across, along = house.pose.inside(places[:, 0], places[:, 2])
+    storey = (places[:, 1] - house.ground) / house.storey_height
+    inside = np.zeros(len(places), bool)
+    for wing in house.wings:
+        inside |= (across > wing.left) & (across < wing.right) & (along > wing.back) & (along < wing.front)
+    return inside & (storey > level - 0.05) & (storey < level + 0.95)
+
+
+def test_every_place_can_be_reached_from_every_other(game_map: GameMap) -> None:
+    graph = game_map.graph
+    joined = {tuple(place) for place in graph.positions(np.nonzero(graph.connected)[0]).tolist()}
+
+    for place in (*game_map.outdoor.tolist(), *game_map.indoor.tolist(), *game_map.world.spawns.tolist()):
+        assert tuple(place) in joined
+
+
+def test_a_body_has_room_at_every_place(game_map: GameMap) -> None:
+    for x, y, z in np.concatenate([game_map.outdoor, game_map.indoor]):
+        assert has_room(game_map.world, x, y, z, 0.0)
+        assert y >= ground_at(game_map.world, x, z).height - 1e-9
+        assert max(abs(x), abs(z)) <= game_map.config.size / 2 - 1.0
+
+
+def test_places_on_the_ground_are_dry_gentle_and_clear(game_map: GameMap) -> None:
+    for x, y, z in game_map.world.spawns:
+        assert is_clear(game_map.world, x, y, z)
         ground = ground_at(game_map.world, x, z)
-        assert y == ground.height
+        assert y == pytest.approx(ground.height, abs=0.05)
         assert np.hypot(ground.slope_x, ground.slope_z) < 0.7003  # 35°
         assert np.isneginf(water_at(game_map.world, x, z))
-        assert max(abs(x), abs(z)) < 39.5
 
 
-def test_no_place_is_in_a_solid(game_map: GameMap) -> None:
+def test_there_is_up_to_one_place_on_the_ground_in_16_square_metres(game_map: GameMap) -> None:
+    squares = (game_map.config.size / OUTDOOR_SPACING) ** 2
+
+    assert 0.4 * squares < len(game_map.world.spawns) <= squares
+
+
+def test_high_places_lie_under_the_open_sky_and_off_the_ground(game_map: GameMap) -> None:
     world = game_map.world
-    for x, y, z in np.concatenate([game_map.outdoor, game_map.indoor]):
-        near = np.all((world.solid_low <= (x + 1.0, y + 3.0, z + 1.0)), axis=1)
-        near &= np.all((world.solid_high >= (x - 1.0, y - 1.0, z - 1.0)), axis=1)
-        for solid in np.flatnonzero(near):
-            n_x, n_y, n_z, offset = world.faces[world.solid_start[solid] : world.solid_start[solid + 1]].T
-            away = n_x * x + n_y * y + n_z * z - offset
-            away -= BODY_RADIUS * np.hypot(n_x, n_z) + BODY_HEIGHT * np.maximum(0.0, -n_y)
-            low, high = world.solid_low[solid], world.solid_high[solid]
-            beside = max(low[0] - x, x - high[0], low[2] - z, z - high[2]) - BODY_RADIUS
-            assert max(away.max(), beside, low[1] - BODY_HEIGHT - y, y - high[1]) >= -1e-9
+    high = game_map.outdoor[len(world.spawns) :]
+
+    assert len(high) > 0
+    for x, y, z in high:
+        assert y > ground_at(world, x, z).height + 0.05
+        above = cast_ray(world, x, y + 1.0, z, 0.0, 1.0, 0.0, CEILING).solid
+        assert above < 0 or world.solid_kind[above] in PLANTS
 
 
-def test_every_storey_has_indoor_places(game_map: GameMap) -> None:
+def test_every_room_of_every_house_has_a_place_on_its_floor(game_map: GameMap) -> None:
+    rooms = 0
     for house in game_map.houses:
-        near = np.hypot(
-            game_map.indoor[:, 0] - house.center[0], game_map.indoor[:, 2] - house.center[1]
-        ) < max(house.size)
-        for storey in range(house.storeys):
-            floor = house.ground + storey * house.storey_height
-            on_floor = near & (np.abs(game_map.indoor[:, 1] - floor) < 1e-9)
-            assert on_floor.sum() >= house.size[0] * house.size[1] / 12.0
+        across, along = house.pose.inside(game_map.indoor[:, 0], game_map.indoor[:, 2])
+        for level, area in house.rooms:
+            floor = house.ground + level * house.storey_height
+            on_floor = np.abs(game_map.indoor[:, 1] - floor) < 0.1
+            within = (across > area.left) & (across < area.right) & (along > area.back) & (along < area.front)
+            assert (on_floor & within).any()
+            rooms += 1
+    assert rooms >= 2 * len(game_map.houses)
+    assert rooms <= len(game_map.indoor)
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "clear"),
-    [
-        (0.0, 0.0, False),  # in the middle of the wall
-        (0.7, 0.0, False),  # its side is 0.5 m + 0.45 m of body away
-        (1.01, 0.0, True),
-        (0.0, 2.0, True),  # standing on top
-        (0.0, -1.9, True),  # under it
-        (0.0, -1.7, False),
-    ],
-)
-def test_a_body_is_clear_of_a_wall(x: float, y: float, clear: bool) -> None:
-    world = flat_world(box(Kind.WALL, NORTH, (-0.5, 0.0, -5.0), (0.5, 2.0, 5.0)))
-
-    assert is_clear(world, x, y, 0.0) is clear
+def test_no_indoor_place_is_on_a_table_or_a_stair(game_map: GameMap) -> None:
+    in_houses = 0
+    for house in game_map.houses:
+        for level in range(house.storeys):
+            on_storey = game_map.indoor[in_room(house, level, game_map.indoor)]
+            off_floor = on_storey[:, 1] - house.ground - level * house.storey_height
+            assert np.abs(off_floor).max() < 0.1
+            in_houses += len(on_storey)
+    assert in_houses > 0.9 * len(game_map.indoor)
 
 
-def test_a_walled_off_part_is_not_reachable() -> None:
+def test_no_outdoor_place_is_in_a_house(game_map: GameMap) -> None:
+    for house in game_map.houses:
+        for level in range(house.storeys):
+            inside = game_map.outdoor[in_room(house, level, game_map.outdoor)]
+            assert not is_covered(game_map.world, inside).any()  # at most on a lower part's roof
+
+
+def least_distance(places: np.ndarray) -> float:
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2)
+    np.fill_diagonal(apart, np.inf)
+    return float(apart.min(initial=np.inf))
+
+
+def test_high_places_and_those_in_a_room_keep_their_distance(game_map: GameMap) -> None:
+    assert least_distance(game_map.outdoor[len(game_map.world.spawns) :]) >= HIGH_SPACING - 1e-9
+    for house in game_map.houses:
+        across, along = house.pose.inside(game_map.indoor[:, 0], game_map.indoor[:, 2])
+        for level, (left, back, right, front) in house.rooms:
+            within = (across > left) & (across < right) & (along > back) & (along < front)
+            places = game_map.indoor[within & in_room(house, level, game_map.indoor)]
+            assert least_distance(places) >= INDOOR_SPACING - 1e-9
+
+
+def test_the_same_seed_gives_the_same_places_and_another_one_others(game_map: GameMap) -> None:
+    chosen = [choose_places(game_map.graph, game_map.houses, seed) for seed in (7, 7, 8)]
+
+    for first, again, other in zip(*chosen, strict=True):
+        assert first.tolist() == again.tolist()
+        assert first.tolist() != other.tolist()
+
+
+def test_there_are_no_places_behind_a_wall_that_nobody_can_pass() -> None:
     # A wall from edge to edge: 16 m of the map lie west of it, 23 m east.
     world = flat_world(box(Kind.WALL, NORTH, (-4.0, -1.0, -30.0), (-3.0, 3.0, 30.0)))
+    places = places_of(world)
 
-    reachable = reachable_ground(world)
-
-    assert not reachable[:, : 20 - 3].any()
-    assert reachable[1:-1, 20:-1].all()
-    assert outdoor_places(world, reachable, np.uint64(1))[:, 0].min() > -3.0
+    assert len(places.ground) > 20
+    assert places.ground[:, 0].min() > -3.0
+    assert len(places.indoor) == 0
 
 
 def test_a_gap_as_wide_as_a_doorway_is_a_way() -> None:
@@ -99,17 +171,63 @@ def test_a_gap_as_wide_as_a_doorway_is_a_way() -> None:
         box(Kind.WALL, NORTH, (-4.0, -1.0, 0.65), (-3.0, 3.0, 30.0)),
     ]
 
-    assert reachable_ground(flat_world(*walls))[1:-1, 1:15].all()
+    assert places_of(flat_world(*walls)).ground[:, 0].min() < -16.0
 
 
-def test_ground_too_steep_is_no_way_and_water_is_one() -> None:
+def test_a_cliff_that_one_only_gets_down_is_left_out() -> None:
+    # North of the edge it is 6 m higher: one can drop from there, but never get back up.
     heights = np.zeros((21, 21))
-    heights[:, :10] = 3.0  # a cliff of 56° between columns 9 and 10
-    heights[:, 14:17] = -1.0
-    water = np.full((20, 20), -np.inf)
-    water[:, 13:17] = 0.0
+    heights[14:] = 6.0
 
-    reachable = reachable_ground(flat_world(heights=heights, water=water))
+    assert places_of(flat_world(heights=heights)).ground[:, 2].max() < 8.0
 
-    assert not reachable[:, : 2 * 9].any()
-    assert reachable[1:-1, 2 * 10 + 1 : -1].all()
+
+def test_a_rock_that_can_be_jumped_onto_has_a_place_and_a_higher_one_none() -> None:
+    low = box(Kind.ROCK, NORTH, (-6.0, -1.0, -3.0), (-2.0, 1.0, 3.0))
+    high = box(Kind.ROCK, NORTH, (2.0, -1.0, -3.0), (6.0, 2.5, 3.0))
+    places = places_of(flat_world(low, high)).high
+
+    assert len(places) > 0
+    assert places[:, 1] == pytest.approx(1.0, abs=0.01)
+
+
+def test_no_place_is_in_water() -> None:
+    heights, water = np.zeros((21, 21)), np.full((20, 20), -np.inf)
+    heights[:, 9:12] = -1.0
+    water[:, 8:12] = -0.1
+    ground = places_of(flat_world(heights=heights, water=water)).ground
+
+    assert ground[:, 0].min() < -5.0  # water can be waded, so there are places on either side
+    assert ground[:, 0].max() > 5.0
+    assert not ((ground[:, 0] > -2.0) & (ground[:, 0] < 2.0)).any()
+
+
+@pytest.mark.parametrize(
+    ("kind", "low", "covered"),
+    [
+        (Kind.FLOOR, 2.5, True),
+        (Kind.ROOF, 7.5, True),
+        (Kind.FLOOR, 12.0, False),  # far too high to be a ceiling
+        (Kind.CROWN, 2.5, False),  # who stands under a tree stands outdoors
+    ],
+)
+def test_what_has_a_ceiling_is_indoors(kind: Kind, low: float, covered: bool) -> None:
+    world = flat_world(box(kind, NORTH, (-5.0, low, -5.0), (5.0, low + 0.2, 5.0)))
+
+    assert is_covered(world, np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0]])).tolist() == [covered, False]
+
+
+COORDINATE = st.floats(-20.0, 20.0)
+
+
+@given(
+    places=st.lists(st.tuples(COORDINATE, COORDINATE, COORDINATE), max_size=60), spacing=st.floats(1.0, 9.0)
+)
+def test_what_keeps_apart_is_as_much_as_can(places: list[tuple[float, float, float]], spacing: float) -> None:
+    given_places = np.array(places, float).reshape(-1, 3)
+    kept = keep_apart(given_places, spacing)
+
+    for index, place in enumerate(kept):
+        assert all(np.linalg.norm(place - other) >= spacing - 1e-9 for other in kept[:index])
+    for place in given_places:  # what is left out is too near to something kept, or is kept itself
+        assert np.linalg.norm(kept - place, axis=1).min() < spacing + 1e-9

@@ -1,0 +1,113 @@
+"""The numbered maps: the paper's six as its table says, and one for every other id."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from wildscav_engine.maps import GameMap, MapError, cache, load_map, map_spec
+from wildscav_engine.maps.catalogue import BENCHMARK, LAST_ID
+from wildscav_engine.maps.layout import lay_out
+from wildscav_engine.match import Match
+from wildscav_engine.spec import MatchSpec
+
+# The table of the paper's appendix: size in m, houses, density, storeys.
+TABLE = {
+    8: (500, 12, "low", (2, 3)),
+    14: (500, 15, "high", (2, 3)),
+    101: (200, 4, "low", (1, 1)),
+    102: (200, 8, "high", (2, 3)),
+    103: (100, 2, "low", (1, 1)),
+    104: (100, 4, "high", (2, 3)),
+}
+LAYABLE = 500  # m, maps up to this size are laid out in a test; greater ones take longer
+BATCHES = 25  # the ids are tried in as many parts
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_kept(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Make the maps anew: what an earlier run kept on the disk does not count."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cache, "folder", lambda: tmp_path_factory.getbasetemp() / "maps")
+        cache.map_of.cache_clear()
+        yield
+        cache.map_of.cache_clear()
+
+
+@pytest.mark.parametrize("map_id", TABLE)
+def test_a_map_of_the_benchmark_is_as_the_papers_table_says(map_id: int) -> None:
+    config = map_spec(map_id).config
+
+    assert (config.size, config.houses, config.density, config.storeys) == TABLE[map_id]
+
+
+def test_no_other_map_is_of_the_benchmark() -> None:
+    assert BENCHMARK.keys() == TABLE.keys()
+
+
+@pytest.mark.parametrize("map_id", TABLE)
+def test_a_map_of_the_benchmark_is_built_as_configured(map_id: int) -> None:
+    size, houses, _, (low, high) = TABLE[map_id]
+    game_map = load_map(map_id)
+
+    assert game_map.spec == map_spec(map_id)
+    assert game_map.world.heights.shape == (size / 2 + 1, size / 2 + 1)
+    assert len(game_map.houses) == houses
+    assert {house.storeys for house in game_map.houses} <= set(range(low, high + 1))
+
+
+def boxes_by_distance(game_map: GameMap, seed: int) -> np.ndarray:
+    """Return how many of a gathering match's boxes lie 0–30, 30–60 and 60–90 m from the middle of its map."""
+    match = Match(MatchSpec(track="gathering", map=game_map.spec, seed=seed), game_map)
+    supplies = match.state.supplies
+    there = supplies.position[0][supplies.quantity[0] > 0]
+    return np.histogram(np.hypot(there[:, 0], there[:, 2]), [0, 30, 60, 90])[0]
+
+
+def test_supplies_of_map_101_are_denser_near_the_center() -> None:
+    boxes = sum(boxes_by_distance(load_map(101), seed) for seed in range(5))
+    near, middle, far = boxes / [1, 3, 5]  # the rings' areas, the innermost being 1
+
+    assert near > 1.5 * middle > 1.5 * 1.5 * far
+
+
+@pytest.mark.parametrize("map_id", [0, -1, 1000, True, "8", 8.0, None])
+def test_an_id_that_does_not_exist_is_refused_in_one_line(map_id: object) -> None:
+    with pytest.raises(MapError) as refused:
+        load_map(map_id)  # type: ignore[arg-type]
+
+    assert str(refused.value) == f"id is {map_id!r}; maps have the ids 1 to 999"
+
+
+def test_every_id_has_a_map_of_its_own() -> None:
+    specs = [map_spec(map_id) for map_id in range(1, LAST_ID + 1)]
+
+    assert len(set(specs)) == 999
+    assert len({spec.config for spec in specs}) > 950  # hardly two are of the same kind
+    assert {spec.config.size for spec in specs} >= {80, 2000}
+    assert {storeys for spec in specs for storeys in spec.config.storeys} == {1, 2, 3, 4}
+
+
+def test_an_id_stays_the_same_map() -> None:
+    assert map_spec(555) == map_spec(555)
+    assert map_spec(555).seed == 555
+
+
+@pytest.mark.parametrize("map_id", [1, 222, 355, 444, 560])
+def test_the_hundreds_say_the_size_and_odd_ids_have_scattered_houses(map_id: int) -> None:
+    config = map_spec(map_id).config
+
+    assert config.size == {0: 500, 2: 80, 3: 140, 4: 300, 5: 500}[map_id // 100]
+    assert config.density == ("low" if map_id % 2 else "high")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("batch", range(BATCHES))
+def test_every_map_up_to_500_m_has_room_for_what_it_asks_for(batch: int) -> None:
+    laid_out = 0
+    for map_id in range(1 + batch, LAST_ID + 1, BATCHES):
+        spec = map_spec(map_id)
+        if spec.config.size <= LAYABLE:
+            assert len(lay_out(spec.config, spec.seed).houses) == spec.config.houses, map_id
+            laid_out += 1
+    assert laid_out > 0
