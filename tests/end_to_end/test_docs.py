@@ -12,6 +12,7 @@ import pytest
 import typer
 
 from wildscav.cli import map as map_commands
+from wildscav_engine.maps.catalogue import BENCHMARK, SIZES
 from wildscav_engine.spec import MapConfig
 
 ROOT = Path(__file__).parents[2]
@@ -63,12 +64,15 @@ def test_the_page_of_maps_tells_every_field_with_its_default() -> None:
 
 def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> None:
     page = ROOT / "docs" / "maps.md"
-    (code,) = blocks(page, "python")
+    code = "\n".join(blocks(page, "python"))
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "2 60\n"), done.stderr
-    (config,) = blocks(page, "toml")
+    assert (done.returncode, done.stdout) == (0, "2 60\nTrue True\n"), done.stderr
+    config, supplies = blocks(page, "toml")
     (tmp_path / "fort.toml").write_text(config, "utf-8")
     assert len(MapConfig.model_validate(tomllib.loads(config)).placements) == 3
+    strewn = MapConfig.model_validate(tomllib.loads(supplies)).supplies
+    assert strewn is not None
+    assert [wave.time for wave in strewn.waves] == [0.0, 60.0]
     command = [
         sys.executable,
         "-m",
@@ -81,6 +85,20 @@ def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> Non
         "1",
     ]
     assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0
+
+
+def test_the_page_of_maps_tells_the_benchmark_and_the_sizes_of_the_hundreds() -> None:
+    text = (ROOT / "docs" / "maps.md").read_text("utf-8")
+    rows = re.findall(r"^\| (\d{3}) \| (\d+) m \| (\d+) \| (\w+) \| (\d)(?:–(\d))? \|$", text, re.MULTILINE)
+    told = {
+        int(number): (int(size), int(houses), density, (int(low), int(high or low)))
+        for number, size, houses, density, low, high in rows
+    }
+    assert told == {
+        number: (config.size, config.houses, config.density, config.storeys)
+        for number, config in BENCHMARK.items()
+    }
+    assert "| " + " | ".join(str(size) for size in SIZES) + " |" in text
 
 
 def test_the_map_commands_of_the_pages_have_the_options_named() -> None:
