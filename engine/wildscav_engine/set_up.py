@@ -10,6 +10,7 @@ from wildscav_engine.geometry.clearance import is_clear
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.locations import keep_apart
 from wildscav_engine.maps.walk import is_reached, leads_out
 from wildscav_engine.rng import Dice, Stream, philox
 from wildscav_engine.robots import ROBOTS
@@ -23,6 +24,7 @@ SPARE_SLOTS = 4  # a seat: free slots for boxes dropped at deaths, beside those 
 LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
 START_TRIES = 64  # draws for starts apart from each other before any place will do
 START_DISTANCE = 3.0  # m between two starts, where the map has room
+INDOOR_SPACING = 5.0  # m at least between the indoor points of supplies, so that they are few
 TARGET_DISTANCE = 10.0  # m at least from start to target, where the map has room
 
 
@@ -161,6 +163,7 @@ def _choose_boxes(
 ) -> tuple[tuple[Boxes, ...], tuple[WaveInfo, ...]]:
     boxes, waves = [], []
     seed = np.uint64(spec.seed)
+    indoor_points = keep_apart(game_map.indoor, INDOOR_SPACING)
     for number, wave in enumerate(sorted(config.waves, key=lambda wave: wave.time)):
         x, z = _center_of(spec, game_map, wave, number)
         waves.append(WaveInfo(wave.time, (x, z), wave.radius))
@@ -168,9 +171,9 @@ def _choose_boxes(
         outdoor = choose_outdoor(
             game_map.outdoor, config.spacing, x, z, wave.radius, wave.outdoor_richness, seed, number
         )
-        indoor = choose_indoor(len(game_map.indoor), wave.indoor_richness, seed, number)
+        indoor = choose_indoor(len(indoor_points), wave.indoor_richness, seed, number)
         boxes.append(Boxes(game_map.outdoor[outdoor], config.outdoor_quantity, appears))
-        boxes.append(Boxes(game_map.indoor[indoor], config.indoor_quantity, appears))
+        boxes.append(Boxes(indoor_points[indoor], config.indoor_quantity, appears))
     return tuple(boxes), tuple(waves)
 
 

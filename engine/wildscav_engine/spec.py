@@ -36,7 +36,7 @@ class SupplyWave(Spec):
     center: tuple[float, float] | None = None  # x, z in m; None: a random indoor location
     radius: Annotated[float, Field(ge=1, le=1000)] = 50.0  # m, standard deviation of the heat map
     outdoor_richness: Annotated[float, Field(ge=0, le=50)] = 20.0  # % of outdoor grid points at the center
-    indoor_richness: Percent = 70.0  # % of indoor points
+    indoor_richness: Percent = 70.0  # % of indoor points, which are 5 m apart
 
 
 class SupplyConfig(Spec):

@@ -1,8 +1,9 @@
 """Supply boxes: where they are put, how they are picked up, and what a dead agent leaves behind.
 
 An outdoor wave looks at a square grid over the map. A grid point on open ground gets a box with probability
-richness · exp(-d² / 2r²), d being its distance from the wave's center and r the heat map's radius. Each
-indoor point gets one with probability indoor richness, wherever it is.
+richness · exp(-d² / 2r²), d being its distance from the wave's center and r the heat map's radius. Indoor
+points are indoor locations 5 m apart; each gets a box with probability indoor richness, wherever it is. So
+there are fewer boxes indoors, and what they hold is more.
 """
 
 import numpy as np
@@ -65,7 +66,7 @@ def choose_outdoor(
 
 @array_kernel
 def choose_indoor(places: int, richness: float, seed: Word, wave: int) -> NDArray[np.int64]:
-    """Return (N,) the indices of the indoor locations that get a box in a wave, ascending."""
+    """Return (N,) the indices of the indoor points that get a box in a wave, ascending."""
     chosen = np.empty(places, np.int64)
     count = 0
     for place in range(places):

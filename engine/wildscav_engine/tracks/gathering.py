@@ -26,7 +26,8 @@ class Gathering:
             spec.supplies
             or spec.map.config.supplies
             or SupplyConfig(
-                waves=(SupplyWave(center=(0.0, 0.0), radius=max(10.0, spec.map.config.size / 4)),)
+                waves=(SupplyWave(center=(0.0, 0.0), radius=max(10.0, spec.map.config.size / 4)),),
+                spacing=5.0,
             )
         )
 

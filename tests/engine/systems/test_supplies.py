@@ -1,12 +1,14 @@
 """Rulings on supply boxes: where they lie, who gets them, when they appear."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
 from builders import act, flat_world, make_match, map_from, place
-from wildscav_engine.maps import generate_map
+from wildscav_engine.maps import generate_map, map_of, map_spec
 from wildscav_engine.match import Match
-from wildscav_engine.spec import MapConfig, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
 
 
 def boxes_at(match: Match, *places: tuple[float, float, float], quantity: int = 3) -> None:
@@ -124,7 +126,6 @@ def test_quantities_stay_in_their_ranges_and_indoor_boxes_hold_more() -> None:
     assert set(np.unique(supplies.quantity[0, there & ~inside])) == {1, 2, 3, 4, 5}
     assert supplies.quantity[0, there & inside].min() >= 10
     assert supplies.quantity[0, there & inside].max() <= 50
-    assert (there & inside).sum() == len(game_map.indoor)  # 100 % of the indoor places
 
 
 def test_boxes_are_thickest_around_the_center_of_the_heat_map() -> None:
@@ -151,3 +152,107 @@ def test_a_wave_without_a_center_lies_around_an_indoor_place() -> None:
     match = Match(MatchSpec(track="battle", map=game_map.spec, supplies=supplies), game_map)
     center = match.start_info(0).waves[0].center
     assert center in {(x, z) for x, _, z in game_map.indoor.tolist()}
+
+
+WILD = MapSpec(config=MapConfig(size=100, houses=5, storeys=(1, 3), vegetation=0.7, relief=1.3), seed=8)
+
+
+class Laid(NamedTuple):
+    """The boxes of a match at its start."""
+
+    places: np.ndarray  # (B, 3) m
+    quantity: np.ndarray  # (B,)
+    appears: np.ndarray  # (B,) frame
+    inside: np.ndarray  # (B,) whether it lies at an indoor place
+
+
+def laid(spec: MatchSpec) -> Laid:
+    game_map = map_of(spec.map)
+    supplies = Match(spec, game_map).state.supplies
+    there = supplies.quantity[0] > 0
+    indoors = {tuple(place) for place in game_map.indoor.tolist()}
+    places = supplies.position[0, there]
+    inside = np.array([tuple(place) in indoors for place in places.tolist()])
+    return Laid(places, supplies.quantity[0, there], supplies.appears[0, there], inside)
+
+
+@pytest.mark.parametrize("track", ["gathering", "battle"])
+@pytest.mark.parametrize("map_seed", range(3))
+def test_every_box_can_be_reached_and_brought_away(track: str, map_seed: int) -> None:
+    game_map = map_of(WILD.model_copy(update={"seed": map_seed}))
+    graph = game_map.graph
+    joined = {tuple(place) for place in graph.positions(np.nonzero(graph.connected)[0]).tolist()}
+    boxes = laid(MatchSpec(track=track, map=game_map.spec, seed=4))
+
+    assert len(boxes.places) > 10
+    assert all(tuple(place) in joined for place in boxes.places.tolist())
+
+
+@pytest.mark.parametrize("track", ["gathering", "battle"])
+@pytest.mark.parametrize("map_id", [102, 103, 104])
+def test_indoor_boxes_are_fewer_and_hold_much_more(track: str, map_id: int) -> None:
+    boxes = laid(MatchSpec(track=track, map=map_spec(map_id), seed=map_id))
+
+    assert 0 < boxes.inside.sum() < (~boxes.inside).sum()
+    assert boxes.quantity[boxes.inside].mean() > 5 * boxes.quantity[~boxes.inside].mean()
+    assert boxes.quantity[boxes.inside].min() > boxes.quantity[~boxes.inside].max()
+
+
+def test_indoor_boxes_of_a_wave_lie_five_metres_apart_in_all_houses() -> None:
+    game_map = map_of(WILD)
+    boxes = laid(MatchSpec(track="gathering", map=WILD, supplies=RICH))
+    indoor = boxes.places[boxes.inside]
+
+    apart = np.linalg.norm(indoor[:, None] - indoor[None], axis=2) + 100.0 * np.eye(len(indoor))
+    assert apart.min() >= 5.0
+    # With a richness of 100 % no place indoors is farther from a box.
+    for spot in game_map.indoor:
+        assert np.linalg.norm(indoor - spot, axis=1).min() < 5.0
+
+
+def test_amounts_are_as_likely_all_over_their_range() -> None:
+    boxes = laid(MatchSpec(track="gathering", map=map_spec(102), supplies=RICH))
+
+    counts = np.bincount(boxes.quantity[~boxes.inside], minlength=6)[1:]
+    assert counts.min() > 0.8 * counts.mean()
+    assert boxes.quantity[boxes.inside].mean() == pytest.approx(30.0, abs=5.0)
+
+
+REFRESHED = SupplyConfig(
+    waves=(
+        SupplyWave(center=(-20.0, -20.0), radius=12.0, outdoor_richness=50.0, indoor_richness=0.0),
+        SupplyWave(time=30.0, center=(20.0, 15.0), radius=12.0, outdoor_richness=50.0, indoor_richness=0.0),
+    ),
+    spacing=4.0,
+)
+
+
+def test_a_refresh_adds_boxes_around_its_own_center_at_its_second() -> None:
+    boxes = laid(MatchSpec(track="battle", map=WILD, supplies=REFRESHED))
+
+    assert set(boxes.appears) == {0, 30 * 50}
+    for frame, center in ((0, (-20.0, -20.0)), (1500, (20.0, 15.0))):
+        away = np.hypot(*(boxes.places[boxes.appears == frame][:, ::2] - center).T)
+        assert len(away) >= 8
+        assert np.median(away) < 24.0  # two standard deviations of the heat map
+        assert away.max() < 48.0
+
+
+def test_what_lies_in_a_match_is_finite_and_fixed_by_its_spec() -> None:
+    spec = MatchSpec(track="battle", map=WILD, supplies=REFRESHED, seed=3)
+    totals = [int(laid(spec).quantity.sum()) for _ in range(2)]
+
+    assert totals[0] == totals[1] > 0
+    others = {int(laid(spec.model_copy(update={"seed": seed})).quantity.sum()) for seed in range(5)}
+    assert len(others) > 2
+
+
+def test_no_box_comes_from_nowhere_while_robots_gather_and_die() -> None:
+    seats = ("gatherer", "fighter", "gatherer", "fighter")
+    spec = MatchSpec(track="battle", map=WILD, seats=seats, seed=3, time_limit=60)
+    match = Match(spec, map_of(WILD))
+    total = match.state.supplies.quantity.sum()
+    while not match.over:
+        match.step(np.zeros((4, 8)))
+        assert match.state.supplies.quantity.sum() + match.state.agents.supplies.sum() == total
+    assert match.state.agents.supplies.sum() > 0
