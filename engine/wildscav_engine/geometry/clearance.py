@@ -34,17 +34,21 @@ def is_free(world: World, x: float, low: float, high: float, z: float, room: flo
         ):
             cell = row * columns + column
             for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
-                if _touches(world, world.cell_solids[item], x, z, radius, low, high):
+                solid = world.cell_solids[item]
+                if world.solid_low[solid, 1] >= high:
+                    break  # so does all that follows
+                if low < world.solid_high[solid, 1] and _touches(world, solid, x, z, radius, low, high):
                     return False
     return True
 
 
 @kernel
 def _touches(world: World, solid: int, x: float, z: float, radius: float, low: float, high: float) -> bool:
-    """Return whether an upright cylinder reaches behind all faces of a solid and into its box."""
+    """Return whether an upright cylinder reaches behind all faces of a solid and into its box.
+
+    That it does so in height is known already.
+    """
     least, most = world.solid_low[solid], world.solid_high[solid]
-    if low >= most[1] or high <= least[1]:
-        return False
     if x - radius >= most[0] or x + radius <= least[0] or z - radius >= most[2] or z + radius <= least[2]:
         return False
     for face in range(world.solid_start[solid], world.solid_start[solid + 1]):

@@ -39,6 +39,43 @@ class Cut(NamedTuple):
     missed: bool  # whether the way never comes inside
 
 
+class Box(NamedTuple):
+    """An upright box, in m."""
+
+    west: float
+    bottom: float
+    south: float
+    east: float
+    top: float
+    north: float
+
+
+@kernel
+def _box_of_sweep(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Box:
+    """Return the box that a body sweeps, with more than enough room around it; see ``sweep_world``."""
+    reach = BODY_RADIUS + 2.0 * SKIN
+    return Box(
+        min(x, x + dx) - reach,
+        min(y, y + dy) - 2.0 * SKIN,
+        min(z, z + dz) - reach,
+        max(x, x + dx) + reach,
+        max(y, y + dy) + BODY_HEIGHT + 2.0 * SKIN,
+        max(z, z + dz) + reach,
+    )
+
+
+@kernel
+def _is_apart(world: World, solid: int, box: Box) -> bool:
+    """Return whether the box around a solid does not reach another: most solids go here, at little cost."""
+    return bool(
+        world.solid_high[solid, 1] < box.bottom
+        or world.solid_low[solid, 0] > box.east
+        or world.solid_high[solid, 0] < box.west
+        or world.solid_low[solid, 2] > box.north
+        or world.solid_high[solid, 2] < box.south
+    )
+
+
 @kernel
 def _cut_by_face(cut: Cut, n_x: float, n_y: float, n_z: float, start: float, end: float) -> Cut:
     """Cut a way by one face, given the distances of its start and end from the face's plane."""
@@ -64,7 +101,7 @@ def _sweep_solid(
     free = Contact(1.0, 0.0, 0.0, 0.0)
     low, high = world.solid_low[solid], world.solid_high[solid]
     cut = Cut(-1.0, 1.0, 0.0, 0.0, 0.0, False, False)
-    # The bounding box first: it sends most solids away.
+    # The bounding box first: beyond it, the faces that were pushed out are no part of the solid.
     over = y - high[1]
     cut = _cut_by_face(cut, 0.0, 1.0, 0.0, over, over + dy)
     if cut.missed:
@@ -124,13 +161,19 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
     south = cell_of(world.corner[1], min(z, z + dz) - reach, rows)
     north = cell_of(world.corner[1], max(z, z + dz) + reach, rows)
     lowest = min(y, y + dy)
+    swept = _box_of_sweep(x, y, z, dx, dy, dz)
     for row in range(south, north + 1):
         for column in range(west, east + 1):
             if world.cell_top[row, column] + SKIN < lowest:
                 continue
             cell = row * columns + column
             for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
-                contact = _sweep_solid(world, world.cell_solids[item], x, y, z, dx, dy, dz)
+                solid = world.cell_solids[item]
+                if world.solid_low[solid, 1] > swept.top:
+                    break  # so does all that follows
+                if _is_apart(world, solid, swept):
+                    continue
+                contact = _sweep_solid(world, solid, x, y, z, dx, dy, dz)
                 if contact.fraction < first.fraction:
                     first = contact
     return first

@@ -45,7 +45,7 @@ class World(NamedTuple):
     cell_top: NDArray[np.float64]  # (R, C) m, highest point of terrain and solids in a cell
     block_top: NDArray[np.float64]  # (ceil(R / 8), ceil(C / 8)) m, the same for blocks of 8 × 8 cells
     cell_start: NDArray[np.int64]  # (R * C + 1,) where each cell's solids start in cell_solids
-    cell_solids: NDArray[np.int64]  # indices of solids, cell after cell, row after row
+    cell_solids: NDArray[np.int64]  # indices of solids, cell after cell, in a cell from the lowest upwards
     solid_low: NDArray[np.float64]  # (S, 3) m, least corner of the box around a solid
     solid_high: NDArray[np.float64]  # (S, 3) m, greatest corner
     solid_start: NDArray[np.int64]  # (S + 1,) where each solid's faces start in faces
@@ -128,7 +128,8 @@ def build_world(
     face_counts = [0] + [len(solid.planes) for solid in solids]
     faces = np.concatenate([solid.planes for solid in solids]) if solids else np.zeros((0, 4))
     corner_array = np.array(corner, np.float64)
-    cell_start, cell_solids = _index_solids(corner_array, rows, columns, low, high)
+    upwards = np.argsort(low[:, 1], kind="stable")
+    cell_start, cell_solids = _index_solids(corner_array, rows, columns, low, high, upwards)
     cell_top = _top_of_cells(heights, cell_start, cell_solids, high)
     return World(
         corner=corner_array,
@@ -170,8 +171,13 @@ def _index_solids(
     columns: int,
     low: NDArray[np.float64],
     high: NDArray[np.float64],
+    upwards: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """List, for each cell, the solids whose boxes touch it (a counting sort)."""
+    """List, for each cell, the solids whose boxes touch it (a counting sort).
+
+    In a cell they come as in ``upwards``, by their lowest points: who looks for what is in the way of a body
+    need not look past its head.
+    """
     start = np.zeros(rows * columns + 1, np.int64)
     for fill in range(2):
         if fill == 0:
@@ -181,7 +187,7 @@ def _index_solids(
                 start[cell + 1] += start[cell]
             items = np.empty(start[rows * columns], np.int64)
             written = start[:-1].copy()
-        for solid in range(low.shape[0]):
+        for solid in upwards:
             for row in range(
                 cell_of(corner[1], low[solid, 2], rows), cell_of(corner[1], high[solid, 2], rows) + 1
             ):

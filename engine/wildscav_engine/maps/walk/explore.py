@@ -8,7 +8,7 @@ between gentle neighbours need no walk.
 
 import numpy as np
 
-from wildscav_engine.body import BODY_HEIGHT
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
 from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
@@ -225,10 +225,20 @@ def _walk_up_or_down(world: World, nobody: Bodies, start: Point, x: float, z: fl
 
 @kernel
 def _is_roomy(world: World, start: Point, x: float, z: float, height: float) -> bool:
-    """Return whether nothing at all is near the way from a point to a place at a height in m."""
+    """Return whether nothing is near the way from a point to a place at a height in m."""
     half = 0.5 * np.sqrt((x - start.x) * (x - start.x) + (z - start.z) * (z - start.z))
     middle = 0.5 * (start.y + height)
-    return has_room(world, 0.5 * (start.x + x), middle, 0.5 * (start.z + z), half + ROOM)
+    middle_x, middle_z = 0.5 * (start.x + x), 0.5 * (start.z + z)
+    if has_room(world, middle_x, middle, middle_z, half + ROOM):
+        return True
+    # Three bodies as wide as this cover the way, and ROOM beside it.
+    wide = BODY_RADIUS + ROOM
+    room = np.sqrt(0.25 * half * half + wide * wide) - BODY_RADIUS
+    return (
+        has_room(world, middle_x, middle, middle_z, room)
+        and has_room(world, x, height, z, room)
+        and has_room(world, start.x, start.y, start.z, room)
+    )
 
 
 @kernel

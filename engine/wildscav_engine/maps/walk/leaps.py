@@ -42,6 +42,7 @@ LEAP_SPEED = 5.0  # m/s, of a body that leaps
 JUMP_HEIGHT = 1.2  # m, what is jumped onto at most: a little less than a jump is high
 FARTHEST_LEAP = 4  # edges' lengths that a leap spans at most
 DROP_FRAMES, JUMP_FRAMES = 150, 60  # that a leap takes at most
+PROGRESS = 1e-3  # m, a body that gets less far in a frame on its feet is held up
 ARRIVED = 0.01  # m from the point, standing, is there
 IN_WATER = 0.5  # what is left of the speed in water, for leaps
 
@@ -121,7 +122,8 @@ def _get_down(
             return False
         target = to_row * lattice.side + to_column
         x, z = place_of(world, lattice, target)
-        if landing_height(world, x, z, nodes.height[node]) == -np.inf:
+        height = landing_height(world, x, z, nodes.height[node])
+        if height == -np.inf or not _can_be_node(world, lattice, nodes, target, height):
             continue
         if _leap(world, body, lattice, nodes, leaps, node, target, False):
             nodes.edges[node, direction] = GETS_DOWN
@@ -145,6 +147,15 @@ def landing_height(world: World, x: float, z: float, top: float) -> float:
 
 
 @kernel
+def _can_be_node(world: World, lattice: Lattice, nodes: Nodes, target: int, height: float) -> bool:
+    """Return whether there is or may be a node over a point at a height in m."""
+    if node_at(nodes, target, height) >= 0:
+        return True
+    x, z = place_of(world, lattice, target)
+    return bool(lattice.marks[target] == FINE and has_room(world, x, height, z, ROOM))
+
+
+@kernel
 def _get_up(
     world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, target: int
 ) -> None:
@@ -156,7 +167,9 @@ def _get_up(
         return
     x, z = place_of(world, lattice, target)
     height = landing_height(world, x, z, nodes.height[node] + JUMP_HEIGHT)
-    if height > nodes.height[node] + STEP_HEIGHT and node_at(nodes, target, height) < 0:
+    if height <= nodes.height[node] + STEP_HEIGHT or node_at(nodes, target, height) >= 0:
+        return
+    if _can_be_node(world, lattice, nodes, target, height):
         _leap(world, body, lattice, nodes, leaps, node, target, True)
 
 
@@ -179,7 +192,7 @@ def _leap(
     if height == -np.inf or not _leaves_room(world, body, start, to_x, to_z, jump, height):
         return False
     other = node_at(nodes, target, height)
-    if other < 0 and lattice.marks[target] == FINE and has_room(world, to_x, height, to_z, ROOM):
+    if other < 0 and _can_be_node(world, lattice, nodes, target, height):
         other = add_node(nodes, target, height)
     if other < 0 or other == node:
         return False
@@ -208,19 +221,20 @@ def leap_height(world: World, body: Bodies, start: Point, x: float, z: float, ju
     """Play a leap and return the height in m at which a body comes to stand at (x, z), -inf if not."""
     place = body.position[body.mover]
     place[0], place[1], place[2] = start.x, start.y, start.z
-    rise, on_ground = 0.0, True
+    rise, on_ground, before = 0.0, True, np.inf
     for frame in range(JUMP_FRAMES if jump else DROP_FRAMES):
         east, north = x - place[0], z - place[2]
         left = np.sqrt(east * east + north * north)
         if left < ARRIVED and on_ground and frame > 0:
             at = Point(place[0], place[1], place[2])
             return -np.inf if on_steep_ground(world, at) else at.y
+        fell_short = jump and place[1] < start.y + STEP_HEIGHT
+        if on_ground and frame > 0 and (fell_short or left > before - PROGRESS):
+            return -np.inf  # held up by something
+        before = left
         speed = min(LEAP_SPEED, left / FRAME)
         heading = arctangent(east, north)
         moved = move(world, body, rise, on_ground, heading, speed, jump and frame == 0, IN_WATER)
-        stuck = moved.x == place[0] and moved.y == place[1] and moved.z == place[2]
         place[0], place[1], place[2] = moved.x, moved.y, moved.z
         rise, on_ground = moved.rise, moved.on_ground
-        if stuck:
-            return -np.inf
     return -np.inf
