@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -145,6 +146,16 @@ def test_locations_are_dots_where_they_are(storey: int | None, shown: list[tuple
         dot = marked[int(row) - 3 : int(row) + 4, int(column) - 3 : int(column) + 4]
         assert bool(dot.all()) == ((x, z) in shown)
     assert marked.sum() < 150 * len(shown)
+
+
+@pytest.mark.parametrize(("storey", "shown"), [(None, True), (1, False), (2, False)])
+def test_locations_on_a_roof_go_with_the_roof(storey: int | None, shown: bool) -> None:
+    game_map = replace(house_map(), outdoor=np.array([(0.0, 6.2, 0.0), (12.0, 0.0, 12.0)]))
+    without = replace(game_map, outdoor=game_map.outdoor[1:])
+    pictures = [
+        draw_map(each, width=BASE_WIDTH, locations=True, storey=storey) for each in (game_map, without)
+    ]
+    assert (pictures[0].tobytes() != pictures[1].tobytes()) == shown
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,8 @@ def draw_map(
         game_map: The map.
         width: Pixels, of the whole sheet.
         storey: Houses that have it are cut open there; 1 is the ground floor. None: all have their roofs.
-        locations: Whether to mark the valid locations; with a storey, the indoor ones of that storey only.
+        locations: Whether to mark the valid locations; with a storey, those of other storeys and on roofs
+            above it are left out.
         center: x and z in m of the middle of what is shown; None: of the map.
         span: m, how much is shown from west to east; None: all.
         title: What stands above it; None: the seed.
@@ -63,7 +64,7 @@ def draw_map(
     picture = Image.fromarray(raster(game_map, window, storey))
     if locations:
         _mark(picture, window, _shown_indoor(game_map, storey), INDOOR_DOT)
-        _mark(picture, window, game_map.outdoor, OUTDOOR_DOT)
+        _mark(picture, window, _shown_outdoor(game_map, storey), OUTDOOR_DOT)
     legend = _legend(game_map, storey, locations)
     return print_sheet(
         picture, layout, window, title or f"Seed {game_map.spec.seed}", _note(game_map), legend
@@ -106,6 +107,18 @@ def _shown_indoor(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
         level = (game_map.indoor[:, 1] - house.ground) / house.storey_height
         shown |= _over(house, game_map.indoor) & (np.floor(level + 0.5) == storey - 1)
     return game_map.indoor[shown]
+
+
+def _shown_outdoor(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
+    """Return the outdoor locations, (N, 3) m, without those on roofs that a cut at a storey takes off."""
+    if storey is None:
+        return game_map.outdoor
+    shown = np.ones(len(game_map.outdoor), np.bool_)
+    for house in game_map.houses:
+        if house.storeys >= storey:
+            level = (game_map.outdoor[:, 1] - house.ground) / house.storey_height
+            shown &= ~(_over(house, game_map.outdoor) & (np.floor(level + 0.5) >= storey))
+    return game_map.outdoor[shown]
 
 
 def _over(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
