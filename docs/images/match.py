@@ -21,9 +21,19 @@ from wildscav_engine.record import record_of
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_engine.view import write_replay
 
+MAP = MapConfig(
+    size=100,
+    relief=1.6,
+    ruggedness=1.0,
+    water=0.1,
+    houses=6,
+    density="high",
+    storeys=(1, 3),
+    vegetation=0.5,
+)
 SPEC = MatchSpec(
     track="battle",
-    map=MapSpec(config=MapConfig(size=100, houses=5), seed=3),
+    map=MapSpec(config=MAP, seed=12),
     seats=("fighter",) * 6,
     time_limit=60.0,
     seed=5,

@@ -20,6 +20,7 @@ from wildscav_engine.trig import arctangent, wrap
 STUCK_SPEED = 0.3  # of the speed wanted; slower is stuck
 PATIENCE = 3.0  # steps stuck before a way round is tried
 DETOUR = 12.0  # steps that a way round is kept
+FETCHING = 60.0  # steps without a box after which the one in sight counts as out of reach
 
 
 class Memory(IntEnum):
@@ -31,6 +32,8 @@ class Memory(IntEnum):
     STUCK = 3  # steps in a row that it got nowhere
     DETOUR_LEFT = 4  # steps left on a way round
     DETOUR_HEADING = 5  # degrees
+    FETCHING = 6  # steps since it last had a box, or gave one up
+    DISTRACTED_LEFT = 7  # steps left without a look at boxes
 
 
 class Situation(NamedTuple):
@@ -106,9 +109,9 @@ def wander(now: Situation, action: NDArray[np.float32]) -> None:
 
 @kernel
 def gather(now: Situation, action: NDArray[np.float32]) -> bool:
-    """Walk to the nearest box in sight and pick it up; return False if none is in sight."""
+    """Walk to the nearest box in sight and pick it up; return False if none is in sight, or in reach."""
     action[Field.PICK_UP] = 1.0
-    if now.seen.supply_count[now.seat] == 0:
+    if now.seen.supply_count[now.seat] == 0 or _gives_up(now):
         return False
     box = now.supplies.position[now.seen.supplies[now.seat, 0]]
     here = now.agents.position[now.seat]
@@ -116,3 +119,19 @@ def gather(now: Situation, action: NDArray[np.float32]) -> bool:
     walk_toward(now, heading, 8.0, action)
     turn_toward(now, heading, 0.0, 30.0, action)
     return True
+
+
+@kernel
+def _gives_up(now: Situation) -> bool:
+    """Return whether to leave the boxes in sight alone: one upstairs or behind a wall may be out of reach."""
+    memory = now.agents.memory[now.seat]
+    if memory[Memory.DISTRACTED_LEFT] > 0.0:
+        memory[Memory.DISTRACTED_LEFT] -= 1.0
+        return True
+    memory[Memory.FETCHING] += 1.0
+    if now.agents.gained[now.seat] > 0:
+        memory[Memory.FETCHING] = 0.0
+    elif memory[Memory.FETCHING] > FETCHING:
+        memory[Memory.FETCHING] = 0.0
+        memory[Memory.DISTRACTED_LEFT] = random_in(now, 20.0, 80.0, 6)
+    return False

@@ -7,7 +7,7 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
 from wildscav_engine.robots import ROBOTS
-from wildscav_engine.spec import MapConfig, MatchSpec
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +34,19 @@ def test_gatherers_gather_and_walkers_do_not(country: GameMap) -> None:
     match = play(country, "gatherer", "walker", track="gathering")
     assert match.state.agents.supplies[0, 0] > 10
     assert match.state.agents.supplies[0, 1] == 0
+
+
+def test_gatherers_do_not_stay_at_a_box_that_they_cannot_reach() -> None:
+    spec = MapSpec(config=MapConfig(size=100, houses=4, density="high", storeys=(2, 3)), seed=1)
+    match = Match(MatchSpec(track="gathering", map=spec, seats=("gatherer",) * 8, time_limit=60))
+    ways = []
+    while not match.over:
+        match.step()
+        ways.append(match.state.agents.position[0].copy())
+
+    quarters = np.array(ways)[:600].reshape(4, 150, 8, 3)  # of 15 s each
+    extents = np.ptp(quarters, axis=1).max(axis=-1)
+    assert extents.min() > 2.0
 
 
 def test_fighters_kill_each_other(country: GameMap) -> None:
