@@ -17,7 +17,11 @@ def one_line(error: ValidationError) -> str:
     parts = []
     for fault in error.errors():
         field = ".".join(str(part) for part in fault["loc"])
-        given = "" if fault["type"] in {"missing", "extra_forbidden"} else f", not {fault['input']!r}"
+        given = (
+            ""
+            if fault["type"] in {"missing", "extra_forbidden", "value_error"}
+            else f", not {fault['input']!r}"
+        )
         message = fault["msg"].removeprefix("Value error, ")
         parts.append(f"{field}: {message}{given}" if field else message)
     return "; ".join(parts)

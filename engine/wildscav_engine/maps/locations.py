@@ -53,7 +53,7 @@ def choose_places(graph: WalkGraph, houses: Sequence[House], seed: int) -> Place
     indoor, taken = _in_rooms(houses, places, draws)
     rest = np.nonzero(~taken)[0]
     covered = is_covered(graph.world, places[rest])
-    inside = _spaced(places[rest[covered]], draws[rest[covered]], INDOOR_SPACING)
+    inside = _away_from(indoor, _spaced(places[rest[covered]], draws[rest[covered]], INDOOR_SPACING))
     high = _spaced(places[rest[~covered]], draws[rest[~covered]], HIGH_SPACING)
     return Places(ground, high, np.concatenate([indoor, inside]))
 
@@ -160,6 +160,15 @@ def _is_near(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
 def _spaced(places: NDArray[np.float64], draws: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     """Return places, taken in the order of their draws, that keep a distance from each other."""
     return keep_apart(places[np.argsort(draws, kind="stable")], spacing)
+
+
+def _away_from(chosen: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the places that are not near any that are chosen already, (N, 3) m each."""
+    free = np.ones(len(places), np.bool_)
+    for place in chosen:
+        ways = places - place
+        free &= (ways * ways).sum(axis=1) >= INDOOR_SPACING * INDOOR_SPACING
+    return places[free]
 
 
 @array_kernel

@@ -8,7 +8,7 @@ between gentle neighbours need no walk.
 
 import numpy as np
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, COS_SLOPE_LIMIT
 from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
@@ -201,7 +201,8 @@ def _is_floored(world: World, x: float, height: float, z: float) -> bool:
     """Return whether a body at a place in m stands on something that the ground does not cover."""
     if ground_at(world, x, z).height > height:
         return False
-    return bool(sweep_world(world, x, height, z, 0.0, -LEVEL, 0.0).fraction < 1.0)
+    contact = sweep_world(world, x, height, z, 0.0, -LEVEL, 0.0)
+    return bool(contact.fraction < 1.0 and contact.n_y >= COS_SLOPE_LIMIT)
 
 
 @kernel
