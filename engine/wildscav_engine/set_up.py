@@ -9,6 +9,7 @@ from wildscav_engine.body import EDGE_MARGIN
 from wildscav_engine.geometry.clearance import is_clear
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
+from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.locations import keep_apart
 from wildscav_engine.maps.walk import is_reached, leads_out
@@ -17,9 +18,11 @@ from wildscav_engine.robots import ROBOTS
 from wildscav_engine.rules import FRAMES_PER_SECOND
 from wildscav_engine.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
 from wildscav_engine.state import State
+from wildscav_engine.systems.motion import Bodies, move
 from wildscav_engine.systems.supplies import choose_indoor, choose_outdoor, fill_boxes
 from wildscav_engine.tracks import TRACKS
 
+LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
 SPARE_SLOTS = 4  # a seat: free slots for boxes dropped at deaths, beside those of boxes already taken
 LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
 START_TRIES = 64  # draws for starts apart from each other before any place will do
@@ -142,7 +145,7 @@ def _check_ways(
     Raises:
         MatchSetupError: One does not get away from the start, or not to the target.
     """
-    if spec.start is not None and not leads_out(game_map.graph, start):
+    if spec.start is not None and not leads_out(game_map.graph, _come_to_rest(game_map.world, start)):
         raise MatchSetupError(
             f"start is at {_named(spec.start)}: there is no way from there to the rest of the map"
         )
@@ -152,6 +155,21 @@ def _check_ways(
         raise MatchSetupError(
             f"target is at {_named(spec.target)}: there is no way to it from the rest of the map"
         )
+
+
+def _come_to_rest(world: World, start: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (3,) m where a body comes to stand that starts in the air or on a steep slope."""
+    body = Bodies(start[np.newaxis].copy(), np.ones(1, np.int32), 0)
+    place: NDArray[np.float64] = body.position[0]
+    rise, on_ground = 0.0, False
+    for _ in range(LONGEST_FALL):
+        moved = move(world, body, rise, on_ground, 0.0, 0.0, False, 1.0)
+        rests = moved.on_ground and (moved.x, moved.y, moved.z) == tuple(place)
+        place[:] = moved.x, moved.y, moved.z
+        rise, on_ground = moved.rise, moved.on_ground
+        if rests:
+            break
+    return place
 
 
 def _named(place: tuple[float, float, float]) -> str:

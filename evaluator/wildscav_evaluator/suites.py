@@ -136,12 +136,14 @@ def battle(
 
 
 def _small_map(dice: Dice) -> MapConfig:
+    size = choose(dice, (60, 80, 100))
     return MapConfig(
-        size=choose(dice, (60, 80, 100)),
-        houses=dice.integer(2, 3),
+        size=size,
+        # On 60 m of steep country there is not always room for more.
+        houses=dice.integer(2, 3) if size > 60 else 1,
         density="high" if dice.integer(0, 1) else "low",
         storeys=(1, 2),
-        relief=choose(dice, (0.5, 1.0, 1.5)),
+        relief=choose(dice, (0.5, 0.8, 1.1)),
         ruggedness=choose(dice, (0.1, 0.4, 0.8)),
         water=choose(dice, (0.0, 0.06)),
         vegetation=choose(dice, (0.2, 0.4)),

@@ -10,6 +10,7 @@ are, everything else as JSON. Uncompressed, because to inflate a map takes longe
 
 import contextlib
 import functools
+import os
 import time
 import types
 from collections.abc import Sequence
@@ -56,9 +57,10 @@ def load_cached(spec: MapSpec) -> GameMap | None:
     path = path_of(spec)
     try:
         header, payload = unpack(LAYOUT, path.read_bytes())
-        path.touch()
     except (OSError, ContainerError):
         return None
+    with contextlib.suppress(OSError):
+        os.utime(path)  # used just now; a cache that cannot be written is read all the same
     try:
         arrays = _read_arrays(header["arrays"], payload)
         game_map: GameMap = _value(GameMap, header["map"], arrays)

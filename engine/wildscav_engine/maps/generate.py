@@ -30,7 +30,10 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
     water = water_of_cells(terrain.heights, terrain.water_level)
     world = build_world(terrain.corner, terrain.heights, water, solids, np.zeros((0, 3)))
     graph = build_graph(world)
-    places = choose_places(graph, houses, seed)
+    owners = np.array(solid_house, np.int16)
+    places = choose_places(graph, houses, owners, seed)
+    if len(places.ground) == 0 and config.base:
+        raise MapError(f"base is {config.base}: it leaves no open, dry ground to stand on")
     if len(places.ground) == 0:
         raise MapError(
             f"seed {seed} leaves no open, dry ground to stand on in a map of {config.size} m with water "
@@ -42,6 +45,6 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
         houses=houses,
         indoor=places.indoor,
         outdoor=np.concatenate([places.ground, places.high]),
-        solid_house=np.array(solid_house, np.int16),
+        solid_house=owners,
         reachable_share=graph.ground_share,
     )

@@ -13,6 +13,7 @@ from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.game_map import House
 from wildscav_engine.maps.walk import WalkGraph
+from wildscav_engine.maps.walk.lattice import FINE
 from wildscav_engine.rng import Stream, uniform, uniform_in
 
 STREAM = int(Stream.LOCATIONS)
@@ -35,16 +36,23 @@ class Places(NamedTuple):
     indoor: NDArray[np.float64]
 
 
-def choose_places(graph: WalkGraph, houses: Sequence[House], seed: int) -> Places:
+def choose_places(
+    graph: WalkGraph, houses: Sequence[House], solid_house: NDArray[np.int16], seed: int
+) -> Places:
     """Choose the places of a map among the nodes of its graph's largest strongly connected part.
 
     Args:
         graph: Of the map.
         houses: Of the map.
+        solid_house: (S,) the house of each solid, -1 for none.
         seed: Of the map.
     """
     nodes = np.nonzero(graph.connected)[0]
     is_on_ground = stand_on_ground(graph.world, graph.positions(), nodes)
+    # Under a roof that is not a house's eaves, the bare ground is a floor.
+    near_things = is_on_ground & (graph.lattice.marks[graph.nodes.point[nodes]] == FINE)
+    roofs = np.nonzero(solid_house < 0)[0]
+    is_on_ground[near_things] = ~is_covered(graph.world, graph.positions(nodes[near_things]), roofs)
     whole = _on_whole_metres(graph, nodes[is_on_ground])
     ground = ground_places(graph.world, _lookup(graph, whole), graph.positions(), np.uint64(seed))
     above = nodes[~is_on_ground]
@@ -52,7 +60,7 @@ def choose_places(graph: WalkGraph, houses: Sequence[House], seed: int) -> Place
     draws = _draws(np.uint64(seed), above)
     indoor, taken = _in_rooms(houses, places, draws)
     rest = np.nonzero(~taken)[0]
-    covered = is_covered(graph.world, places[rest])
+    covered = is_covered(graph.world, places[rest], np.arange(len(solid_house)))
     inside = _away_from(indoor, _spaced(places[rest[covered]], draws[rest[covered]], INDOOR_SPACING))
     high = _spaced(places[rest[~covered]], draws[rest[~covered]], HIGH_SPACING)
     return Places(ground, high, np.concatenate([indoor, inside]))
@@ -216,13 +224,15 @@ def _is_crowded(
 
 
 @array_kernel
-def is_covered(world: World, places: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return (N,) whether there is a ceiling, a roof or the like over places in m."""
+def is_covered(world: World, places: NDArray[np.float64], ceilings: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return (N,) whether there is a ceiling, a roof or the like over places in m, one of some solids."""
+    counts = np.zeros(len(world.solid_kind), np.bool_)
+    counts[ceilings] = True
     covered = np.empty(len(places), np.bool_)
     for index in range(len(places)):
         x, y, z = places[index, 0], places[index, 1] + 1.0, places[index, 2]
         hit = cast_ray(world, x, y, z, 0.0, 1.0, 0.0, CEILING)
-        covered[index] = hit.solid >= 0 and not is_plant(world.solid_kind[hit.solid])
+        covered[index] = hit.solid >= 0 and counts[hit.solid] and not is_plant(world.solid_kind[hit.solid])
     return covered
 
 

@@ -182,7 +182,11 @@ def info(
     fields = _fields(size, relief, ruggedness, water, houses, density, storeys, vegetation)
     choice = _choose(map_id, seed, config, fields)
     table = Table(
-        box=box.SIMPLE_HEAD, padding=(0, 2, 0, 0), show_edge=False, title=choice.title, title_justify="left"
+        box=box.SIMPLE_HEAD,
+        padding=(0, 2, 0, 0),
+        show_edge=False,
+        title=escape(choice.title),
+        title_justify="left",
     )
     table.add_column("", style="bold")
     table.add_column("", overflow="fold")

@@ -44,8 +44,12 @@ def flat_world(*solids: Solid, heights: np.ndarray | None = None, water: np.ndar
     return build_world((-20.0, -20.0), heights, water, list(solids), np.zeros((0, 3)))
 
 
+def everything(world: World) -> np.ndarray:
+    return np.arange(len(world.solid_kind))
+
+
 def places_of(world: World) -> Places:
-    return choose_places(build_graph(world), (), 1)
+    return choose_places(build_graph(world), (), np.full(len(world.solid_kind), -1, np.int16), 1)
 
 
 def in_room(house: House, level: int, places: np.ndarray) -> np.ndarray:
@@ -128,7 +132,9 @@ def test_no_outdoor_place_is_in_a_house(game_map: GameMap) -> None:
     for house in game_map.houses:
         for level in range(house.storeys):
             inside = game_map.outdoor[in_room(house, level, game_map.outdoor)]
-            assert not is_covered(game_map.world, inside).any()  # at most on a lower part's roof
+            assert not is_covered(
+                game_map.world, inside, everything(game_map.world)
+            ).any()  # at most on a lower part's roof
 
 
 def least_distance(places: np.ndarray) -> float:
@@ -148,7 +154,9 @@ def test_high_places_and_those_in_a_room_keep_their_distance(game_map: GameMap) 
 
 
 def test_the_same_seed_gives_the_same_places_and_another_one_others(game_map: GameMap) -> None:
-    chosen = [choose_places(game_map.graph, game_map.houses, seed) for seed in (7, 7, 8)]
+    chosen = [
+        choose_places(game_map.graph, game_map.houses, game_map.solid_house, seed) for seed in (7, 7, 8)
+    ]
 
     for first, again, other in zip(*chosen, strict=True):
         assert first.tolist() == again.tolist()
@@ -214,7 +222,8 @@ def test_no_place_is_in_water() -> None:
 def test_what_has_a_ceiling_is_indoors(kind: Kind, low: float, covered: bool) -> None:
     world = flat_world(box(kind, NORTH, (-5.0, low, -5.0), (5.0, low + 0.2, 5.0)))
 
-    assert is_covered(world, np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0]])).tolist() == [covered, False]
+    spots = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0]])
+    assert is_covered(world, spots, everything(world)).tolist() == [covered, False]
 
 
 COORDINATE = st.floats(-20.0, 20.0)

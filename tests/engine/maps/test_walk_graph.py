@@ -161,6 +161,24 @@ def test_nobody_stands_below_the_ground_on_what_a_slope_buries() -> None:
     assert (places[:, 1] > ground + 0.3).any()  # but on the part that stands out
 
 
+def test_a_cliff_is_got_down_alike_to_all_four_sides() -> None:
+    # A table mountain 12 m across and 6 m high: its sides are one cell wide, at 71°.
+    heights = np.zeros((21, 21))
+    heights[7:14, 7:14] = 6.0
+    graph = build_graph(with_heights(flat_world(), heights))
+    x, _, z = graph.positions(graph.leap_end).T
+    for side in (x > 6, x < -6, z > 6, z < -6):
+        assert side.sum() >= 3
+    assert not is_reached(graph, (0.0, 6.0, 0.0), distance=1.0)
+
+
+def test_a_target_is_reached_from_as_far_as_it_counts() -> None:
+    graph = graph_of(block((-3, 0, -3), (3, 3.0, 3)))
+    middle = (0.0, 3.0, 0.0)
+    assert not is_reached(graph, middle, distance=3.0)
+    assert is_reached(graph, middle, distance=5.0)
+
+
 def test_tables_that_are_full_grow(monkeypatch: pytest.MonkeyPatch) -> None:
     steps = [block((i * 0.28, 0, -0.8), ((i + 1) * 0.28, (i + 1) * 0.2, 0.8)) for i in range(14)]
     solids = [*steps, block((3.92, 2.8, -4), (9, 3.0, 4)), block((-9, 0, 5), (-3, 1.0, 9))]

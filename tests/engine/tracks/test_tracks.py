@@ -101,6 +101,10 @@ def test_a_start_or_target_that_nobody_gets_away_from_or_to_is_refused() -> None
     assert not make_match("navigation", world=gate, start=(8, 0, 8), target=(-8, 0, -8)).over
 
 
+def test_a_start_in_the_air_is_judged_by_where_one_comes_down() -> None:
+    assert not make_match("navigation", start=(3, 4.5, 3), target=(-8, 0, -8)).over
+
+
 @pytest.mark.parametrize("name", TRACKS)
 def test_every_track_measures_all_of_its_metrics(name: str) -> None:
     match = make_match(name, seats=2)

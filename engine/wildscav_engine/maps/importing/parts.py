@@ -17,6 +17,7 @@ from wildscav_engine.maps.importing.obj import read_obj
 
 MIRROR = np.array([1.0, 1.0, -1.0])  # from a file's frame to the game's, and back
 FILE_LIMIT = 1 << 28  # bytes
+FARTHEST = 1e6  # m from the origin, of any vertex
 
 # Without a handler of its own, what it warns of would be printed; all that matters is an error or a note.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
@@ -56,6 +57,8 @@ def read_parts(path: Path) -> list[Part]:
             raise BaseError(f"{part.name!r} has triangles of vertices that it does not have")
         if not np.isfinite(part.vertices).all():
             raise BaseError(f"not all vertices of {part.name!r} are finite")
+        if np.abs(part.vertices).max() > FARTHEST:
+            raise BaseError(f"{part.name!r} reaches more than {FARTHEST:.0f} m away; the unit must be metres")
     return parts
 
 

@@ -57,7 +57,7 @@ def draw_map(
 
     from wildscav_engine.maps.picture.sheet import lay_out, print_sheet
 
-    _check(game_map, width, storey, span)
+    _check(game_map, width, storey, center, span)
     rows, columns = game_map.world.water.shape
     layout = lay_out(width, rows / columns if center is None and span is None else 1.0)
     window = _window(game_map, layout, center, span)
@@ -71,13 +71,22 @@ def draw_map(
     )
 
 
-def _check(game_map: GameMap, width: int, storey: int | None, span: float | None) -> None:
+def _check(
+    game_map: GameMap,
+    width: int,
+    storey: int | None,
+    center: tuple[float, float] | None,
+    span: float | None,
+) -> None:
     highest = max((house.storeys for house in game_map.houses), default=0)
     if not NARROWEST <= width <= WIDEST:
         raise MapError(f"width is {width}, must be {NARROWEST} to {WIDEST} pixels")
     if storey is not None and not 1 <= storey <= highest:
         allowed = f"must be 1 to {highest}" if highest else "but this map has no houses"
         raise MapError(f"storey is {storey}, {allowed}")
+    half = game_map.config.size / 2
+    if center is not None and not all(abs(place) <= half for place in center):
+        raise MapError(f"center is {center}, must be within {-half:g} to {half:g} m")
     if span is not None and not SMALLEST_SPAN <= span <= 2 * game_map.config.size:
         raise MapError(f"span is {span}, must be {SMALLEST_SPAN:g} to {2 * game_map.config.size} m")
 

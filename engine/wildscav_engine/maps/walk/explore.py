@@ -266,11 +266,14 @@ def _leads_here(nodes: Nodes, node: int, target: int, direction: int) -> int:
 
 @kernel
 def _edge_over_open_ground(world: World, lattice: Lattice, nodes: Nodes, node: int, target: int) -> int:
-    """Return the ground node over a point; FALLS where the ground is too steep but leads down."""
+    """Return the ground node over a point; FALLS where the ground there, or right behind, drops steeply."""
     if nodes.first[target] >= 0:
         return int(nodes.first[target])
+    here_x, here_z = place_of(world, lattice, int(nodes.point[node]))
     x, z = place_of(world, lattice, target)
-    return FALLS if ground_at(world, x, z).height < nodes.height[node] - STEEP_DROP else NO_EDGE
+    behind = ground_at(world, 2.0 * x - here_x, 2.0 * z - here_z).height
+    lowest = min(behind, ground_at(world, x, z).height)
+    return FALLS if lowest < nodes.height[node] - STEEP_DROP else NO_EDGE
 
 
 @kernel

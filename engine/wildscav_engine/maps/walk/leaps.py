@@ -114,7 +114,8 @@ def _get_down(
 ) -> bool:
     """Leap to the nearest point in a direction where a body that walks off an edge comes to stand, if any."""
     point = int(nodes.point[node])
-    units = 1 if abs(neighbour(lattice, point, direction) - point) <= lattice.side + 1 else 2
+    away = abs(neighbour(lattice, point, direction) - point)
+    units = 1 if away == 1 or abs(away - lattice.side) <= 1 else 2
     row, column = point // lattice.side, point % lattice.side
     for far in range(1, FARTHEST_LEAP + 1):
         to_row, to_column = row + far * units * NORTH[direction], column + far * units * EAST[direction]

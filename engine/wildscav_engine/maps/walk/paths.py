@@ -88,9 +88,8 @@ def is_reached(graph: WalkGraph, place: Place, distance: float) -> bool:
     node = node_near(graph, place, leave=False)
     if node is not None and graph.connected[node]:
         return True
-    nodes = _nodes_around(graph, float(place[0]), float(place[2]))
-    ways = graph.positions(nodes) - np.asarray(place, np.float64)
-    return bool((graph.connected[nodes] & ((ways * ways).sum(axis=1) <= distance * distance)).any())
+    ways = graph.positions(np.nonzero(graph.connected)[0]) - np.asarray(place, np.float64)
+    return bool(((ways * ways).sum(axis=1) <= distance * distance).any())
 
 
 def leads_out(graph: WalkGraph, place: Place) -> bool:

@@ -169,6 +169,8 @@ def _is_straight(world: World, nobody: Bodies, places: NDArray[np.float64], star
     """Return whether a body that walks straight from one node arrives at another."""
     at = Point(places[start, 0], places[start, 1], places[start, 2])
     x, height, z = places[end, 0], places[end, 1], places[end, 2]
+    if x == at.x and z == at.z:
+        return bool(abs(height - at.y) <= SAME_SURFACE)
     for stride in (SPACING, LEG_STRIDE):  # great strides are quickly stopped where nobody gets through
         if not abs(walk_straight(world, nobody, at, x, z, stride) - height) <= SAME_SURFACE:
             return False
