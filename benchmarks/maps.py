@@ -29,6 +29,7 @@ from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path
 from wildscav_engine.spec import MapConfig
 
 WARM_UP_SEED = 999
+ENVIRONMENT = dict(os.environ)  # in which what is compiled lies where it always does
 PATHS = 40  # between random places of each map
 Made = TypeVar("Made")
 
@@ -106,7 +107,7 @@ def index(layout: Layout) -> World:
 def explore(world: World, layout: Layout, seed: int) -> tuple[WalkGraph, Places]:
     """Find all that can be reached and left, and choose the places of a map there."""
     graph = build_graph(world)
-    return graph, choose_places(graph, layout.houses, seed)
+    return graph, choose_places(graph, layout.houses, np.array(layout.solid_house, np.int16), seed)
 
 
 def measure(watch: Stopwatch, config: MapConfig, seed: int) -> None:
@@ -131,7 +132,9 @@ def find_paths(watch: Stopwatch, game_map: GameMap, graph: WalkGraph, places: np
 def peak_memory(config: MapConfig) -> float:
     """Return the most memory in MB that a process has while it makes a map."""
     code = PEAK_MEMORY.format(size=int(config.size), houses=config.houses)
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=ENVIRONMENT
+    )
     return int(done.stdout) * 1024 / 1e6
 
 

@@ -19,8 +19,10 @@ from wildscav_engine.maps.walk.lattice import (
     DIRECTIONS,
     FALLS,
     FINE,
+    NEAR,
     NO_EDGE,
     OPEN,
+    SLOPE_PROBE,
     SPACING,
     Lattice,
     Nodes,
@@ -39,6 +41,7 @@ A_STEP = 0.25  # m, heights that differ less are neighbouring steps of a flight 
 RISE = 0.66  # m, more than steps or slopes rise or drop over an edge
 WAIST = 1.0  # m, less than a body's height above what is RISE lower
 SMALL_STRIDE = 0.02  # m, of a body that walks at 1 m/s
+EVEN, HALF_EDGE = 0.4, 0.7072  # m up per m, and m of the longest edges
 LEVEL = 0.02  # m, a difference that is no step
 STEEP_DROP = 0.7  # m down in a metre is looked at as a way to get down
 FLAT_DIAGONAL = 0.45  # m between the ends of a diagonal that needs no walk where all sides can be walked
@@ -54,6 +57,20 @@ def add_ground(world: World, lattice: Lattice, nodes: Nodes, row: int) -> None:
             height = ground_at(world, x, z).height
             if lattice.marks[point] == OPEN or is_clear(world, x, height, z):
                 add_node(nodes, point, height)
+                if lattice.marks[point] == NEAR and _is_open_around(world, x, height, z):
+                    lattice.marks[point] = OPEN
+
+
+@kernel
+def _is_open_around(world: World, x: float, height: float, z: float) -> bool:
+    """Return whether nothing stands near the halves of all edges from here, and the ground is even."""
+    for north in (-SLOPE_PROBE, SLOPE_PROBE):
+        for east in (-SLOPE_PROBE, SLOPE_PROBE):
+            ground = ground_at(world, x + east, z + north)
+            if ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z > EVEN * EVEN:
+                return False
+    rise = EVEN * HALF_EDGE
+    return is_free(world, x, height - rise, height + BODY_HEIGHT + rise, z, HALF_EDGE + ROOM)
 
 
 @kernel

@@ -149,10 +149,10 @@ def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> WalkG
     """Cut the tables to length and sort the leaps by their starts."""
     count, leap_count = int(nodes.found[0]), int(leaps.found[0])
     nodes = nodes._replace(
-        point=nodes.point[:count].copy(),
-        height=nodes.height[:count].copy(),
-        following=nodes.following[:count].copy(),
-        edges=nodes.edges[:count].copy(),
+        point=nodes.point[:count],
+        height=nodes.height[:count],
+        following=nodes.following[:count],
+        edges=nodes.edges[:count],
     )
     order = np.argsort(leaps.start[:leap_count], kind="stable")
     leap_start = np.zeros(count + 1, np.int64)

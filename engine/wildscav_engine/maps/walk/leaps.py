@@ -84,15 +84,14 @@ def find_leaps(
     for node in range(start, last):
         if nodes.found[0] + DIRECTIONS >= room[0] or leaps.found[0] + DIRECTIONS >= room[1]:
             return node
-        is_down = _neighbour_gets_down(nodes, node)  # one way down from around here is enough
+        is_down = False
         for direction in range(DIRECTIONS):
-            target = neighbour(lattice, int(nodes.point[node]), direction)
-            if target < 0:
-                continue
             if nodes.edges[node, direction] == FALLS and not is_down:
-                is_down = _get_down(world, body, lattice, nodes, leaps, node, direction)
+                # One way down from around here is enough.
+                is_down = _neighbour_gets_down(nodes, node)
+                is_down = is_down or _get_down(world, body, lattice, nodes, leaps, node, direction)
             elif nodes.edges[node, direction] == NO_EDGE:
-                _get_up(world, body, lattice, nodes, leaps, node, target)
+                _get_up(world, body, lattice, nodes, leaps, node, direction)
     return last
 
 
@@ -158,13 +157,14 @@ def _can_be_node(world: World, lattice: Lattice, nodes: Nodes, target: int, heig
 
 @kernel
 def _get_up(
-    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, target: int
+    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, direction: int
 ) -> None:
     """Jump onto what there is to stand on over a point, higher than a step and not than a jump.
 
     It must not be known already: one jump onto a thing is enough.
     """
-    if lattice.marks[target] != FINE:
+    target = neighbour(lattice, int(nodes.point[node]), direction)
+    if target < 0 or lattice.marks[target] != FINE:
         return
     x, z = place_of(world, lattice, target)
     height = landing_height(world, x, z, nodes.height[node] + JUMP_HEIGHT)
