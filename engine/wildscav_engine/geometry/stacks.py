@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.world import Kind, Solid
+from wildscav_engine.geometry.world import Kind, Solid, write_plane
 from wildscav_engine.kernel import array_kernel, kernel
 
 MOST_SIDES, MOST_RINGS = 8, 4
@@ -113,13 +113,5 @@ def _write_plane(
     plane: NDArray[np.float64],
 ) -> None:
     """Write the plane through three corners; the axis at half the height lies behind it."""
-    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    length = np.sqrt(x * x + y * y + z * z)
-    x, y, z = x / length, y / length, z / length
-    offset = x * a[0] + y * a[1] + z * a[2]
     height = 0.5 * (stacks.rings[row, 0, 0] + stacks.rings[row, stacks.levels[row] - 1, 0])
-    inside = x * stacks.axis[row, 0] + y * height + z * stacks.axis[row, 1]
-    sign = -1.0 if inside > offset else 1.0
-    plane[0], plane[1], plane[2], plane[3] = sign * x, sign * y, sign * z, sign * offset
+    write_plane(a, b, c, (stacks.axis[row, 0], height, stacks.axis[row, 1]), plane)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
 from wildscav_engine.kernel import array_kernel, kernel
 
+Corner = tuple[float, float, float] | NDArray[np.float64]  # m: x, y, z
 CELL = 2.0  # m, side of a grid cell and of a terrain quad
 BLOCK = 8  # cells along a side of a block, the coarser level of the grid
 
@@ -91,16 +92,21 @@ def _planes_of(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArr
     planes = np.empty((faces.shape[0], 4))
     for row in range(faces.shape[0]):
         a, b, c = vertices[faces[row, 0]], vertices[faces[row, 1]], vertices[faces[row, 2]]
-        ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-        vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        length = np.sqrt(x * x + y * y + z * z)
-        x, y, z = x / length, y / length, z / length
-        offset = x * a[0] + y * a[1] + z * a[2]
-        sign = -1.0 if x * middle_x + y * middle_y + z * middle_z > offset else 1.0
-        planes[row, 0], planes[row, 1], planes[row, 2] = sign * x, sign * y, sign * z
-        planes[row, 3] = sign * offset
+        write_plane(a, b, c, (middle_x, middle_y, middle_z), planes[row])
     return planes
+
+
+@kernel
+def write_plane(a: Corner, b: Corner, c: Corner, behind: Corner, plane: NDArray[np.float64]) -> None:
+    """Write the unit normal and the offset in m of the plane through three corners, a point behind it."""
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    length = np.sqrt(x * x + y * y + z * z)
+    x, y, z = x / length, y / length, z / length
+    offset = x * a[0] + y * a[1] + z * a[2]
+    sign = -1.0 if x * behind[0] + y * behind[1] + z * behind[2] > offset else 1.0
+    plane[0], plane[1], plane[2], plane[3] = sign * x, sign * y, sign * z, sign * offset
 
 
 def build_world(

@@ -47,16 +47,16 @@ def choose_places(
         solid_house: (S,) the house of each solid, -1 for none.
         seed: Of the map.
     """
-    nodes = np.nonzero(graph.connected)[0]
-    is_on_ground = stand_on_ground(graph.world, graph.positions(), nodes)
+    nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
+    is_on_ground = stand_on_ground(graph.world, positions, nodes)
     # Under a roof that is not a house's eaves, the bare ground is a floor.
     near_things = is_on_ground & (graph.lattice.marks[graph.nodes.point[nodes]] == FINE)
     roofs = np.nonzero(solid_house < 0)[0]
-    is_on_ground[near_things] = ~is_covered(graph.world, graph.positions(nodes[near_things]), roofs)
+    is_on_ground[near_things] = ~is_covered(graph.world, positions[nodes[near_things]], roofs)
     whole = _on_whole_metres(graph, nodes[is_on_ground])
-    ground = ground_places(graph.world, _lookup(graph, whole), graph.positions(), np.uint64(seed))
+    ground = ground_places(graph.world, _lookup(graph, whole), positions, np.uint64(seed))
     above = nodes[~is_on_ground]
-    places = graph.positions(above)
+    places = positions[above]
     draws = _draws(np.uint64(seed), above)
     indoor, taken = _in_rooms(houses, places, draws)
     rest = np.nonzero(~taken)[0]

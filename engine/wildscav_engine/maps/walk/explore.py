@@ -8,7 +8,7 @@ between gentle neighbours need no walk.
 
 import numpy as np
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, COS_SLOPE_LIMIT
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, COS_SLOPE_LIMIT, TAN_SLOPE_LIMIT
 from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
@@ -22,7 +22,6 @@ from wildscav_engine.maps.walk.lattice import (
     NEAR,
     NO_EDGE,
     OPEN,
-    SLOPE_PROBE,
     SPACING,
     Lattice,
     Nodes,
@@ -53,7 +52,7 @@ def add_ground(world: World, lattice: Lattice, nodes: Nodes, row: int) -> None:
     for column in range(BORDER, lattice.side - BORDER, 2):
         point = row * lattice.side + column
         x, z = place_of(world, lattice, point)
-        if is_gentle(world, x, z):
+        if is_gentle(world, x, z, TAN_SLOPE_LIMIT):
             height = ground_at(world, x, z).height
             if lattice.marks[point] == OPEN or is_clear(world, x, height, z):
                 add_node(nodes, point, height)
@@ -64,12 +63,9 @@ def add_ground(world: World, lattice: Lattice, nodes: Nodes, row: int) -> None:
 @kernel
 def _is_open_around(world: World, x: float, height: float, z: float) -> bool:
     """Return whether nothing stands near the halves of all edges from here, and the ground is even."""
-    for north in (-SLOPE_PROBE, SLOPE_PROBE):
-        for east in (-SLOPE_PROBE, SLOPE_PROBE):
-            ground = ground_at(world, x + east, z + north)
-            if ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z > EVEN * EVEN:
-                return False
     rise = EVEN * HALF_EDGE
+    if not is_gentle(world, x, z, EVEN):
+        return False
     return is_free(world, x, height - rise, height + BODY_HEIGHT + rise, z, HALF_EDGE + ROOM)
 
 
@@ -204,7 +200,7 @@ def _height_if_free(world: World, start: Point, x: float, z: float) -> float:
     height, middle = start.y, start.y
     if abs(ground_at(world, start.x, start.z).height - start.y) <= LEVEL:
         height, middle = ground_at(world, x, z).height, ground_at(world, middle_x, middle_z).height
-        if not is_gentle(world, x, z):
+        if not is_gentle(world, x, z, TAN_SLOPE_LIMIT):
             return -np.inf
     elif not (_is_floored(world, x, height, z) and _is_floored(world, middle_x, height, middle_z)):
         return -np.inf

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, STEP_HEIGHT, TAN_SLOPE_LIMIT
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, STEP_HEIGHT
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import CELL, Kind, World, cell_of
 from wildscav_engine.kernel import array_kernel, kernel
@@ -102,13 +102,13 @@ def make_lattice(world: World) -> Lattice:
 
 
 @kernel
-def is_gentle(world: World, x: float, z: float) -> bool:
-    """Return whether all the ground right around a point can be walked up and down."""
+def is_gentle(world: World, x: float, z: float, limit: float) -> bool:
+    """Return whether all the ground right around a point rises less than a limit, m up per m."""
     for north in (-SLOPE_PROBE, SLOPE_PROBE):
         for east in (-SLOPE_PROBE, SLOPE_PROBE):
             ground = ground_at(world, x + east, z + north)
             steepness = ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z
-            if steepness >= TAN_SLOPE_LIMIT * TAN_SLOPE_LIMIT:
+            if steepness >= limit * limit:
                 return False
     return True
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import COS_SLOPE_LIMIT, STEP_HEIGHT
+from wildscav_engine.body import COS_SLOPE_LIMIT, STEP_HEIGHT, TAN_SLOPE_LIMIT
 from wildscav_engine.geometry.clearance import has_room, is_clear
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
@@ -143,7 +143,7 @@ def landing_height(world: World, x: float, z: float, top: float) -> float:
     contact = sweep_world(world, x, top, z, 0.0, ground - top, 0.0)
     if contact.fraction < 1.0:
         return top + (ground - top) * contact.fraction if contact.n_y >= COS_SLOPE_LIMIT else -np.inf
-    return ground if is_gentle(world, x, z) else -np.inf
+    return ground if is_gentle(world, x, z, TAN_SLOPE_LIMIT) else -np.inf
 
 
 @kernel
