@@ -14,6 +14,7 @@ from wildscav_engine.spec import MapConfig, MapSpec
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.walk import WalkGraph
+    from wildscav_engine.rendering.trace import Scene
 
 # Raised by every change that makes another map of the same config and seed.
 GENERATOR_VERSION = 2
@@ -71,6 +72,13 @@ class GameMap:
         from wildscav_engine.maps.walk import build_graph
 
         return build_graph(self.world)
+
+    @cached_property
+    def scene(self) -> "Scene":
+        """What images of this map are made from; made when somebody first looks."""
+        from wildscav_engine.rendering.trace import scene_of
+
+        return scene_of(self.world)
 
     @cached_property
     def digest(self) -> str:

@@ -15,7 +15,8 @@ from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.base import Base, BaseError
 from wildscav_engine.maps.export import export_map
 from wildscav_engine.maps.importing import Imported, import_height_map, import_mesh
-from wildscav_engine.maps.mesh import Mesh, polyhedron, solids_mesh, terrain_mesh
+from wildscav_engine.geometry.polyhedra import polyhedron
+from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh
 from wildscav_engine.spec import MapConfig
 
 Image = pytest.importorskip("PIL.Image")

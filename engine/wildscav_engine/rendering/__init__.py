@@ -1,0 +1,1 @@
+"""Images of the world: what every ray of a camera meets."""
