@@ -3,6 +3,8 @@
 Replays, pictures and exported meshes share them, so that a map looks the same wherever it is shown.
 """
 
+import colorsys
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +32,7 @@ OF_KIND = {
 }
 CROWNS = ([58, 118, 50], [84, 138, 54], [44, 98, 58], [112, 144, 58])
 BUSHES = ([92, 128, 52], [74, 120, 66], [118, 138, 62])
+SUPPLY_BOX = (90, 200, 255)
 
 
 def shaded(base: Array, normals: Array) -> Colors:
@@ -72,6 +75,13 @@ def of_solids(kinds: NDArray[np.int8], houses: NDArray[np.int16]) -> NDArray[np.
     varied = np.isin(kinds, (Kind.CROWN, Kind.BUSH, Kind.ROCK, Kind.TRUNK))
     brightness = np.where(varied, 0.88 + 0.24 * (_scatter(every) % 17) / 16, 1.0)
     return colors * brightness[:, None]
+
+
+def of_seat(seat: int) -> tuple[int, int, int]:
+    """Return a strong colour for a seat; the first dozen are far apart."""
+    hue = (0.02 + 0.381966 * seat) % 1.0  # the golden angle
+    red, green, blue = colorsys.hsv_to_rgb(hue, 0.80 - 0.25 * (seat // 7 % 2), 1.0)
+    return round(255 * red), round(255 * green), round(255 * blue)
 
 
 def mix(first: Array, second: Array, share: Array) -> NDArray[np.float64]:

@@ -31,6 +31,9 @@ class Kind(IntEnum):
     ROCK = 9
     FURNITURE = 10
     BUSH = 11
+    # What moves: no world has these, only images do.
+    AGENT = 12
+    SUPPLY_BOX = 13
 
 
 class World(NamedTuple):

@@ -24,7 +24,7 @@ from wildscav_engine.maps.errors import MapError
 SUFFIX = ".wsb"
 LAYOUT = Layout(b"WILDBASE", 1, "an imported map")
 HEADER_KEYS = {"name", "size", "water_level", "ground", "kinds", "faces"}
-KINDS = tuple(kind for kind in Kind if kind >= Kind.WALL)  # that a solid can be
+KINDS = tuple(kind for kind in Kind if Kind.WALL <= kind <= Kind.BUSH)  # that a solid can be
 
 SMALLEST, LARGEST = 40, 2000  # m, of each side
 LOWEST, HIGHEST = -1000.0, 1000.0  # m, of everything

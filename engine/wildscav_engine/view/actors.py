@@ -7,6 +7,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.palette import of_seat
 from wildscav_engine.view import colors, frame
 from wildscav_engine.view.columns import Columns
 from wildscav_engine.view.history import History, changes
@@ -30,7 +31,7 @@ def distinct(names: Sequence[str]) -> tuple[str, ...]:
 def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str, rr.AsComponents]]:
     """Yield what never changes about the agents."""
     for seat, name in enumerate(names):
-        path, color = path_of(seat), colors.of_seat(seat)
+        path, color = path_of(seat), of_seat(seat)
         yield f"{path}/body", rr.Capsules3D.from_fields(radii=BODY_RADIUS, fill_mode="solid")
         yield (
             f"{path}/name",
@@ -96,7 +97,7 @@ def _body(history: History, seat: int, name: str) -> Iterator[Columns]:
     rows = changes(agents.health[:, seat], agents.invincible_left[:, seat] > 0)
     health, safe = agents.health[rows, seat], agents.invincible_left[rows, seat] > 0
     dead = health <= 0
-    color = np.array(colors.of_seat(seat))
+    color = np.array(of_seat(seat))
     tint = np.where(safe[:, None], (color + 255) // 2, color)
     tint = np.where(dead[:, None], np.array(colors.DEAD), tint).astype(np.uint8)
     capsules = rr.Capsules3D.columns(
