@@ -12,7 +12,7 @@ from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.batch import Batch
 from wildscav_engine.maps import generate_map
 from wildscav_engine.match import Match
-from wildscav_engine.sensors.depth import render_depth
+from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.spec import MapConfig, MatchSpec
 
 REPEATS = 5
@@ -50,14 +50,14 @@ def batch_figure(matches: int, threads: int, depth: bool) -> Figure:
     """Measure a batch of gathering matches of one agent."""
     batch = Batch([spec(index, "gathering", "submission") for index in range(matches)], [COUNTRY] * matches)
     actions = random_actions(matches, 1)
-    images = np.empty((matches, 10, 10), np.float32)
+    camera = DepthCamera(10, 10)
     agents = batch.state.agents
 
     def step(number: int) -> None:
         batch.step(actions[number % 8], threads=threads)
         if depth:
             eyes = agents.position[:, 0] + EYE
-            render_depth(COUNTRY.world, eyes, agents.yaw[:, 0], agents.pitch[:, 0], 100.0, images)
+            camera.render(COUNTRY, eyes, agents.yaw[:, 0], agents.pitch[:, 0])
 
     rate = steps_per_second(step, matches, 200)
     what = f"{matches} matches × 1 agent, {'10 × 10 depth' if depth else 'no sensors'}"

@@ -58,15 +58,10 @@ class Manifest(BaseModel):
     @field_validator("sensors")
     @classmethod
     def _sensors_are_understood(cls, sensors: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-        from wildscav_engine.sensors import SENSORS
+        from wildscav_engine.sensors import parse_sensor
 
         for name, options in sensors.items():
-            if name not in SENSORS:
-                raise ValueError(f"there is no sensor {name!r}; the sensors are {', '.join(SENSORS)}")
-            try:
-                SENSORS[name].parse(options)
-            except ValueError as error:
-                raise ValueError(f"{name}: {error}") from error
+            parse_sensor(name, options)
         return sensors
 
 

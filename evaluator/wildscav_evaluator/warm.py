@@ -27,6 +27,6 @@ def warm() -> None:
             match.step(no_actions(match.seats) + np.float32(1.0))
         match.start_info(0)
         for sensor in SENSORS.values():
-            sensor.read(match, [0], sensor.parse({}))
+            sensor().read(match, [0])
         match.result()
     solids_mesh(match.game_map.world)

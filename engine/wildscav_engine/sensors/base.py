@@ -1,55 +1,86 @@
-"""What every sensor is, and how its options are read."""
+"""What every sensor is: one object, whose fields are its options."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+import functools
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ConfigDict, ValidationError
+from pydantic.dataclasses import dataclass
 
 from wildscav_engine.spec import one_line
 
 if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
     from wildscav_engine.match import Match
 
-
-class SensorConfig(BaseModel):
-    """Base of the sensors' configs."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
-Config = TypeVar("Config", bound=SensorConfig)
+class Sensor(ABC):
+    """A way to perceive: reads an array a seat from a match, and changes nothing in it."""
+
+    name: ClassVar[str]  # in submission.toml and among an observation's tensors
+    title: ClassVar[str]  # one line, with the unit
+
+    @property
+    @abstractmethod
+    def space(self) -> "Box":
+        """The shape, type and bounds of one seat's reading."""
+
+    @abstractmethod
+    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[Any]:
+        """Return the readings of some seats, (len(seats), *space.shape).
+
+        Raises:
+            ValueError: The match has no such seat.
+        """
 
 
-class Sensor(Protocol):
-    """A way to perceive: reads an array a seat from a match."""
-
-    name: str
-    title: str
-    dtype: np.dtype[np.generic]
-
-    def parse(self, options: Mapping[str, object]) -> SensorConfig:
-        """Check options as they stand in ``submission.toml``; a ValueError says in one line what is wrong."""
-        ...
-
-    def shape(self, config: SensorConfig) -> tuple[int, ...]:
-        """Return the shape of one seat's reading."""
-        ...
-
-    def read(self, match: "Match", seats: Sequence[int], config: SensorConfig) -> NDArray[Any]:
-        """Return the readings of some seats, (len(seats), *shape)."""
-        ...
+SensorType = TypeVar("SensorType", bound=Sensor)
 
 
-def parse_options(model: type[Config], sensor: str, options: Mapping[str, object]) -> Config:
-    """Check a sensor's options.
+@dataclass_transform(frozen_default=True)
+def sensor(kind: type[SensorType]) -> type[SensorType]:
+    """Make a sensor of a class: its fields become its options, checked when one is made.
+
+    Making one with an option that it does not have, or with a value that is not allowed, raises a ValueError
+    of one line that says which option, what is wrong and what is allowed.
+    """
+    made = dataclass(frozen=True, config=CONFIG)(kind)
+    construct = made.__init__
+    known = [field.name for field in fields(made)]
+    options = f"its options are {', '.join(known)}" if known else "it has no options"
+
+    @functools.wraps(construct)
+    def __init__(self: SensorType, /, *values: object, **named: object) -> None:  # noqa: N807
+        if len(values) > len(known):
+            raise ValueError(f"sensor {kind.name}: {len(values)} values are given; {options}")
+        in_order = dict(zip(known, values, strict=False))
+        if twice := in_order.keys() & named.keys():
+            raise TypeError(f"sensor {kind.name}: {min(twice)} is given twice")
+        if unknown := sorted(named.keys() - set(known)):
+            raise ValueError(f"sensor {kind.name}: there is no option {unknown[0]!r}; {options}")
+        try:
+            construct(self, **in_order, **named)
+        except ValidationError as error:
+            raise ValueError(f"sensor {kind.name}: {one_line(error)} ({options})") from None
+
+    setattr(made, "__init__", __init__)  # noqa: B010
+    return cast(type[SensorType], made)
+
+
+def rows_of(match: "Match", seats: Sequence[int]) -> NDArray[np.int64]:
+    """Return seats as rows of the state's arrays.
 
     Raises:
-        ValueError: One line with the option, what is wrong and what is allowed.
+        ValueError: The match has no such seat.
     """
-    try:
-        return model.model_validate(dict(options))
-    except ValidationError as error:
-        allowed = ", ".join(model.model_fields)
-        raise ValueError(f"sensor {sensor}: {one_line(error)} (its options are {allowed})") from None
+    for seat in seats:
+        if not 0 <= seat < match.seats:
+            raise ValueError(f"there is no seat {seat}; the seats are 0 to {match.seats - 1}")
+    return np.array(seats, np.int64)

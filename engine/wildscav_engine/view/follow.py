@@ -10,7 +10,7 @@ from rerun.encodings import ChannelDatatype
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.view import cameras, frame
 from wildscav_engine.view.columns import Columns, blocks
-from wildscav_engine.view.history import DEPTH_OPTIONS, DepthMaps, History
+from wildscav_engine.view.history import DEPTH_CAMERA, DepthMaps, History
 
 BEHIND, EYES, DEPTH = "follow/behind", "follow/eyes", "follow/depth"
 ANGLES = {BEHIND: 70.0, EYES: 75.0, DEPTH: 60.0}  # degrees wide; the depth sensor's is as it is
@@ -38,7 +38,7 @@ def static_cameras(history: History) -> Iterator[tuple[str, rr.AsComponents]]:
 
 def _lens(camera: str) -> rr.Pinhole:
     """A pinhole; its outline is hardly drawn, for it would frame the view through it."""
-    width, height = DEPTH_OPTIONS["width"], DEPTH_OPTIONS["height"]
+    width, height = DEPTH_CAMERA.width, DEPTH_CAMERA.height
     return rr.Pinhole(
         resolution=(width, height),
         focal_length=float(width / 2 / np.tan(np.radians(ANGLES[camera]) / 2)),

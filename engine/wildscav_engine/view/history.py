@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.match import Match
-from wildscav_engine.sensors import SENSORS
+from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.state import Agents
 
-DEPTH_OPTIONS = {"width": 64, "height": 36, "far": 200.0}
+DEPTH_CAMERA = DepthCamera(width=64, height=36, far=200.0)
 MOST_DEPTH_MAPS = 3000  # longer matches get every second, third, … step only
 
 
@@ -63,7 +63,6 @@ def collect(matches: Iterable[Match], steps: int, depth_of: int | None) -> tuple
     depth_maps: list[NDArray[np.float32]] = []
     boxes: list[Boxes] = []
     frames, reached = np.zeros(steps + 1, np.int64), np.zeros(steps + 1, np.int32)
-    config = SENSORS["depth"].parse(DEPTH_OPTIONS)
     rows = 0
     for row, match in enumerate(matches):
         state = match.state
@@ -76,7 +75,7 @@ def collect(matches: Iterable[Match], steps: int, depth_of: int | None) -> tuple
         _note_boxes(row, match, boxes)
         if depth_of is not None and row % each == 0:
             depth_rows.append(row)
-            depth_maps.append(SENSORS["depth"].read(match, [depth_of], config)[0])
+            depth_maps.append(DEPTH_CAMERA.read(match, [depth_of])[0])
         rows = row + 1
     depth = DepthMaps(np.array(depth_rows), np.array(depth_maps)) if depth_rows else None
     target = match.state.matches.target[0].copy() if match.state.matches.has_target[0] else None

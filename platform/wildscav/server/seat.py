@@ -17,7 +17,6 @@ from wildscav.wire.errors import RefusalError
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
     from wildscav_engine.sensors import Sensor
-    from wildscav_engine.sensors.base import SensorConfig
 
 
 class Seat:
@@ -30,9 +29,7 @@ class Seat:
         sensors: What its observations carry besides, by name.
     """
 
-    def __init__(
-        self, number: int, token: str, bank: TimeBank, sensors: dict[str, tuple["Sensor", "SensorConfig"]]
-    ) -> None:
+    def __init__(self, number: int, token: str, bank: TimeBank, sensors: dict[str, "Sensor"]) -> None:
         self.number = number
         self.token = token
         self.bank = bank
@@ -77,10 +74,7 @@ class Seat:
 
     def sense(self, match: "Match") -> dict[str, NDArray[Any]]:
         """Read the seat's sensors."""
-        return {
-            name: sensor.read(match, [self.number], config)[0]
-            for name, (sensor, config) in self._sensors.items()
-        }
+        return {name: sensor.read(match, [self.number])[0] for name, sensor in self._sensors.items()}
 
     def mark(self, status: SeatStatus, detail: str) -> None:
         """Say how the seat's part in the match ended, and why."""
@@ -92,7 +86,7 @@ class Seat:
         return SeatReport(seat=self.number, think_time=ThinkTime.of(self.times), **asdict(self.conduct))
 
 
-def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple["Sensor", "SensorConfig"]]:
+def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, "Sensor"]:
     """Check the sensors that a seat asks for.
 
     Args:
@@ -101,14 +95,9 @@ def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple["S
     Raises:
         SensorError: There is no such sensor, or it has no such option.
     """
-    from wildscav_engine.sensors import SENSORS
+    from wildscav_engine.sensors import parse_sensor
 
-    parsed = {}
-    for name, options in wanted.items():
-        if name not in SENSORS:
-            raise SensorError(f"there is no sensor {name!r}; the sensors are {', '.join(SENSORS)}")
-        try:
-            parsed[name] = (SENSORS[name], SENSORS[name].parse(options))
-        except ValueError as error:
-            raise SensorError(str(error)) from None
-    return parsed
+    try:
+        return {name: parse_sensor(name, options) for name, options in wanted.items()}
+    except ValueError as error:
+        raise SensorError(str(error)) from None

@@ -9,7 +9,7 @@ from rerun.chunk import RrdReader
 
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.view import ViewError, write_replay
-from wildscav_engine.view.history import DEPTH_OPTIONS, collect
+from wildscav_engine.view.history import DEPTH_CAMERA, collect
 
 RERUN = (sys.executable, "-m", "rerun")
 BATTLE_ENTITIES = [
@@ -74,7 +74,7 @@ def test_depth_maps_are_the_sensors_within_four_millimetres(battle: Record, batt
     steps, buffers = rows_of(battle_file, "/follow/depth", "buffer")
 
     pixels = np.array([np.frombuffer(bytes(buffer[0]), np.uint16) for buffer in buffers])  # type: ignore[index]
-    shape = (-1, DEPTH_OPTIONS["height"], DEPTH_OPTIONS["width"])
+    shape = (-1, DEPTH_CAMERA.height, DEPTH_CAMERA.width)
 
     assert steps == history.depth.rows.tolist()
     np.testing.assert_allclose(pixels.reshape(shape) / 250.0, history.depth.maps, atol=0.002 + 1e-5)
