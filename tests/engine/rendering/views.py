@@ -1,0 +1,120 @@
+"""Images and single rays in one form, so that both can be compared with brute force."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from tests.engine.rendering.brute_force import Met
+
+from wildscav_engine.geometry.rays import TERRAIN_HIT, cast_ray
+from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.solids import Solids, gather_solids
+from wildscav_engine.rendering.trace import WATER_HIT, Hits, Scene, allocate_hits, trace
+
+NOBODY = -2
+NOTHING_MOVES = gather_solids([])
+
+
+class View(NamedTuple):
+    """One camera."""
+
+    eye: tuple[float, float, float]  # m
+    yaw: float = 0.0  # degrees
+    pitch: float = 0.0  # degrees, positive looks down
+    size: tuple[int, int] = (1, 1)  # width and height in pixels
+    field_of_view: float = 60.0  # degrees
+    far: float = 100.0  # m
+    viewer: int = NOBODY
+
+
+def directions(view: View) -> NDArray[np.float64]:
+    """Return (height * width, 3) unit vectors through the middles of the pixels."""
+    yaw, pitch = np.radians(view.yaw), np.radians(view.pitch)
+    ahead = np.array([np.sin(yaw) * np.cos(pitch), -np.sin(pitch), np.cos(yaw) * np.cos(pitch)])
+    right = np.array([np.cos(yaw), 0.0, -np.sin(yaw)])
+    up = np.cross(ahead, right)
+    width, height = view.size
+    pixel = 2.0 * np.tan(np.radians(view.field_of_view) / 2) / width
+    across = (np.arange(width) + 0.5 - width / 2) * pixel
+    above = (height / 2 - np.arange(height) - 0.5) * pixel
+    ways = ahead + right * across[None, :, None] + up * above[:, None, None]
+    ways /= np.linalg.norm(ways, axis=2)[:, :, None]
+    return ways.reshape(-1, 3)
+
+
+def look(
+    scene: Scene, views: Sequence[View], moving: Solids = NOTHING_MOVES, *, with_water: bool = False
+) -> Hits:
+    """Trace cameras of one lens together."""
+    first = views[0]
+    cameras = Cameras(
+        np.array([view.eye for view in views], np.float64),
+        np.array([view.yaw for view in views], np.float64),
+        np.array([view.pitch for view in views], np.float64),
+        np.array([view.viewer for view in views], np.int32),
+        float(np.tan(np.radians(first.field_of_view) / 2)),
+        first.far,
+    )
+    hits = allocate_hits(len(views), first.size[1], first.size[0])
+    for part in hits:
+        part.fill(77)  # so that a pixel that is left out shows
+    trace(scene, moving, cameras, hits, with_water=with_water)
+    return hits
+
+
+def seen_by(scene: Scene, view: View, moving: Solids = NOTHING_MOVES, *, with_water: bool = False) -> Met:
+    """Return what the pixels of one camera show."""
+    hits = look(scene, [view], moving, with_water=with_water)
+    distance, solid, face = (part.reshape(-1) for part in hits)
+    normal = np.zeros((len(solid), 3))
+    static = len(scene.solids.kind)
+    for own, faces in (
+        ((solid >= 0) & (solid < static), scene.solids.faces),
+        (solid >= static, moving.faces),
+        (solid == TERRAIN_HIT, terrain_normals(scene.world)),
+    ):
+        normal[own] = faces[face[own], :3]
+    normal[solid == WATER_HIT, 1] = 1.0
+    return Met(distance.astype(np.float64), solid.astype(np.int64), normal)
+
+
+def cast(world: World, eye: Sequence[float], ways: NDArray[np.float64], far: float) -> Met:
+    """Return what single rays meet."""
+    x, y, z = map(float, eye)
+    hits = [cast_ray(world, x, y, z, *map(float, way), far) for way in ways]
+    normals = np.zeros((len(ways), 3))
+    terrain = terrain_normals(world)
+    for ray, (hit, way) in enumerate(zip(hits, ways, strict=True)):
+        if hit.solid >= 0:
+            normals[ray] = world.faces[hit.face, :3]
+        elif hit.solid == TERRAIN_HIT:
+            cell = _cell_at(world, x + hit.distance * way[0], z + hit.distance * way[2])
+            normals[ray] = terrain[2 * cell + hit.face] if cell >= 0 else np.nan
+    return Met(np.array([hit.distance for hit in hits]), np.array([hit.solid for hit in hits]), normals)
+
+
+def _cell_at(world: World, x: float, z: float) -> int:
+    """Return the cell of a point, -1 where it is so near to a border that it may be in either."""
+    place = (np.array([z, x]) - world.corner[::-1]) / CELL
+    if np.abs(place - np.round(place)).min() < 1e-6:
+        return -1
+    row, column = np.floor(place).astype(int)
+    return int(row * world.water.shape[1] + column)
+
+
+def terrain_normals(world: World) -> NDArray[np.float64]:
+    """Return (2 * cells, 3) upward unit normals: of each cell's south-eastern triangle, then the other."""
+    south_west, south_east = world.heights[:-1, :-1], world.heights[:-1, 1:]
+    north_west, north_east = world.heights[1:, :-1], world.heights[1:, 1:]
+    rise = np.array(
+        [
+            [south_east - south_west, north_east - south_east],
+            [north_east - north_west, north_west - south_west],
+        ]
+    )
+    slopes = rise.transpose(2, 3, 0, 1).reshape(-1, 2) / CELL
+    normals = np.stack([-slopes[:, 0], np.ones(len(slopes)), -slopes[:, 1]], axis=1)
+    unit: NDArray[np.float64] = normals / np.linalg.norm(normals, axis=1)[:, None]
+    return unit
