@@ -26,7 +26,8 @@ def warm() -> None:
         while not match.over:
             match.step(no_actions(match.seats) + np.float32(1.0))
         match.start_info(0)
-        for sensor in SENSORS.values():
-            sensor().read(match, [0])
+        for kind in SENSORS.values():
+            for sensor in kind.warmers():
+                sensor.read(match, [0])
         match.result()
     solids_mesh(match.game_map.world)

@@ -3,13 +3,33 @@
 from collections.abc import Mapping
 
 from wildscav_engine.sensors.base import Sensor
+from wildscav_engine.sensors.compass import Compass
 from wildscav_engine.sensors.depth import DepthCamera
+from wildscav_engine.sensors.lidar import Lidar
+from wildscav_engine.sensors.nearby_supplies import NearbySupplies
+from wildscav_engine.sensors.normals import NormalCamera
+from wildscav_engine.sensors.visible_agents import VisibleAgents
 
 SENSORS: dict[str, type[Sensor]] = {
     "depth": DepthCamera,
+    "lidar": Lidar,
+    "normals": NormalCamera,
+    "visible_agents": VisibleAgents,
+    "nearby_supplies": NearbySupplies,
+    "compass": Compass,
 }
 
-__all__ = ["SENSORS", "DepthCamera", "Sensor", "parse_sensor"]
+__all__ = [
+    "SENSORS",
+    "Compass",
+    "DepthCamera",
+    "Lidar",
+    "NearbySupplies",
+    "NormalCamera",
+    "Sensor",
+    "VisibleAgents",
+    "parse_sensor",
+]
 
 
 def parse_sensor(name: str, options: Mapping[str, object]) -> Sensor:

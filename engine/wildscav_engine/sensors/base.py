@@ -40,6 +40,11 @@ class Sensor(ABC):
             ValueError: The match has no such seat.
         """
 
+    @classmethod
+    def warmers(cls) -> "Sequence[Sensor]":
+        """Return sensors of this kind that between them run all its kernels, whatever the options."""
+        return (cls(),)
+
 
 SensorType = TypeVar("SensorType", bound=Sensor)
 

@@ -15,6 +15,7 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.trace import Hits
 from wildscav_engine.sensors.base import sensor
+from wildscav_engine.sensors.optical import MovingOption
 from wildscav_engine.sensors.pinhole import PinholeCamera
 
 if TYPE_CHECKING:
@@ -24,12 +25,14 @@ if TYPE_CHECKING:
 
 
 @sensor
-class DepthCamera(PinholeCamera):
+class DepthCamera(MovingOption, PinholeCamera):
     """Depth maps in metres."""
 
     name: ClassVar[str] = "depth"
     title: ClassVar[str] = "planar depth, m"
     dtype: ClassVar[type[np.generic]] = np.float32
+
+    moving: bool = False  # whether agents and supply boxes are seen
 
     @property
     def space(self) -> "Box":

@@ -1,35 +1,27 @@
 """What all cameras share: a pinhole, whose rays go through the centres of square pixels.
 
-Row 0 is at the top, column 0 at the left. Agents look out of their eyes and never see their own bodies.
+Row 0 is at the top, column 0 at the left.
 """
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.solids import Solids, gather_solids
+from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.trace import Hits, allocate_hits, trace
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.sensors.base import sensor
+from wildscav_engine.sensors.optical import OpticalSensor
 from wildscav_engine.trig import cosine, sine
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.match import Match
-
-NO_VIEWER = -2  # sees every body
-NOTHING_MOVES = gather_solids([])
 
 
 @sensor
-class PinholeCamera(Sensor):
+class PinholeCamera(OpticalSensor):
     """A camera. Each kind of camera says what a pixel is (``paint``)."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 38  # pixels
@@ -38,7 +30,6 @@ class PinholeCamera(Sensor):
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 60.0  # degrees from the left edge to the right
 
     channels: ClassVar[tuple[int, ...]] = ()  # length of the axes after height and width
-    dtype: ClassVar[type[np.generic]]
     sees_water: ClassVar[bool] = False  # whether rays meet the surface of water; else they go to its bed
 
     @property
@@ -47,9 +38,9 @@ class PinholeCamera(Sensor):
         return (self.height, self.width, *self.channels)
 
     @property
-    def half_width(self) -> float:
-        """The tangent of half the field of view."""
-        return sine(self.field_of_view / 2.0) / cosine(self.field_of_view / 2.0)
+    def lens(self) -> tuple[float, float]:
+        """The tangent of half the field of view, and ``far``."""
+        return sine(self.field_of_view / 2.0) / cosine(self.field_of_view / 2.0), self.far
 
     @abstractmethod
     def paint(
@@ -65,119 +56,8 @@ class PinholeCamera(Sensor):
             images: (N, *shape), written.
         """
 
-    def moving_in(self, match: "Match") -> Solids:  # noqa: ARG002
-        """Return what is seen in a match besides the static world: nothing, unless a camera says else."""
-        return NOTHING_MOVES
-
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[Any]:
-        """Return the images that some agents see, (len(seats), *shape).
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
-        rows = rows_of(match, seats)
-        agents = match.state.agents
-        return self.render(
-            match.game_map,
-            agents.position[0, rows] + np.array([0.0, EYE_HEIGHT, 0.0]),
-            agents.yaw[0, rows],
-            agents.pitch[0, rows],
-            moving=self.moving_in(match),
-            viewers=rows,
-        )
-
-    def render(
-        self,
-        game_map: "GameMap",
-        positions: ArrayLike,
-        yaws: ArrayLike,
-        pitches: ArrayLike,
-        *,
-        moving: Solids | None = None,
-        viewers: ArrayLike | None = None,
-        threads: int = 1,
-    ) -> NDArray[Any]:
-        """Return the images of N cameras.
-
-        Args:
-            game_map: The map to look at.
-            positions: (N, 3) m, of the cameras themselves.
-            yaws: (N,) degrees, clockwise from +z.
-            pitches: (N,) degrees, positive looks down.
-            moving: What is in the map besides; nothing if None.
-            viewers: (N,) seats, whose own bodies are not seen; everything is seen if None.
-            threads: How many threads share the cameras. The images are the same, bit for bit.
-
-        Returns:
-            (N, *shape) of the camera's dtype.
-
-        Raises:
-            ValueError: An array is not of its shape or holds what is no finite number, or there is no
-                thread.
-        """
-        if threads < 1:
-            raise ValueError(f"threads is {threads}, must be at least 1")
-        cameras = self._cameras(positions, yaws, pitches, viewers)
-        images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
-        solids = NOTHING_MOVES if moving is None else moving
-        scene = game_map.scene  # made here, not in several threads at once
-
-        def render_some(part: slice) -> None:
-            some = cameras._replace(
-                eyes=cameras.eyes[part],
-                yaws=cameras.yaws[part],
-                pitches=cameras.pitches[part],
-                viewers=cameras.viewers[part],
-            )
-            hits = allocate_hits(len(some.yaws), self.height, self.width)
-            trace(scene, solids, some, hits, with_water=self.sees_water)
-            self.paint(game_map, solids, some, hits, images[part])
-
-        _over_threads(render_some, len(images), threads)
-        return images
-
-    def _cameras(
-        self, positions: ArrayLike, yaws: ArrayLike, pitches: ArrayLike, viewers: ArrayLike | None
-    ) -> Cameras:
-        eyes = _checked("positions", positions, (None, 3))
-        count = len(eyes)
-        seats = np.full(count, NO_VIEWER) if viewers is None else _checked("viewers", viewers, (count,))
-        return Cameras(
-            eyes,
-            _checked("yaws", yaws, (count,)),
-            _checked("pitches", pitches, (count,)),
-            seats.astype(np.int32),
-            self.half_width,
-            self.far,
-        )
-
-
-def _checked(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-    """Return values as an array of a shape, whose first length may be free.
-
-    Raises:
-        ValueError: They have another shape, or are not all finite numbers.
-    """
-    array = np.asarray(values)
-    fits = array.ndim == len(shape) and all(
-        length in (None, found) for length, found in zip(shape, array.shape, strict=True)
-    )
-    if not fits or array.dtype.kind not in "biuf":
-        wanted = str(shape).replace("None", "N")
-        raise ValueError(
-            f"{name} are {array.dtype} of shape {array.shape}, must be real numbers of shape {wanted}"
-        )
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} hold {array[~np.isfinite(array)][0]}, must be finite")
-    return np.ascontiguousarray(array, np.float64)
-
-
-def _over_threads(work: Callable[[slice], None], count: int, threads: int) -> None:
-    """Do work on parts of ``range(count)``, one part a thread."""
-    ends = [count * part // threads for part in range(threads + 1)]
-    parts = [slice(start, end) for start, end in pairwise(ends) if start < end]
-    if len(parts) < 2:
-        work(slice(0, count))
-        return
-    with ThreadPoolExecutor(len(parts)) as pool:
-        list(pool.map(work, parts))
+    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> None:
+        """Make the images of some cameras."""
+        hits = allocate_hits(len(images), self.height, self.width)
+        trace(game_map.scene, moving, cameras, hits, with_water=self.sees_water)
+        self.paint(game_map, moving, cameras, hits, images)

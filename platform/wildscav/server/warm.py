@@ -27,8 +27,9 @@ def warm() -> None:
         game_map = warm_map()
         match = Match(MatchSpec(track="navigation", map=game_map.spec, time_limit=0.1), game_map)
         match.start_info(0)
-        for sensor in SENSORS.values():
-            sensor().read(match, [0])
+        for kind in SENSORS.values():
+            for sensor in kind.warmers():
+                sensor.read(match, [0])
         match.step(no_actions(1))
         match.result()
         _warmed.append(True)

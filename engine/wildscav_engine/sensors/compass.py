@@ -1,0 +1,72 @@
+"""The compass: where the target of the match lies, seen from the agent.
+
+Five numbers: 1 where the track has a target; the sine and the cosine of its bearing, the angle from the
+agent's yaw, clockwise (0 and 1 straight ahead, 1 and 0 to the right; both 0 right above or below it); its
+level distance in m; and how much higher than the soles it lies, in m. All are 0 where the track has none.
+
+The sine and cosine have no jump where the target is behind, as an angle has.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.kernel import kernel
+from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.trig import cosine, sine
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
+    from wildscav_engine.match import Match
+
+
+@sensor
+class Compass(Sensor):
+    """Direction and distance of the target."""
+
+    name: ClassVar[str] = "compass"
+    title: ClassVar[str] = "the target: whether there is one, sine and cosine of its bearing, m away, m up"
+
+    @property
+    def space(self) -> "Box":
+        """(5,): has a target, sine, cosine, distance in m, height in m."""
+        from gymnasium.spaces import Box
+
+        low = np.array([0.0, -1.0, -1.0, 0.0, -np.inf], np.float32)
+        return Box(low, np.array([1.0, 1.0, 1.0, np.inf, np.inf], np.float32), dtype=np.float32)
+
+    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+        """Return (len(seats), 5).
+
+        Raises:
+            ValueError: The match has no such seat.
+        """
+        rows = rows_of(match, seats)
+        readings = np.zeros((len(rows), 5), np.float32)
+        agents, matches = match.state.agents, match.state.matches
+        if matches.has_target[0]:
+            _point(agents.position[0, rows], agents.yaw[0, rows], matches.target[0], readings)
+        return readings
+
+
+@kernel
+def _point(
+    positions: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    target: NDArray[np.float64],
+    readings: NDArray[np.float32],
+) -> None:
+    """Write (N, 5) readings for agents at (N, 3) m with (N,) yaws in degrees."""
+    for row in range(positions.shape[0]):
+        dx, dz = target[0] - positions[row, 0], target[2] - positions[row, 2]
+        level = np.sqrt(dx * dx + dz * dz)
+        sin_yaw, cos_yaw = sine(yaws[row]), cosine(yaws[row])
+        readings[row, 0] = 1.0
+        if level > 0.0:
+            readings[row, 1] = max(-1.0, min(1.0, (dx * cos_yaw - dz * sin_yaw) / level))
+            readings[row, 2] = max(-1.0, min(1.0, (dx * sin_yaw + dz * cos_yaw) / level))
+        readings[row, 3] = level
+        readings[row, 4] = target[1] - positions[row, 1]

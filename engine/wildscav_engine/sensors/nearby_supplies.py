@@ -1,0 +1,62 @@
+"""The supply boxes near by, as an array: what ``supply_boxes`` of an observation lists.
+
+A row a box, nearest first: 1, the supplies in it, where it lies from the agent's soles in the world's axes
+(x east, y up, z north, m), and how far away (m). Rows that are not used are 0. Nothing hides a box. No box is
+listed that lies farther than the rule ``supply_sight``, whatever ``range`` is.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.sensors.visibility import SUPPLY_LIMIT
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
+    from wildscav_engine.match import Match
+
+MOST_SUPPLIES = 2.0**31  # in a box: what a 32-bit count holds
+
+
+@sensor
+class NearbySupplies(Sensor):
+    """The nearest supply boxes."""
+
+    name: ClassVar[str] = "nearby_supplies"
+    title: ClassVar[str] = "supply boxes near by: present, quantity, position from the soles, m, distance, m"
+
+    range: Annotated[float, Field(gt=0, le=200)] = 20.0  # m
+    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = SUPPLY_LIMIT  # rows
+
+    @property
+    def space(self) -> "Box":
+        """(limit, 6): present, quantity, x, y, z in m, distance in m."""
+        from gymnasium.spaces import Box
+
+        reach = self.range
+        low = np.array([0.0, 0.0, -reach, -reach, -reach, 0.0], np.float32)
+        high = np.array([1.0, MOST_SUPPLIES, reach, reach, reach, reach], np.float32)
+        return Box(np.tile(low, (self.limit, 1)), np.tile(high, (self.limit, 1)), dtype=np.float32)
+
+    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+        """Return (len(seats), limit, 6).
+
+        Raises:
+            ValueError: The match has no such seat.
+        """
+        rows = rows_of(match, seats)
+        seen, boxes = match.seen, match.state.supplies
+        reader, place = np.nonzero(np.arange(self.limit) < seen.supply_count[0, rows, None])
+        slots = seen.supplies[0, rows[reader], place]
+        x, y, z = (boxes.position[0, slots] - match.state.agents.position[0, rows[reader]]).T
+        distance = np.sqrt(x * x + y * y + z * z)
+        columns = np.stack((np.ones(len(slots)), boxes.quantity[0, slots], x, y, z, distance), axis=-1)
+        near = distance <= self.range
+        readings = np.zeros((len(rows), self.limit, 6), np.float32)
+        readings[reader[near], place[near]] = columns[near]
+        return readings

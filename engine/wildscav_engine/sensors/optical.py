@@ -1,0 +1,183 @@
+"""What all sensors share that look out of the eyes of agents, or from any other place."""
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wildscav_engine.body import EYE_HEIGHT
+from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.solids import Solids, gather_solids
+from wildscav_engine.rendering.things import things_of
+from wildscav_engine.sensors.base import Sensor, rows_of
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps.game_map import GameMap
+    from wildscav_engine.match import Match
+
+NO_VIEWER = -2  # sees every body
+NOTHING_MOVES = gather_solids([])
+
+
+class OpticalSensor(Sensor):
+    """A sensor that looks: out of agents' eyes, who never see their own bodies, or from any other place."""
+
+    dtype: ClassVar[type[np.generic]]
+
+    @property
+    @abstractmethod
+    def shape(self) -> tuple[int, ...]:
+        """The shape of one image."""
+
+    @property
+    @abstractmethod
+    def lens(self) -> tuple[float, float]:
+        """The half width and the reach of ``Cameras``."""
+
+    @abstractmethod
+    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> None:
+        """Make the images of some cameras.
+
+        Args:
+            game_map: The map to look at; its scene is made already.
+            moving: What is in it besides.
+            cameras: N of them.
+            images: (N, *shape), written.
+        """
+
+    def moving_in(self, match: "Match") -> Solids:  # noqa: ARG002
+        """Return what is seen in a match besides the static world: nothing, unless a sensor says else."""
+        return NOTHING_MOVES
+
+    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[Any]:
+        """Return what some agents see, (len(seats), *shape).
+
+        Raises:
+            ValueError: The match has no such seat.
+        """
+        rows = rows_of(match, seats)
+        agents = match.state.agents
+        return self.render(
+            match.game_map,
+            agents.position[0, rows] + np.array([0.0, EYE_HEIGHT, 0.0]),
+            agents.yaw[0, rows],
+            agents.pitch[0, rows],
+            moving=self.moving_in(match),
+            viewers=rows,
+        )
+
+    def render(
+        self,
+        game_map: "GameMap",
+        positions: ArrayLike,
+        yaws: ArrayLike,
+        pitches: ArrayLike,
+        *,
+        moving: Solids | None = None,
+        viewers: ArrayLike | None = None,
+        threads: int = 1,
+    ) -> NDArray[Any]:
+        """Return what is seen from N places.
+
+        Args:
+            game_map: The map to look at.
+            positions: (N, 3) m, of the eyes themselves.
+            yaws: (N,) degrees, clockwise from +z.
+            pitches: (N,) degrees, positive looks down.
+            moving: What is in the map besides; nothing if None.
+            viewers: (N,) seats, whose own bodies are not seen; everything is seen if None.
+            threads: How many threads share the places. The images are the same, bit for bit.
+
+        Returns:
+            (N, *shape) of the sensor's dtype.
+
+        Raises:
+            ValueError: An array is not of its shape or holds what is no finite number, or there is no
+                thread.
+        """
+        if threads < 1:
+            raise ValueError(f"threads is {threads}, must be at least 1")
+        cameras = self._cameras(positions, yaws, pitches, viewers)
+        images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
+        solids = NOTHING_MOVES if moving is None else moving
+        _ = game_map.scene  # made here, not in several threads at once
+
+        def look_at(part: slice) -> None:
+            self.look(game_map, solids, _some(cameras, part), images[part])
+
+        _over_threads(look_at, len(images), threads)
+        return images
+
+    def _cameras(
+        self, positions: ArrayLike, yaws: ArrayLike, pitches: ArrayLike, viewers: ArrayLike | None
+    ) -> Cameras:
+        eyes = _checked("positions", positions, (None, 3))
+        count = len(eyes)
+        seats = np.full(count, NO_VIEWER) if viewers is None else _checked("viewers", viewers, (count,))
+        return Cameras(
+            eyes,
+            _checked("yaws", yaws, (count,)),
+            _checked("pitches", pitches, (count,)),
+            seats.astype(np.int32),
+            *self.lens,
+        )
+
+
+class MovingOption(OpticalSensor):
+    """A sensor with the option ``moving``: whether agents and supply boxes are seen, too."""
+
+    moving: bool
+
+    def moving_in(self, match: "Match") -> Solids:
+        """Return the agents and supply boxes if they are asked for."""
+        return things_of(match) if self.moving else NOTHING_MOVES
+
+    @classmethod
+    def warmers(cls) -> Sequence[Sensor]:
+        """Return a sensor that sees them: it runs all kernels."""
+        return (cls(moving=True),)  # type: ignore[call-arg]
+
+
+def _some(cameras: Cameras, part: slice) -> Cameras:
+    """Return some of the cameras."""
+    return cameras._replace(
+        eyes=cameras.eyes[part],
+        yaws=cameras.yaws[part],
+        pitches=cameras.pitches[part],
+        viewers=cameras.viewers[part],
+    )
+
+
+def _checked(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+    """Return values as an array of a shape, whose first length may be free.
+
+    Raises:
+        ValueError: They have another shape, or are not all finite numbers.
+    """
+    array = np.asarray(values)
+    fits = array.ndim == len(shape) and all(
+        length in (None, found) for length, found in zip(shape, array.shape, strict=True)
+    )
+    if not fits or array.dtype.kind not in "biuf":
+        wanted = str(shape).replace("None", "N")
+        raise ValueError(
+            f"{name} are {array.dtype} of shape {array.shape}, must be real numbers of shape {wanted}"
+        )
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} hold {array[~np.isfinite(array)][0]}, must be finite")
+    return np.ascontiguousarray(array, np.float64)
+
+
+def _over_threads(work: Callable[[slice], None], count: int, threads: int) -> None:
+    """Do work on parts of ``range(count)``, one part a thread."""
+    ends = [count * part // threads for part in range(threads + 1)]
+    parts = [slice(start, end) for start, end in pairwise(ends) if start < end]
+    if len(parts) < 2:
+        work(slice(0, count))
+        return
+    with ThreadPoolExecutor(len(parts)) as pool:
+        list(pool.map(work, parts))

@@ -1,0 +1,201 @@
+"""What holds for every sensor, whatever it is: a sensor that joins the registry is tested unasked."""
+
+import subprocess
+import sys
+from pathlib import Path
+from textwrap import dedent
+
+import numpy as np
+import pytest
+
+from wildscav_engine.actions import Field, no_actions
+from wildscav_engine.maps import generate_map
+from wildscav_engine.match import Match
+from wildscav_engine.sensors import SENSORS, parse_sensor
+from wildscav_engine.spec import MapConfig, MatchSpec
+
+COUNTRY = generate_map(MapConfig(size=60, houses=2, water=0.1, vegetation=0.8), seed=3)
+# Options that differ from the defaults, none of them round. A sensor without an entry is read as it is.
+ODD: dict[str, list[dict[str, object]]] = {
+    "depth": [
+        {"width": 1, "height": 1},
+        {"width": 7, "height": 3, "far": 0.3, "field_of_view": 170.0, "moving": True},
+    ],
+    "lidar": [
+        {"channels": 1, "azimuths": 1},
+        {"channels": 3, "azimuths": 7, "range": 0.3, "lowest": -90.0, "highest": 90.0, "moving": True},
+    ],
+    "normals": [{"width": 7, "height": 3, "far": 33.3, "moving": True}],
+    "camera": [{"width": 7, "height": 3, "far": 33.3}],
+    "segmentation": [
+        {"width": 7, "height": 3, "label": "instance"},
+        {"width": 5, "height": 9, "label": "kind"},
+    ],
+    "visible_agents": [{"limit": 1}, {"limit": 3}],
+    "nearby_supplies": [{"range": 3.3, "limit": 2}, {"range": 200.0}],
+}
+CASES = [
+    pytest.param(name, options, id=f"{name}-{number}")
+    for name in SENSORS
+    for number, options in enumerate([{}, *ODD.get(name, [])])
+]
+
+
+def played(track: str) -> Match:
+    """A match in the middle of it: agents that fight, walk and fall, and boxes around them."""
+    seats = (
+        ("submission", "fighter", "fighter", "gatherer", "walker") if track == "battle" else ("submission",)
+    )
+    match = Match(MatchSpec(track=track, map=COUNTRY.spec, seed=1, seats=seats), COUNTRY)
+    actions = no_actions(match.seats)
+    actions[:, Field.WALK_SPEED], actions[:, Field.TURN], actions[:, Field.LOOK] = 4.0, 3.0, 1.0
+    for _ in range(60):
+        match.step(actions)
+    return match
+
+
+@pytest.fixture(scope="module", params=["navigation", "gathering", "battle"])
+def match(request: pytest.FixtureRequest) -> Match:
+    return played(request.param)
+
+
+@pytest.mark.parametrize(("name", "options"), CASES)
+def test_every_reading_is_in_its_space(name: str, options: dict[str, object], match: Match) -> None:
+    sensor = parse_sensor(name, options)
+    seats = range(match.seats)
+
+    readings = sensor.read(match, seats)
+
+    assert readings.shape == (match.seats, *sensor.space.shape)
+    assert readings.dtype == sensor.space.dtype
+    for reading in readings:
+        assert sensor.space.contains(reading), (reading.min(), reading.max())
+
+
+@pytest.mark.parametrize(("name", "options"), CASES)
+def test_seats_read_together_what_each_reads_alone(name: str, options: dict[str, object]) -> None:
+    match = played("battle")
+    sensor = parse_sensor(name, options)
+    together = sensor.read(match, [3, 0, 1])
+    assert sensor.read(match, []).shape == (0, *sensor.space.shape)
+    for seat, reading in zip([3, 0, 1], together, strict=True):
+        assert sensor.read(match, [seat])[0].tobytes() == reading.tobytes()
+
+
+@pytest.mark.parametrize(("name", "options"), CASES)
+def test_reading_changes_nothing_in_the_match(name: str, options: dict[str, object]) -> None:
+    alone, read = played("battle"), played("battle")
+    sensor = parse_sensor(name, options)
+    for _ in range(5):
+        first = sensor.read(read, range(read.seats))
+        assert sensor.read(read, range(read.seats)).tobytes() == first.tobytes()
+        read.step()
+        alone.step()
+    assert read.digests == alone.digests
+    for mine, other in zip((*read.state, read.seen), (*alone.state, alone.seen), strict=True):
+        for field in mine._fields:
+            np.testing.assert_array_equal(getattr(mine, field), getattr(other, field))
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_a_reading_is_nobody_elses(name: str) -> None:
+    match = played("battle")
+    sensor = parse_sensor(name, {})
+    reading = sensor.read(match, [0])
+    kept = reading.copy()
+    match.step()
+    sensor.read(match, [1])
+    np.testing.assert_array_equal(reading, kept)
+    assert reading.flags.c_contiguous
+
+
+@pytest.mark.parametrize("name", SENSORS)
+@pytest.mark.parametrize("seat", [-1, 5])
+def test_there_is_nothing_to_read_at_a_seat_that_is_none(name: str, seat: int) -> None:
+    with pytest.raises(ValueError, match=rf"there is no seat {seat}; the seats are 0 to 4"):
+        parse_sensor(name, {}).read(played("battle"), [0, seat])
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_every_sensor_says_what_it_is(name: str) -> None:
+    kind = SENSORS[name]
+    assert kind.name == name
+    assert kind.title
+    assert "\n" not in kind.title
+    assert kind.__doc__
+    assert kind() == parse_sensor(name, {})
+    assert hash(kind()) == hash(parse_sensor(name, {}))
+
+
+@pytest.mark.parametrize("name", SENSORS)
+@pytest.mark.parametrize("option", ["nose", "self", "__dataclass_self__", "name", "title", "dtype", "a\nb"])
+def test_an_option_that_there_is_not_is_named_in_one_line(name: str, option: str) -> None:
+    with pytest.raises(ValueError, match=f"^sensor {name}: there is no option ") as caught:
+        parse_sensor(name, {option: 1})
+    assert repr(option) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert "its options are" in str(caught.value) or "it has no options" in str(caught.value)
+
+
+def test_a_sensor_that_there_is_not_is_answered_with_those_there_are() -> None:
+    with pytest.raises(ValueError, match="there is no sensor 'nose'; the sensors are depth, ") as caught:
+        parse_sensor("nose", {})
+    assert all(name in str(caught.value) for name in SENSORS)
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_a_sensor_cannot_be_changed(name: str) -> None:
+    with pytest.raises(AttributeError):
+        SENSORS[name]().name = "other"  # type: ignore[misc]
+
+
+def run_alone(code: str) -> str:
+    """Run code in a process of its own, where nothing was compiled or imported; return what it prints."""
+    folder = Path(__file__).parents[2]
+    done = subprocess.run([sys.executable, "-c", dedent(code)], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
+    wanted = [case.values for case in CASES]
+    code = f"""
+        import gc
+        from numba.core.dispatcher import Dispatcher
+        from builders import make_match
+        from wildscav.server.warm import warm
+        from wildscav_engine.sensors import parse_sensor
+
+        def kernels():
+            found = [item for item in gc.get_objects() if isinstance(item, Dispatcher)]
+            return {{(item.py_func.__name__, str(types)) for item in found for types in item.signatures}}
+
+        warm()
+        match = make_match("battle", seats=3)
+        match.step()
+        before = kernels()
+        assert before
+        for name, options in {wanted!r}:
+            parse_sensor(name, options).read(match, [0, 2])
+        print(sorted(kernels() - before))
+    """
+    assert run_alone(code) == "[]\n"
+
+
+def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
+    """A match that is played without sensors never prepares the scene; only spaces need gymnasium."""
+    code = """
+        import sys
+        from builders import make_match
+        import wildscav.server
+        from wildscav_engine.sensors import SENSORS
+
+        match = make_match("gathering")
+        match.step()
+        for name in ("visible_agents", "nearby_supplies", "compass"):
+            SENSORS[name]().read(match, [0])
+        print("scene" in vars(match.game_map))
+        SENSORS["depth"]().read(match, [0])
+        print("scene" in vars(match.game_map), "gymnasium" in sys.modules)
+    """
+    assert run_alone(code).split() == ["False", "True", "False"]
