@@ -449,9 +449,9 @@ def test_any_world_at_full_size_is_seen_as_brute_force_sees_it(seed: int) -> Non
 def test_a_ray_along_a_border_of_cells_names_a_triangle_that_it_meets() -> None:
     for seed in range(20):
         world, _ = random_world(np.random.default_rng(seed))
-        for yaw in (0.0, 45.0, 90.0, 135.0, 180.0, -45.0):
+        for yaw in (45.0, -45.0, 135.0):  # an image straight down, whose diagonals run along the borders
             eye = (4.0, ground_at(world, 4.0, -6.0).height + 1.0, -6.0)
-            view = View(eye, yaw, 90.0, (1, 33), 20.0)
+            view = View(eye, yaw, 90.0, (21, 21), 120.0)
             hits = look(scene_of(world), [view])
             points = np.array(eye) + directions(view) * hits.distance.reshape(-1, 1)
             triangles = surface_of(world)
