@@ -4,7 +4,17 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast, dataclass_transform
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Literal,
+    TypeVar,
+    cast,
+    dataclass_transform,
+    get_args,
+    get_origin,
+)
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +52,19 @@ class Sensor(ABC):
 
     @classmethod
     def warmers(cls) -> "Sequence[Sensor]":
-        """Return sensors of this kind that between them run all its kernels, whatever the options."""
-        return (cls(),)
+        """Return sensors of this kind that between them run all its kernels: one for each choice it offers.
+
+        Choices are options that are yes or no, or one of some words; numbers do not change what runs.
+        """
+        choices = [(field.name, choice) for field in fields(cls) for choice in _choices(field.type)]  # type: ignore[arg-type]
+        return [cls(), *(cls(**{name: choice}) for name, choice in choices)]
+
+
+def _choices(kind: object) -> tuple[object, ...]:
+    """Return the values of an option if it is yes or no, or one of some words."""
+    if kind is bool:
+        return (False, True)
+    return get_args(kind) if get_origin(kind) is Literal else ()
 
 
 SensorType = TypeVar("SensorType", bound=Sensor)

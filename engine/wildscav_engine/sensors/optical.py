@@ -136,11 +136,6 @@ class MovingOption(OpticalSensor):
         """Return the agents and supply boxes if they are asked for."""
         return things_of(match) if self.moving else NOTHING_MOVES
 
-    @classmethod
-    def warmers(cls) -> Sequence[Sensor]:
-        """Return a sensor that sees them: it runs all kernels."""
-        return (cls(moving=True),)  # type: ignore[call-arg]
-
 
 def _some(cameras: Cameras, part: slice) -> Cameras:
     """Return some of the cameras."""

@@ -1,0 +1,95 @@
+"""What agents see of each other and of supply boxes, as arrays: no more than the rules let them see."""
+
+import numpy as np
+import pytest
+
+from builders import act, box, flat_world, make_match, place
+from wildscav_engine.match import Match
+from wildscav_engine.rules import Rules
+from wildscav_engine.sensors import NearbySupplies, VisibleAgents
+
+
+def with_boxes(*distances: float, rules: Rules = Rules()) -> Match:  # noqa: B008
+    """An agent at (1, 0, 2) and boxes so far to the north of it, the nth with n + 1 supplies."""
+    match = make_match("gathering", world=flat_world(80), rules=rules)
+    place(match, 0, (1, 0, 2), yaw=90)
+    supplies = match.state.supplies
+    supplies.quantity[:] = 0
+    for slot, distance in enumerate(distances):
+        supplies.position[0, slot] = (1, 0, 2 + distance)
+        supplies.quantity[0, slot], supplies.appears[0, slot] = slot + 1, 0
+    act(match, 1)
+    return match
+
+
+def test_boxes_come_nearest_first_with_their_quantity_and_place() -> None:
+    reading = NearbySupplies(limit=4).read(with_boxes(7.0, 3.0), [0])[0]
+    assert reading.tolist() == [
+        [1, 2, 0, 0, 3, 3],
+        [1, 1, 0, 0, 7, 7],
+        [0, 0, 0, 0, 0, 0],
+        [0, 0, 0, 0, 0, 0],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("sight", "asked", "listed"),
+    [
+        (20.0, 20.0, 2),
+        (20.0, 200.0, 2),  # who asks for more than the rules allow gets what they allow
+        (40.0, 20.0, 2),
+        (40.0, 200.0, 3),
+        (40.0, 9.9, 1),
+        (5.0, 20.0, 1),
+        (0.0, 20.0, 0),
+    ],
+)
+def test_no_box_is_listed_beyond_the_range_or_the_rules_sight(
+    sight: float, asked: float, listed: int
+) -> None:
+    match = with_boxes(5.0, 10.0, 25.0, rules=Rules(supply_sight=sight))
+    reading = NearbySupplies(range=asked).read(match, [0])[0]
+    assert reading[:, 0].sum() == listed
+    assert not reading[listed:].any()
+
+
+def test_the_limit_keeps_the_nearest() -> None:
+    match = with_boxes(*np.linspace(18, 2, 6).tolist())
+    reading = NearbySupplies(limit=2).read(match, [0])[0]
+    assert reading[:, 5] == pytest.approx([2.0, 5.2])
+
+
+def test_an_agent_in_sight_is_told_of_as_the_observation_tells() -> None:
+    match = make_match(seats=3, world=flat_world(80), rules=Rules(start_health=70, shot_damage=20))
+    place(match, 0, (1, 0, 2))
+    place(match, 1, (1, 0, -9))  # behind
+    place(match, 2, (4, 0, 6), yaw=-100)
+    act(match, 1, seat_2={"walk_direction": 90, "walk_speed": 2})
+    east = float(match.state.agents.position[0, 2, 0]) - 1
+    reading = VisibleAgents().read(match, [0])[0]
+    way = np.hypot(east, 4)
+    team = int(match.state.agents.team[0, 2])
+    assert reading.shape == (16, 13)
+    assert reading[0] == pytest.approx([1, 2, team, east, 0, 4, way, 2, 0, 0, -100, 70, 0], abs=1e-5)
+    assert not reading[1:].any()
+    match.state.agents.invincible_left[0, 2] = 5
+    assert VisibleAgents().read(match, [0])[0, 0, 12] == 1
+
+
+def test_agents_behind_a_wall_are_not_listed_and_the_limit_keeps_the_nearest() -> None:
+    wall = box((-3, 0, 12), (3, 3, 12.3))
+    match = make_match(seats=4, world=flat_world(80, [wall]))
+    place(match, 0, (0, 0, 0))
+    for seat, z in enumerate((11.0, 4.0, 14.0), start=1):
+        place(match, seat, (0, 0, z))
+    act(match, 1)
+    assert VisibleAgents().read(match, [0])[0, :3, :2].tolist() == [[1, 2], [1, 1], [0, 0]]
+    assert VisibleAgents(limit=1).read(match, [0])[0, :, :2].tolist() == [[1, 2]]
+
+
+def test_the_dead_have_nothing_in_sight() -> None:
+    match = make_match(seats=2, rules=Rules(shot_damage=100))
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10), yaw=180)
+    act(match, 1, seat_0={"shoot": 1})
+    assert not VisibleAgents().read(match, [0, 1]).any()
