@@ -14,6 +14,7 @@ from wildscav_engine.spec import MapConfig, MapSpec
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.walk import WalkGraph
+    from wildscav_engine.rendering.materials import Materials
     from wildscav_engine.rendering.trace import Scene
 
 # Raised by every change that makes another map of the same config and seed.
@@ -79,6 +80,13 @@ class GameMap:
         from wildscav_engine.rendering.trace import scene_of
 
         return scene_of(self.world)
+
+    @cached_property
+    def materials(self) -> "Materials":
+        """What the surfaces of this map look like; made for the first picture."""
+        from wildscav_engine.rendering.materials import materials_of
+
+        return materials_of(self)
 
     @cached_property
     def digest(self) -> str:

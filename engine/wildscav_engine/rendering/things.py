@@ -68,11 +68,16 @@ class Things(Solids):
         things.instance, things.color = instance, color
         return things
 
+    @property
+    def solids(self) -> Solids:
+        """The solids alone."""
+        return Solids(*self)
+
 
 @typeof_impl.register(Things)
 def _type_for_kernels(things: Things, context: Any) -> Any:
     """Let kernels take things for the solids that they are, so that none is compiled twice."""
-    return typeof_impl(Solids(*things), context)
+    return typeof_impl(things.solids, context)
 
 
 def things_of(match: "Match") -> Things:

@@ -3,16 +3,20 @@
 from collections.abc import Mapping
 
 from wildscav_engine.sensors.base import Sensor
+from wildscav_engine.sensors.camera import ColorCamera
 from wildscav_engine.sensors.compass import Compass
 from wildscav_engine.sensors.depth import DepthCamera
 from wildscav_engine.sensors.lidar import Lidar
 from wildscav_engine.sensors.nearby_supplies import NearbySupplies
 from wildscav_engine.sensors.normals import NormalCamera
+from wildscav_engine.sensors.segmentation import SegmentationCamera
 from wildscav_engine.sensors.visible_agents import VisibleAgents
 
 SENSORS: dict[str, type[Sensor]] = {
     "depth": DepthCamera,
     "lidar": Lidar,
+    "camera": ColorCamera,
+    "segmentation": SegmentationCamera,
     "normals": NormalCamera,
     "visible_agents": VisibleAgents,
     "nearby_supplies": NearbySupplies,
@@ -21,11 +25,13 @@ SENSORS: dict[str, type[Sensor]] = {
 
 __all__ = [
     "SENSORS",
+    "ColorCamera",
     "Compass",
     "DepthCamera",
     "Lidar",
     "NearbySupplies",
     "NormalCamera",
+    "SegmentationCamera",
     "Sensor",
     "VisibleAgents",
     "parse_sensor",

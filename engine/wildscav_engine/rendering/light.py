@@ -1,0 +1,119 @@
+"""How much light falls on a surface: from the sun, from the sky, and what is in the way of both."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray, make_ray, meet_solid
+from wildscav_engine.geometry.world import Kind, World, cell_of
+from wildscav_engine.kernel import kernel
+from wildscav_engine.palette import SKYLIGHT, SUNLIGHT
+from wildscav_engine.rendering.colors import Color, Vector, dot
+from wildscav_engine.rendering.sky import SUN_WAY
+from wildscav_engine.rendering.solids import Solids
+
+SUN_COLOR = (float(SUNLIGHT[0]), float(SUNLIGHT[1]), float(SUNLIGHT[2]))
+DIRECT = 0.92  # of the sun of replays
+BRIGHTER = 1.22  # than the sky of replays: a picture also shows what lies in the shade
+SKY_COLOR = (float(SKYLIGHT[0]), float(SKYLIGHT[1]), float(SKYLIGHT[2]))
+SHADOW_REACH = 80.0  # m, from how far away a thing casts a shadow
+THING_REACH = 60.0  # m, how far from the eye moving things cast shadows
+ROOFED = 0.80  # share of the sky's light under a roof
+FLOOR, ROOF = int(Kind.FLOOR), int(Kind.ROOF)
+LIFT = 0.004  # m, how far off its surface a ray of light starts
+
+
+@kernel
+def lit(base: Color, normal: Vector, sun: float, sky: float) -> Color:
+    """Return the colour of a surface in daylight.
+
+    Args:
+        base: Its own colour.
+        normal: Unit vector away from it.
+        sun: Share of the sun's light that comes to it, 0-1.
+        sky: Share of the sky's light.
+    """
+    direct = max(0.0, dot(normal, SUN_WAY)) * sun * DIRECT
+    around = (0.72 + 0.28 * normal[1]) * BRIGHTER * sky
+    return (
+        base[0] * (direct * SUN_COLOR[0] + around * SKY_COLOR[0]),
+        base[1] * (direct * SUN_COLOR[1] + around * SKY_COLOR[1]),
+        base[2] * (direct * SUN_COLOR[2] + around * SKY_COLOR[2]),
+    )
+
+
+@kernel
+def sun_is_clear(world: World, place: Vector) -> bool:
+    """Return whether nothing of the static world stands between a place and the sun."""
+    x, y, z = place
+    return cast_ray(world, x, y, z, SUN_WAY[0], SUN_WAY[1], SUN_WAY[2], SHADOW_REACH).solid == NOTHING_HIT
+
+
+@kernel
+def is_roofed(world: World, place: Vector) -> bool:
+    """Return whether there is a floor or a roof above a place."""
+    x, y, z = place
+    rows, columns = world.water.shape
+    cell = cell_of(world.corner[1], z, rows) * columns + cell_of(world.corner[0], x, columns)
+    for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
+        solid = world.cell_solids[item]
+        kind = world.solid_kind[solid]
+        if (kind != FLOOR and kind != ROOF) or world.solid_high[solid, 1] < y:
+            continue
+        ray = make_ray(world, x, y, z, 0.0, 1.0, 0.0)
+        if meet_solid(world, solid, ray, np.inf)[0] < np.inf:
+            return True
+    return False
+
+
+@kernel
+def find_near(moving: Solids, eye: NDArray[np.float64], near: NDArray[np.int64]) -> int:
+    """Write which moving solids are near enough to an eye to cast shadows; return how many.
+
+    Args:
+        moving: S solids.
+        eye: (3,) m.
+        near: (S,) solids, written.
+    """
+    count = 0
+    for solid in range(moving.kind.shape[0]):
+        dx, dz = moving.low[solid, 0] - eye[0], moving.low[solid, 2] - eye[2]
+        if dx * dx + dz * dz < THING_REACH * THING_REACH:
+            near[count] = solid
+            count += 1
+    return count
+
+
+@kernel
+def shades(moving: Solids, near: NDArray[np.int64], count: int, place: Vector) -> bool:
+    """Return whether one of some moving solids stands between a place and the sun."""
+    for item in range(count):
+        solid = near[item]
+        above = moving.high[solid, 1] - place[1]
+        if above < 0.0:
+            continue
+        # Where the way to the sun comes as high as the solid's top, it is this far aside.
+        along = above / SUN_WAY[1]
+        x, z = place[0] + SUN_WAY[0] * along, place[2] + SUN_WAY[2] * along
+        if max(x, place[0]) < moving.low[solid, 0] or min(x, place[0]) > moving.high[solid, 0]:
+            continue
+        if max(z, place[2]) < moving.low[solid, 2] or min(z, place[2]) > moving.high[solid, 2]:
+            continue
+        if _is_in_the_way(moving, solid, place):
+            return True
+    return False
+
+
+@kernel
+def _is_in_the_way(moving: Solids, solid: int, place: Vector) -> bool:
+    """Clip the way to the sun by a solid's faces, as ``geometry.rays.meet_solid`` does."""
+    enter, leave = 0.0, np.inf
+    for face in range(moving.face_start[solid], moving.face_start[solid + 1]):
+        normal = (moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2])
+        outside, speed = dot(normal, place) - moving.faces[face, 3], dot(normal, SUN_WAY)
+        if speed < 0.0:
+            enter = max(enter, -outside / speed)
+        elif outside > 0.0:
+            return False
+        elif speed > 0.0:
+            leave = min(leave, -outside / speed)
+    return enter < leave

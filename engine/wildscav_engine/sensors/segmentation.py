@@ -1,0 +1,107 @@
+"""The segmentation camera: what the thing in each pixel is, or which one.
+
+Labels by ``kind`` are the numbers of ``Kind``: 0 nothing, 1 terrain, 2 water, 3 wall, … 11 bush, 12 agent,
+13 supply box. Labels by ``instance`` tell things apart that are of one kind: 0 is nothing, 1 terrain and 2
+water; agents, solids of the map and supply boxes follow from ``FIRST_AGENT``, ``FIRST_SOLID`` and
+``FIRST_BOX`` on by seat, index in the map and serial number. A wall with a door in it is several solids.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
+from wildscav_engine.geometry.world import Kind
+from wildscav_engine.kernel import kernel
+from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.solids import Solids
+from wildscav_engine.rendering.things import Things, as_things, things_of
+from wildscav_engine.rendering.trace import WATER_HIT, Hits
+from wildscav_engine.sensors.base import Sensor, sensor
+from wildscav_engine.sensors.pinhole import PinholeCamera
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
+    from wildscav_engine.maps.game_map import GameMap
+    from wildscav_engine.match import Match
+
+FIRST_AGENT, FIRST_SOLID, FIRST_BOX = 10_000, 1_000_000, 1_000_000_000
+GREATEST = 2**31 - 1
+NOTHING, TERRAIN, WATER = int(Kind.NOTHING), int(Kind.TERRAIN), int(Kind.WATER)
+
+
+@sensor
+class SegmentationCamera(PinholeCamera):
+    """Labels of what is in each pixel."""
+
+    label: Literal["kind", "instance"] = "kind"
+
+    name: ClassVar[str] = "segmentation"
+    title: ClassVar[str] = "what is in each pixel: number of its kind, or of the thing itself"
+    sees_water: ClassVar[bool] = True
+
+    @classmethod
+    def warmers(cls) -> Sequence[Sensor]:
+        """Return one of each label: their types differ."""
+        return (cls(), cls(label="instance"))
+
+    @property
+    def dtype(self) -> type[np.generic]:  # type: ignore[override]
+        """Of the labels."""
+        return np.uint8 if self.label == "kind" else np.int32
+
+    @property
+    def space(self) -> "Box":
+        """(height, width) labels."""
+        from gymnasium.spaces import Box
+
+        greatest = max(Kind) if self.label == "kind" else GREATEST
+        return Box(0, int(greatest), self.shape, self.dtype)  # type: ignore[arg-type]
+
+    def moving_in(self, match: "Match") -> Solids:
+        """Return the living agents and the supply boxes that are there."""
+        return things_of(match)
+
+    def paint(
+        self,
+        game_map: "GameMap",
+        moving: Solids,
+        cameras: Cameras,  # noqa: ARG002
+        hits: Hits,
+        images: NDArray[Any],
+    ) -> None:
+        """Write labels."""
+        kinds, things = game_map.world.solid_kind, as_things(moving)
+        if self.label == "kind":
+            labels = np.concatenate([kinds, things.kind]).astype(np.int32)
+        else:
+            labels = np.concatenate([FIRST_SOLID + np.arange(len(kinds)), _instances(things)]).astype(
+                np.int32
+            )
+        _label(hits.solid, labels, images)
+
+
+def _instances(things: Things) -> NDArray[np.int64]:
+    first = np.where(things.kind == Kind.AGENT, FIRST_AGENT, FIRST_BOX)
+    return np.asarray(first + things.instance, np.int64)
+
+
+@kernel
+def _label(solids: NDArray[np.int32], labels: NDArray[np.int32], images: NDArray[Any]) -> None:
+    """Write (N, H, W) the labels of what rays met, by those of (S,) the map's solids and the moving ones."""
+    count, height, width = solids.shape
+    for image in range(count):
+        for row in range(height):
+            for column in range(width):
+                solid = solids[image, row, column]
+                if solid == NOTHING_HIT:
+                    images[image, row, column] = NOTHING
+                elif solid == TERRAIN_HIT:
+                    images[image, row, column] = TERRAIN
+                elif solid == WATER_HIT:
+                    images[image, row, column] = WATER
+                else:
+                    images[image, row, column] = labels[solid]
