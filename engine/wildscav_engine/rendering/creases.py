@@ -12,7 +12,7 @@ from wildscav_engine.rendering.trace import Hits
 from wildscav_engine.rendering.views import View, place_on, way_of
 
 REACH = 0.5  # m, how far off other surfaces take light
-STRENGTH = 0.85
+STRENGTH = 0.65
 LEAST_RISE = 0.12  # sine of the angle above a surface below which nothing takes light from it
 # Rows and columns of the pixels that are looked at, in shares of the reach.
 SAMPLES = (
@@ -39,8 +39,11 @@ def creased(
             continue
         there = place_on(view.eye, way_of(view, other_row, other_column), other)
         aside = (there[0] - place[0], there[1] - place[1], there[2] - place[2])
+        height = dot(aside, normal)
+        if height <= 0.0:
+            continue
         length = np.sqrt(dot(aside, aside))
-        if 0.0 < length < 2.0 * REACH:
-            rise = max(0.0, dot(aside, normal) / length - LEAST_RISE)
+        if length < 2.0 * REACH:
+            rise = max(0.0, height / length - LEAST_RISE)
             taken += rise * (1.0 - length / (2.0 * REACH))
     return max(0.0, 1.0 - STRENGTH * taken * 0.25 * min(1.0, reach - 1.0))

@@ -12,12 +12,11 @@ from wildscav_engine.rendering.sky import SUN_WAY
 from wildscav_engine.rendering.solids import Solids
 
 SUN_COLOR = (float(SUNLIGHT[0]), float(SUNLIGHT[1]), float(SUNLIGHT[2]))
-DIRECT = 0.92  # of the sun of replays
-BRIGHTER = 1.22  # than the sky of replays: a picture also shows what lies in the shade
+DIRECT = 0.90  # share of the palette's sunlight: pictures show more of what lies in the shade
 SKY_COLOR = (float(SKYLIGHT[0]), float(SKYLIGHT[1]), float(SKYLIGHT[2]))
+ASIDE = (-0.10, -0.04)  # what a surface that faces east, or north, has more of the light from all around
 SHADOW_REACH = 80.0  # m, from how far away a thing casts a shadow
 THING_REACH = 60.0  # m, how far from the eye moving things cast shadows
-ROOFED = 0.80  # share of the sky's light under a roof
 FLOOR, ROOF = int(Kind.FLOOR), int(Kind.ROOF)
 LIFT = 0.004  # m, how far off its surface a ray of light starts
 
@@ -30,15 +29,27 @@ def lit(base: Color, normal: Vector, sun: float, sky: float) -> Color:
         base: Its own colour.
         normal: Unit vector away from it.
         sun: Share of the sun's light that comes to it, 0-1.
-        sky: Share of the sky's light.
+        sky: Light from all around, 1 for a roof under the open sky.
     """
-    direct = max(0.0, dot(normal, SUN_WAY)) * sun * DIRECT
-    around = (0.72 + 0.28 * normal[1]) * BRIGHTER * sky
+    direct = DIRECT * sun * max(0.0, dot(normal, SUN_WAY))
     return (
-        base[0] * (direct * SUN_COLOR[0] + around * SKY_COLOR[0]),
-        base[1] * (direct * SUN_COLOR[1] + around * SKY_COLOR[1]),
-        base[2] * (direct * SUN_COLOR[2] + around * SKY_COLOR[2]),
+        base[0] * (direct * SUN_COLOR[0] + sky * SKY_COLOR[0]),
+        base[1] * (direct * SUN_COLOR[1] + sky * SKY_COLOR[1]),
+        base[2] * (direct * SUN_COLOR[2] + sky * SKY_COLOR[2]),
     )
+
+
+@kernel
+def skylight(normal: Vector, roofed: bool) -> float:
+    """Return how much light comes to a surface from all around.
+
+    Under the open sky most comes from above; in a house it comes from all walls. It is a little brighter on
+    one side, so that one sees where two walls meet.
+    """
+    aside = ASIDE[0] * normal[0] + ASIDE[1] * normal[2]
+    if roofed:
+        return 0.94 + 0.06 * normal[1] + aside
+    return 0.90 + 0.30 * normal[1] + aside
 
 
 @kernel

@@ -13,7 +13,7 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.colors import Color, Vector, clipped, dot, mixed
 from wildscav_engine.rendering.creases import creased
 from wildscav_engine.rendering.ground import ground_color, ground_normal
-from wildscav_engine.rendering.light import ROOFED, find_near, is_roofed, lit, shades, sun_is_clear
+from wildscav_engine.rendering.light import find_near, is_roofed, lit, shades, skylight, sun_is_clear
 from wildscav_engine.rendering.materials import Materials
 from wildscav_engine.rendering.sky import SUN_WAY, haze, sky
 from wildscav_engine.rendering.solids import Solids
@@ -114,13 +114,13 @@ def _seen(
     face = hits.face[image, row, column]
     surface = _surface(subject, solid, face, view, way, distance)
     sun = _sunshine(subject, surface, near, count)
-    roof = ROOFED if is_roofed(subject.world, surface.in_air) else 1.0
+    around = skylight(surface.normal, is_roofed(subject.world, surface.in_air))
     if solid == WATER_HIT:
         pixel = _footprint(view, way, distance, surface.normal)
         look = subject.materials.ground
-        return water_color(subject.world, look, surface.place, way, sun, roof, pixel)
-    roof *= creased(hits, image, row, column, view, surface.place, surface.normal)
-    return lit(surface.base, surface.normal, sun, roof)
+        return water_color(subject.world, look, surface.place, way, sun, around, pixel)
+    around *= creased(hits, image, row, column, view, surface.place, surface.normal)
+    return lit(surface.base, surface.normal, sun, around)
 
 
 @kernel

@@ -22,7 +22,7 @@ MURK = 9.0  # m, how far one sees under water
 
 @kernel
 def water_color(
-    world: World, look: GroundLook, place: Vector, way: Vector, sun: float, roof: float, pixel: float
+    world: World, look: GroundLook, place: Vector, way: Vector, sun: float, around: float, pixel: float
 ) -> Color:
     """Return the colour of a water surface.
 
@@ -32,13 +32,13 @@ def water_color(
         place: m, on the surface.
         way: Unit vector of the ray that arrives.
         sun: Share of the sun's light that comes there, 0-1.
-        roof: Share of the sky's light.
+        around: Light from all around, as ``lit`` takes it.
         pixel: m, how large a pixel is there.
     """
     depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
     bed = ground_color(world, look, place, pixel)
     clear = CLEAR / (CLEAR + depth)
-    body = lit(mixed(DEEP, bed, clear * clear), UP, 0.6 + 0.4 * sun, roof)
+    body = lit(mixed(DEEP, bed, clear * clear), UP, 0.6 + 0.4 * sun, around)
     normal = _rippled(place, pixel)
     facing = clipped(-dot(way, normal), 0.0, 1.0)
     # Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Eurographics 1994.
