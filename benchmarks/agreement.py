@@ -1,0 +1,149 @@
+"""Whether depth maps and Embree see the same, and why not where they do not."""
+
+from collections import Counter
+
+import numpy as np
+from embree import Mesh, Tracer, directions, rays_of
+from numpy.typing import NDArray
+from report import Figure
+
+from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.world import CELL
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.sensors import DepthCamera
+
+CLOSE = 0.01  # m of planar depth
+TURN = 1e-4  # rad, to a ray a hair aside
+ON_SURFACE = 1e-3  # m between a hit and the plane of the triangle that the other tracer meets
+REASONS = {
+    "silhouette": "one tracer meets there what the other meets a hair aside (1e-4 rad)",
+    "grazing": "both meet one triangle's plane, under so small an angle that rounding shifts the hit",
+    "far": "both meet it where rays end",
+    "leaves the map": "met beyond the edge of the map, where nothing is found",
+    "crack": "Embree passes between two triangles; all around it meets what ours meets",
+    "starts inside": "the eye is in a solid or below the ground, which the mesh does not tell",
+    "unexplained": "must be none",
+}
+
+
+def check(
+    game_map: GameMap,
+    mesh: Mesh,
+    tracer: Tracer,
+    poses: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+    size: tuple[int, int],
+    far: float,
+) -> list[Figure]:
+    """Compare the images of poses, (N, 3) m and twice (N,) degrees, and explain where they differ."""
+    images = DepthCamera(*size, far).render(game_map, *poses)
+    reasons: Counter[str] = Counter()
+    for pose, image in zip(zip(*poses, strict=True), images, strict=True):
+        position, yaw, pitch = pose
+        ways = directions(yaw, pitch, *size)
+        along = ways @ directions(yaw, pitch, 1, 1)[0]
+        origins, rays = rays_of(position, yaw, pitch, *size)
+        reach = np.full(len(ways), far, np.float32)
+        theirs = np.asarray(tracer.distances(origins, rays, reach), np.float64)
+        depth = np.where(theirs >= np.float32(far), far, theirs * along)
+        for ray in np.flatnonzero(~(np.abs(image.reshape(-1) - depth) <= CLOSE)):
+            case = _Difference(game_map, mesh, tracer, position, ways[ray], far)
+            ours = min(far, float(image.reshape(-1)[ray] / along[ray]))
+            ours = far if image.reshape(-1)[ray] >= far else ours
+            reasons[case.reason(ours, float(theirs[ray]))] += 1
+    pixels = images.size
+    same = 1.0 - reasons.total() / pixels
+    figures = [
+        Figure("pixels compared", pixels, "", f"{len(images)} poses of {size[0]} × {size[1]}"),
+        Figure(
+            "within 1 cm of planar depth", 100.0 * same, "%", f"{reasons.total():,} differ; needed: 99.9 %"
+        ),
+    ]
+    return figures + [
+        Figure(f"differ: {name}", reasons[name], "pixels", said) for name, said in REASONS.items()
+    ]
+
+
+class _Difference:
+    """One ray that two tracers answer differently."""
+
+    def __init__(
+        self,
+        game_map: GameMap,
+        mesh: Mesh,
+        tracer: Tracer,
+        eye: NDArray[np.float64],
+        way: NDArray[np.float64],
+        far: float,
+    ) -> None:
+        self.world, self.mesh, self.tracer, self.eye, self.far = game_map.world, mesh, tracer, eye, far
+        self.way, self.aside = way, _a_hair_aside(way)
+
+    def reason(self, ours: float, theirs: float) -> str:
+        """Return why two distances in m differ, one of REASONS."""
+        if ours == 0.0:
+            return "starts inside"
+        if abs(ours - theirs) <= 2.0 * CLOSE and max(ours, theirs) >= self.far - CLOSE:
+            return "far"
+        if not self._over_map(min(ours, theirs)):
+            return "leaves the map"
+        if self._grazes(ours):
+            return "grazing"
+        # The one that is met nearer or farther than the other must be met so a hair aside.
+        if _any_near(self._ours_aside(), theirs):
+            return "silhouette"
+        if _any_near(self._theirs_aside(), ours):
+            return "crack" if theirs > ours and self._all_near(self._theirs_aside(), ours) else "silhouette"
+        return "unexplained"
+
+    def _over_map(self, distance: float) -> bool:
+        size = CELL * np.array(self.world.water.shape[::-1])
+        place = (self.eye + self.way * distance)[[0, 2]] - self.world.corner
+        return bool(np.all(place >= 0.0) and np.all(place <= size))
+
+    def _grazes(self, ours: float) -> bool:
+        """Return whether our hit lies on the plane of the triangle that Embree meets."""
+        triangle = int(self._embree(self.way[None], self.tracer.triangles)[0])
+        if triangle < 0:
+            return False
+        a, b, c = self.mesh.vertices[self.mesh.triangles[triangle]].astype(np.float64)
+        normal = np.cross(b - a, c - a)
+        normal /= np.linalg.norm(normal)
+        return bool(
+            abs(normal @ self.way) < 0.1 and abs(normal @ (self.eye + self.way * ours - a)) < ON_SURFACE
+        )
+
+    def _embree(self, ways: NDArray[np.float64], query: object) -> NDArray[np.generic]:
+        reach = np.full(len(ways), self.far, np.float32)
+        origins = np.tile(self.eye.astype(np.float32), (len(ways), 1))
+        return query(origins, ways.astype(np.float32), reach)  # type: ignore[operator, no-any-return]
+
+    def _theirs_aside(self) -> NDArray[np.float64]:
+        return np.asarray(self._embree(self.aside, self.tracer.distances), np.float64)
+
+    def _ours_aside(self) -> NDArray[np.float64]:
+        hits = [cast_ray(self.world, *self.eye, *way, self.far) for way in self.aside]
+        return np.array([min(self.far, hit.distance) for hit in hits])
+
+    @staticmethod
+    def _all_near(distances: NDArray[np.float64], distance: float) -> bool:
+        return bool(np.all(np.abs(distances - distance) <= _slack(distance)))
+
+
+def _slack(distance: float) -> float:
+    """Return how far in m hits a hair aside lie apart, on a surface that is not seen edge-on."""
+    return CLOSE + 10.0 * TURN * distance
+
+
+def _any_near(distances: NDArray[np.float64], distance: float) -> bool:
+    return bool(np.any(np.abs(distances - distance) <= _slack(distance)))
+
+
+def _a_hair_aside(way: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (4, 3) unit vectors: to the right, left, up and down of one."""
+    helper = np.array([0.0, 1.0, 0.0]) if abs(way[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    right = np.cross(helper, way)
+    right /= np.linalg.norm(right)
+    up = np.cross(way, right)
+    turned = way + TURN * np.array([right, -right, up, -up])
+    unit: NDArray[np.float64] = turned / np.linalg.norm(turned, axis=1)[:, None]
+    return unit

@@ -1,0 +1,195 @@
+"""Depth maps against Intel Embree on one core, pose by pose in one run; two threads; the other sensors.
+
+Embree gets the exported mesh and its rays, made before in float32; ours makes its rays itself. With
+``--check`` nothing is timed: the images of both are compared, and differences explained.
+"""
+
+import os
+import time
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import typer
+from agreement import check
+from embree import Mesh, Tracer, mesh_of, rays_of
+from numpy.typing import NDArray
+from report import Figure, JsonFile, publish
+
+from wildscav_engine.geometry.world import Kind
+from wildscav_engine.maps import generate_map
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.match import Match
+from wildscav_engine.sensors import SENSORS, DepthCamera
+from wildscav_engine.spec import MapConfig, MatchSpec
+
+# This much vegetation makes 357 trees and 143 rocks (and 191 bushes) on the map of seed 1.
+COUNTRY = MapConfig(size=500, houses=15, storeys=(2, 3), vegetation=0.1905)
+MAP_SEED = 1
+FAR = 100.0  # m
+SIZES = ((10, 10), (38, 22), (64, 36))
+OUTDOOR, INDOOR = 200, 56  # poses
+ROUNDS = 7  # over all poses; the first warms up
+SENSOR_ROUNDS = 4  # likewise of each sensor
+EYES = 1.5  # m above the ground
+STEEPEST = 30.0  # degrees up and down
+VIEWERS = 8  # of a batch of sensors
+CHECKED = 500  # poses of each kind that are compared
+
+
+class Poses(NamedTuple):
+    """Where images are made from: outdoor poses, then indoor ones."""
+
+    positions: NDArray[np.float64]  # (N, 3) m, of the eyes
+    yaws: NDArray[np.float64]  # (N,) degrees
+    pitches: NDArray[np.float64]  # (N,) degrees
+
+
+def draw_poses(game_map: GameMap, outdoor: int, indoor: int, seed: int) -> Poses:
+    """Draw standing places of a map, and where to look from there."""
+    random = np.random.default_rng(seed)
+    places = [
+        some[random.integers(len(some), size=count)]
+        for some, count in ((game_map.outdoor, outdoor), (game_map.indoor, indoor))
+    ]
+    return Poses(
+        np.concatenate(places) + np.array([0.0, EYES, 0.0]),
+        random.uniform(-180.0, 180.0, outdoor + indoor),
+        random.uniform(-STEEPEST, STEEPEST, outdoor + indoor),
+    )
+
+
+def seconds(work: Callable[..., object], *values: Any, **named: Any) -> float:
+    """Return how long a call takes."""
+    started = time.perf_counter()
+    work(*values, **named)
+    return time.perf_counter() - started
+
+
+def race(game_map: GameMap, tracer: Tracer, poses: Poses, size: tuple[int, int]) -> list[Figure]:
+    """Measure one size of images, both tracers by turns at every pose."""
+    camera = DepthCamera(*size, FAR)
+    count = len(poses.yaws)
+    rays = [rays_of(*pose, *size) for pose in zip(*poses, strict=True)]
+    embree, alone, together = np.empty((ROUNDS, count)), np.empty((ROUNDS, count)), np.empty(ROUNDS)
+    for turn in range(ROUNDS):
+        for pose in range(count):
+            one = slice(pose, pose + 1)
+            reach = np.full(size[0] * size[1], FAR, np.float32)  # Embree writes its answers there
+            started = time.perf_counter()
+            tracer.distances(*rays[pose], reach)
+            between = time.perf_counter()
+            camera.render(game_map, poses.positions[one], poses.yaws[one], poses.pitches[one])
+            embree[turn, pose], alone[turn, pose] = between - started, time.perf_counter() - between
+        together[turn] = seconds(camera.render, game_map, *poses) / count
+    return _figures(f"{size[0]} × {size[1]}", embree[1:], alone[1:], together[1:])
+
+
+def _figures(
+    size: str, embree: NDArray[np.float64], alone: NDArray[np.float64], together: NDArray[np.float64]
+) -> list[Figure]:
+    """Return medians over the rounds: (rounds, poses) s of a call a pose, (rounds,) s of one for all."""
+    places = {"all": slice(None), "outdoor": slice(0, OUTDOOR), "indoor": slice(OUTDOOR, None)}
+    figures = []
+    for place, part in places.items():
+        theirs, ours = embree[:, part].mean(axis=1), alone[:, part].mean(axis=1)
+        figures += [
+            _milliseconds(f"{size}, {place}: embreex", theirs),
+            _milliseconds(f"{size}, {place}: ours, a call a pose", ours),
+            _ratio(f"{size}, {place}: times embreex", theirs / ours),
+        ]
+    theirs = embree.mean(axis=1)
+    figures.append(_milliseconds(f"{size}, all: ours, one call for all", together))
+    figures.append(_ratio(f"{size}, all: times embreex, one call for all", theirs / together))
+    return figures
+
+
+def _milliseconds(name: str, taken: NDArray[np.float64]) -> Figure:
+    """Return the median of the rounds' seconds an image."""
+    spread = f"median of {len(taken)} rounds, {taken.min() * 1e3:.4f} to {taken.max() * 1e3:.4f}"
+    return Figure(name, float(np.median(taken)) * 1e3, "ms", spread)
+
+
+def _ratio(name: str, ratios: NDArray[np.float64]) -> Figure:
+    return Figure(
+        name,
+        float(np.median(ratios)),
+        "×",
+        f"median of {len(ratios)}, {ratios.min():.2f} to {ratios.max():.2f}",
+    )
+
+
+def thread_figures(game_map: GameMap, poses: Poses, cores: set[int]) -> list[Figure]:
+    """Measure two threads against one, by turns, where there are two cores."""
+    if len(cores) < 2:
+        return []
+    os.sched_setaffinity(0, cores)
+    figures = []
+    for size in SIZES:
+        camera = DepthCamera(*size, FAR)
+        ratios = []
+        for _ in range(2 * ROUNDS):
+            one = seconds(camera.render, game_map, *poses)
+            ratios.append(one / seconds(camera.render, game_map, *poses, threads=2))
+        figures.append(_ratio(f"{size[0]} × {size[1]}: two threads, times one", np.array(ratios[2:])))
+    return figures
+
+
+def sensor_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
+    """Measure every sensor of the registry at its defaults, for one agent and for many."""
+    match = Match(MatchSpec(track="gathering", map=game_map.spec, seats=("submission",) * VIEWERS), game_map)
+    agents = match.state.agents
+    some = np.linspace(0, len(poses.yaws) - 1, VIEWERS).astype(int)
+    agents.position[0] = poses.positions[some] - np.array([0.0, EYES, 0.0])
+    agents.yaw[0], agents.pitch[0] = poses.yaws[some], poses.pitches[some]
+    figures = []
+    for name, kind in SENSORS.items():
+        sensor = kind()
+        shape = " × ".join(map(str, sensor.space.shape))
+        alone, together = [], []
+        for _ in range(SENSOR_ROUNDS):
+            alone.append(sum(seconds(sensor.read, match, [seat]) for seat in range(VIEWERS)) / VIEWERS)
+            together.append(seconds(sensor.read, match, range(VIEWERS)) / VIEWERS)
+        figures += [
+            _milliseconds(f"sensor {name}, {shape}: one agent a call", np.array(alone[1:])),
+            _milliseconds(f"sensor {name}, {shape}: {VIEWERS} agents a call, each", np.array(together[1:])),
+        ]
+    return figures
+
+
+def describe(game_map: GameMap, mesh: Mesh) -> str:
+    """Say how many of what there are."""
+    kinds = game_map.world.solid_kind
+    counts = {kind: int((kinds == kind).sum()) for kind in (Kind.TRUNK, Kind.ROCK, Kind.BUSH)}
+    size = game_map.config.size
+    return (
+        f"{size} × {size} m, {len(game_map.houses)} houses, {counts[Kind.TRUNK]} trees, {counts[Kind.ROCK]} "
+        f"rocks, {counts[Kind.BUSH]} bushes, {len(kinds)} solids, {len(mesh.triangles)} triangles"
+    )
+
+
+CheckOnly = Annotated[bool, typer.Option("--check", help="Compare the images instead of timing them.")]
+
+
+def main(check_only: CheckOnly = False, json_file: JsonFile = None) -> None:
+    """Measure and print."""
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})
+    game_map = generate_map(COUNTRY, MAP_SEED)
+    mesh = mesh_of(game_map.world)
+    tracer = Tracer(mesh)
+    where = describe(game_map, mesh)
+    if check_only:
+        poses = draw_poses(game_map, CHECKED, CHECKED, seed=1)
+        figures = check(game_map, mesh, tracer, poses, SIZES[-1], FAR)
+        publish(f"Depth maps against Embree: agreement ({where})", figures, json_file)
+        return
+    poses = draw_poses(game_map, OUTDOOR, INDOOR, seed=0)
+    figures = [figure for size in SIZES for figure in race(game_map, tracer, poses, size)]
+    figures += sensor_figures(game_map, poses)
+    figures += thread_figures(game_map, poses, cores)
+    publish(f"Depth maps on one core, far {FAR:g} m ({where})", figures, json_file)
+
+
+if __name__ == "__main__":
+    typer.run(main)
