@@ -1,7 +1,7 @@
 """The colour camera: pictures as a person would see them.
 
 Sky, sun and shadows, the materials of things, water, haze towards ``far``; agents and supply boxes are in
-it, the viewer's own body is not.
+it; of the viewer's own body there is only its shadow.
 """
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
