@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import CELL, Kind, World
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
-from wildscav_engine.palette import WATER, of_solids, of_terrain, shaded
+from wildscav_engine.palette import WATER, of_solids, shaded
+from wildscav_engine.rendering.ground import ground_look
 from wildscav_engine.view import colors, frame
 
 # The layers of solids, each to be shown or hidden by itself.
@@ -25,7 +26,6 @@ LAYERS = {
     "world/rocks": (Kind.ROCK,),
 }
 EDGE_DEPTH = 3.0  # m of earth below the lowest ground
-SHORE = 3  # cells around water that show sand
 
 
 def static_scene(game_map: GameMap) -> Iterator[tuple[str, rr.AsComponents]]:
@@ -60,15 +60,11 @@ def _flat_shaded(mesh: Mesh, base: NDArray[np.float64]) -> rr.Mesh3D:
 
 def _terrain(world: World) -> rr.Mesh3D:
     mesh = terrain_mesh(world)
-    slope_north, slope_east = np.gradient(world.heights, CELL)
-    normals = np.stack([-slope_east, np.ones_like(slope_east), -slope_north], axis=-1).reshape(-1, 3)
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    over_water = (world.heights - _water_nearby(world)).ravel()
-    base = of_terrain(over_water, normals[:, 1], _dryness(world.heights.shape))
+    look = ground_look(world)
     return rr.Mesh3D(
         vertex_positions=frame.points(mesh.vertices),
         triangle_indices=frame.triangles(mesh.triangles),
-        vertex_colors=shaded(base, normals),
+        vertex_colors=shaded(look.color.reshape(-1, 3), look.normal.reshape(-1, 3)),
     )
 
 
@@ -95,32 +91,6 @@ def _edge(world: World) -> rr.Mesh3D:
         triangle_indices=triangles,
         vertex_colors=np.repeat(np.array([colors.EARTH, colors.DEEP_EARTH], np.uint8), len(x), axis=0),
     )
-
-
-def _water_nearby(world: World) -> NDArray[np.float64]:
-    """Return the height of the water near each cell corner, (R + 1, C + 1), -inf where there is none."""
-    nearby = np.full(world.heights.shape, -np.inf)
-    rows, columns = world.water.shape
-    for row in range(2):
-        for column in range(2):
-            part = nearby[row : row + rows, column : column + columns]
-            np.maximum(part, world.water, out=part)
-    for _ in range(SHORE):
-        nearby[1:] = np.maximum(nearby[1:], nearby[:-1])
-        nearby[:-1] = np.maximum(nearby[:-1], nearby[1:])
-        nearby[:, 1:] = np.maximum(nearby[:, 1:], nearby[:, :-1])
-        nearby[:, :-1] = np.maximum(nearby[:, :-1], nearby[:, 1:])
-    return nearby
-
-
-def _dryness(shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return soft patches, 0-1, for each cell corner: a few waves across each other, and a little grain."""
-    row, column = np.meshgrid(*(np.arange(length) for length in shape), indexing="ij")
-    waves = np.sin(0.13 * row + 1.3 * np.sin(0.09 * column)) + np.sin(
-        0.11 * column + 1.7 * np.sin(0.07 * row)
-    )
-    grain = np.random.default_rng(0).uniform(-0.12, 0.12, shape)
-    return np.asarray(np.clip(0.45 + 0.2 * waves + grain, 0, 1)).ravel()
 
 
 def _water(mesh: Mesh) -> rr.Mesh3D:
