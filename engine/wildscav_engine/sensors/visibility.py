@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_HEIGHT, EYE_HEIGHT
-from wildscav_engine.geometry.rays import sight_is_clear
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray, make_ray, meet_solid
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel
 from wildscav_engine.rules import Rules
@@ -17,7 +17,9 @@ from wildscav_engine.trig import arctangent, wrap
 AGENT_LIMIT = 16  # agents at most in one observation
 SUPPLY_LIMIT = 32  # supply boxes at most
 ASPECT = 9.0 / 16.0  # height of the view over its width, in degrees
-BODY_POINTS = (0.95 * BODY_HEIGHT, 0.6 * BODY_HEIGHT, 0.2 * BODY_HEIGHT)  # m above the soles
+AXIS_POINTS = (0.95 * BODY_HEIGHT, 0.6 * BODY_HEIGHT, 0.2 * BODY_HEIGHT)  # m above the soles
+SIDE_HEIGHT = 0.7 * BODY_HEIGHT  # m above the soles, of a point to the left and one to the right
+SIDE = 0.8 * BODY_RADIUS  # m from the axis to those
 
 
 class Seen(NamedTuple):
@@ -92,23 +94,80 @@ def _see_agents(world: World, agents: Agents, seat: int, view_angle: float, seen
 
 @kernel
 def sees_body(world: World, agents: Agents, seat: int, other: int, view_angle: float) -> bool:
-    """Return whether a point of another's body is in an agent's view frustum with a clear line of sight."""
-    eye_x = agents.position[seat, 0]
-    eye_y = agents.position[seat, 1] + EYE_HEIGHT
-    eye_z = agents.position[seat, 2]
-    dx, dz = agents.position[other, 0] - eye_x, agents.position[other, 2] - eye_z
+    """Return whether a point of another's body is in an agent's view frustum with a clear line of sight.
+
+    The points are three on the body's axis and two at its sides, as the agent sees them, so that a body half
+    behind a corner is seen. Those on the axis come first: they decide most cases.
+    """
+    dx = agents.position[other, 0] - agents.position[seat, 0]
+    dz = agents.position[other, 2] - agents.position[seat, 2]
     level = np.sqrt(dx * dx + dz * dz)
-    # Right above or below there is no compass direction: the pitch alone decides.
-    if level > 0.0 and abs(wrap(arctangent(dx, dz) - agents.yaw[seat])) > view_angle * 0.5:
+    # Right above or below there is no compass direction, and no side: the pitch alone decides.
+    off = abs(wrap(arctangent(dx, dz) - agents.yaw[seat])) if level > 0.0 else 0.0
+    hidden_by = NOTHING_HIT  # what was in the way last, which is often in the way again
+    if off <= view_angle * 0.5:
+        for height in AXIS_POINTS:
+            aside = (0.0, height, 0.0)
+            sees, hidden_by = _sees_point(world, agents, seat, other, aside, view_angle, hidden_by)
+            if sees:
+                return True
+    if level == 0.0 or off - arctangent(SIDE, level) > view_angle * 0.5:
         return False
-    for height in BODY_POINTS:
-        point_y = agents.position[other, 1] + height
-        pitch = arctangent(eye_y - point_y, level)
-        if abs(pitch - agents.pitch[seat]) <= view_angle * ASPECT * 0.5 and sight_is_clear(
-            world, eye_x, eye_y, eye_z, eye_x + dx, point_y, eye_z + dz
-        ):
+    for side in (-SIDE / level, SIDE / level):
+        aside = (side * dz, SIDE_HEIGHT, -side * dx)
+        bearing = arctangent(dx + aside[0], dz + aside[2])
+        if abs(wrap(bearing - agents.yaw[seat])) > view_angle * 0.5:
+            continue
+        sees, hidden_by = _sees_point(world, agents, seat, other, aside, view_angle, hidden_by)
+        if sees:
             return True
     return False
+
+
+@kernel
+def _sees_point(
+    world: World,
+    agents: Agents,
+    seat: int,
+    other: int,
+    offset: tuple[float, float, float],
+    view_angle: float,
+    hidden_by: int,
+) -> tuple[bool, int]:
+    """Look at a point of another's body.
+
+    Args:
+        world: The static world.
+        agents: The agents of the match.
+        seat: Who looks.
+        other: At whom.
+        offset: m, of the point from the other's soles.
+        view_angle: Degrees, width of the view.
+        hidden_by: A solid that may well be in the way, or what is none; it is tried first.
+
+    Returns:
+        Whether the point is at a height in view with a clear line of sight, and what is in the way if not.
+    """
+    eye_x, eye_z = agents.position[seat, 0], agents.position[seat, 2]
+    eye_y = agents.position[seat, 1] + EYE_HEIGHT
+    x = agents.position[other, 0] + offset[0]
+    y = agents.position[other, 1] + offset[1]
+    z = agents.position[other, 2] + offset[2]
+    level = np.sqrt((x - eye_x) * (x - eye_x) + (z - eye_z) * (z - eye_z))
+    pitch = arctangent(eye_y - y, level)
+    if abs(pitch - agents.pitch[seat]) > view_angle * ASPECT * 0.5:
+        return False, hidden_by
+    way_x, way_y, way_z = x - eye_x, y - eye_y, z - eye_z
+    distance = np.sqrt(way_x * way_x + way_y * way_y + way_z * way_z)
+    if distance == 0.0:
+        return True, hidden_by
+    way_x, way_y, way_z = way_x / distance, way_y / distance, way_z / distance
+    if hidden_by >= 0:
+        ray = make_ray(world, eye_x, eye_y, eye_z, way_x, way_y, way_z)
+        if meet_solid(world, hidden_by, ray, distance)[0] <= distance:
+            return False, hidden_by
+    hit = cast_ray(world, eye_x, eye_y, eye_z, way_x, way_y, way_z, distance)
+    return hit.solid == NOTHING_HIT, hit.solid
 
 
 @kernel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from builders import act, box, flat_world, make_match, place
-from wildscav_engine.geometry.world import Solid
+from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.match import Match
 from wildscav_engine.rules import Rules
 
@@ -26,7 +26,9 @@ def watch(
         ((0, 0, 10), True),
         ((0, 0, -10), False),  # behind
         ((9.5, 0, 10), True),  # 43.5° to the right: the view is 90° wide
-        ((10.5, 0, 10), False),
+        ((11, 0, 10), False),
+        ((10.4, 0, 10), True),  # its axis is at 46.1°, but its left side in view
+        ((-10.4, 0, 10), True),
         ((-9.5, 0, 10), True),
         ((0, 0, 38), True),
         ((0, 9, 10), False),  # 37° up: the view is 50.6° high
@@ -43,6 +45,42 @@ def test_looking_at_the_sky_hides_the_ground() -> None:
 def test_a_wall_hides_and_a_low_one_does_not() -> None:
     assert not watch((0, 0, 10), solids=[box((-3, 0, 5), (3, 3, 5.3))])
     assert watch((0, 0, 10), solids=[box((-3, 0, 5), (3, 1.2, 5.3))])
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "seen"),
+    [
+        (-3, 0.2, True),  # hides the axis, but not the right side
+        (-0.2, 3, True),
+        (-0.2, 0.2, True),  # a post in front of it
+        (-0.5, 0.5, False),  # as wide as the body
+        (-3, 0.5, False),
+    ],
+)
+def test_a_body_half_behind_something_is_seen(left: float, right: float, seen: bool) -> None:
+    assert watch((0, 0, 10), solids=[box((left, 0, 9), (right, 3, 9.1))]) == seen
+
+
+def test_who_stands_right_above_is_seen_by_who_looks_up() -> None:
+    assert watch((0, 5, 0), pitch=-90)
+    assert not watch((0, 5, 0), pitch=0)
+
+
+@pytest.mark.parametrize(("sill", "seen"), [(0.9, True), (2.0, False)])
+def test_windows_are_looked_through(sill: float, seen: bool) -> None:
+    """A wall as high as a house, with an opening from a sill to a lintel."""
+    wall = [
+        box((-9, 0, 5), (9, sill, 5.3)),
+        box((-9, sill + 0.8, 5), (9, 9, 5.3)),
+        box((-9, 0, 5), (-0.5, 9, 5.3)),
+        box((0.5, 0, 5), (9, 9, 5.3)),
+    ]
+    assert watch((0, 0, 10), solids=wall) == seen
+
+
+@pytest.mark.parametrize("kind", [Kind.CROWN, Kind.BUSH, Kind.TRUNK])
+def test_plants_hide(kind: Kind) -> None:
+    assert not watch((0, 0, 10), solids=[box((-2, 0, 5), (2, 4, 7), kind)])
 
 
 def test_seeing_is_not_mutual() -> None:
