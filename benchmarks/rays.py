@@ -94,20 +94,20 @@ def _figures(
     for place, part in places.items():
         theirs, ours = embree[:, part].mean(axis=1), alone[:, part].mean(axis=1)
         figures += [
-            _milliseconds(f"{size}, {place}: embreex", theirs),
-            _milliseconds(f"{size}, {place}: ours, a call a pose", ours),
+            _microseconds(f"{size}, {place}: embreex", theirs),
+            _microseconds(f"{size}, {place}: ours, a call a pose", ours),
             _ratio(f"{size}, {place}: times embreex", theirs / ours),
         ]
     theirs = embree.mean(axis=1)
-    figures.append(_milliseconds(f"{size}, all: ours, one call for all", together))
+    figures.append(_microseconds(f"{size}, all: ours, one call for all", together))
     figures.append(_ratio(f"{size}, all: times embreex, one call for all", theirs / together))
     return figures
 
 
-def _milliseconds(name: str, taken: NDArray[np.float64]) -> Figure:
+def _microseconds(name: str, taken: NDArray[np.float64]) -> Figure:
     """Return the median of the rounds' seconds an image."""
-    spread = f"median of {len(taken)} rounds, {taken.min() * 1e3:.4f} to {taken.max() * 1e3:.4f}"
-    return Figure(name, float(np.median(taken)) * 1e3, "ms", spread)
+    spread = f"median of {len(taken)} rounds, {taken.min() * 1e6:,.1f} to {taken.max() * 1e6:,.1f}"
+    return Figure(name, float(np.median(taken)) * 1e6, "µs", spread)
 
 
 def _ratio(name: str, ratios: NDArray[np.float64]) -> Figure:
@@ -151,8 +151,8 @@ def sensor_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
             alone.append(sum(seconds(sensor.read, match, [seat]) for seat in range(VIEWERS)) / VIEWERS)
             together.append(seconds(sensor.read, match, range(VIEWERS)) / VIEWERS)
         figures += [
-            _milliseconds(f"sensor {name}, {shape}: one agent a call", np.array(alone[1:])),
-            _milliseconds(f"sensor {name}, {shape}: {VIEWERS} agents a call, each", np.array(together[1:])),
+            _microseconds(f"sensor {name}, {shape}: one agent a call", np.array(alone[1:])),
+            _microseconds(f"sensor {name}, {shape}: {VIEWERS} agents a call, each", np.array(together[1:])),
         ]
     return figures
 
