@@ -11,11 +11,14 @@ from tests.platform.seats import connected, ended, host, serving, small_spec, st
 
 from wildscav.server import Clock, MatchCancelledError, MatchServer, SeatStatus
 from wildscav.wire.actions import ACTION_FIELDS
+from wildscav.wire.observations import decode_observation
 from wildscav_engine.actions import Field, no_actions
 from wildscav_engine.match import Match
+from wildscav_engine.sensors import SENSORS
 from wildscav_engine.tracks import TRACKS
 
 HASTY = Clock(step_budget=0.05, time_bank=0.1)
+PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=40.0)
 
 
 @pytest.mark.parametrize("track", TRACKS)
@@ -102,6 +105,40 @@ def test_an_agent_reads_its_depth_map(tmp_path: Path) -> None:
         hosted = await host(server, small_spec(), sensors={0: {"depth": {"width": 8, "height": 5}}})
         agent = await start_agent("SeesDepth", address, hosted.tokens[0])
         assert await ended(agent) == (0, "")
+
+    serving(tmp_path, play)
+
+
+def test_an_agent_that_asks_for_all_sensors_gets_them_in_every_step(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        sensors: dict[str, dict[str, object]] = {name: {} for name in SENSORS}
+        hosted = await host(server, small_spec("battle", seats=2), sensors={0: sensors}, clock=PATIENT)
+        agents = [
+            await start_agent(name, address, token)
+            for name, token in zip(("SeesAll", "Walker"), hosted.tokens.values(), strict=True)
+        ]
+        outcome = await hosted.finished()
+        assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
+        assert outcome.seats[0].steps_played == outcome.match.step_number == 20
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_every_bit_of_every_sensor_crosses_the_wire(tmp_path: Path, name: str) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec("battle", seats=2), sensors={0: {name: {}}})
+        async with connected(address) as seat, connected(address) as other:
+            await seat.join(hosted.tokens[0])
+            await other.join(hosted.tokens[1])
+            observation = (await seat.read()).observation
+            (arrived,) = decode_observation(observation, 50).tensors.items()
+            right = SENSORS[name]().read(hosted.match, [0])[0]
+            assert arrived[0] == name
+            assert arrived[1].dtype == right.dtype
+            assert arrived[1].shape == right.shape
+            assert arrived[1].tobytes() == right.tobytes()
+        hosted.cancel()
 
     serving(tmp_path, play)
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as some
 from numpy.typing import NDArray
 
 from wildscav import Action, MatchInfo, SupplyWave
+from wildscav.errors import AgentError
 from wildscav.proto.match_pb2 import Tensor
 from wildscav.wire.actions import ACTION_FIELDS, decode_action, encode_action
 from wildscav.wire.matches import decode_match_info, encode_match_info
@@ -165,6 +166,16 @@ def test_an_observation_arrives() -> None:
     (box,) = seen.supply_boxes
     assert (box.id, box.position, box.quantity) == (77, (7, 8, 9), 40)
     np.testing.assert_array_equal(seen.depth, np.ones((2, 3)))
+    assert seen.sensor("depth") is seen.depth
+
+
+def test_a_sensor_that_was_not_asked_for_is_said_to_be_missing() -> None:
+    with pytest.raises(AgentError) as caught:
+        observe(0).sensor("lidar")
+    assert str(caught.value) == (
+        "this agent did not ask for the sensor 'lidar' (it has depth): "
+        "add a [sensors.lidar] table to its submission.toml"
+    )
 
 
 def test_the_other_seat_sees_its_own_side_of_it() -> None:

@@ -170,11 +170,24 @@ class Observation:
         Raises:
             AgentError: The submission did not ask for it.
         """
+        return self.sensor("depth")
+
+    def sensor(self, name: str) -> NDArray[Any]:
+        """Return what a sensor reads, as a read-only array.
+
+        Args:
+            name: As in the submission's ``submission.toml``.
+
+        Raises:
+            AgentError: The submission did not ask for it.
+        """
         try:
-            return self.tensors["depth"]
+            return self.tensors[name]
         except KeyError:
+            asked = ", ".join(sorted(self.tensors)) or "none"
             raise AgentError(
-                "this agent has no depth map: add a [sensors.depth] table to its submission.toml"
+                f"this agent did not ask for the sensor {name!r} (it has {asked}): "
+                f"add a [sensors.{name}] table to its submission.toml"
             ) from None
 
 
