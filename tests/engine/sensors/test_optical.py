@@ -1,0 +1,60 @@
+"""Images from any place: what is asked for is checked, and how many share the work changes nothing."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wildscav_engine.maps import generate_map
+from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera
+from wildscav_engine.sensors.optical import OpticalSensor
+from wildscav_engine.spec import MapConfig
+
+COUNTRY = generate_map(MapConfig(size=60, houses=2), 3)
+FINE: dict[str, Any] = {"positions": np.ones((2, 3)), "yaws": np.zeros(2), "pitches": np.zeros(2)}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"positions": np.zeros(3)}, r"positions are float64 of shape \(3,\), must be .* shape \(N, 3\)"),
+        ({"positions": np.zeros((2, 2))}, r"positions .* shape \(2, 2\), must be"),
+        ({"positions": [(0, np.nan, 0)] * 2}, "positions hold nan, must be finite"),
+        ({"yaws": np.zeros(3)}, r"yaws are float64 of shape \(3,\), must be .* shape \(2,\)"),
+        ({"yaws": [0, np.inf]}, "yaws hold inf, must be finite"),
+        ({"pitches": ["a", "b"]}, "pitches are <U1 .* must be real numbers"),
+        ({"viewers": [1]}, r"viewers .* shape \(1,\), must be .* shape \(2,\)"),
+        ({"threads": 0}, "threads is 0, must be at least 1"),
+    ],
+)
+def test_what_cannot_be_looked_from_is_named_in_one_line(wrong: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=said) as caught:
+        DepthCamera().render(COUNTRY, **(FINE | wrong))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("sensor", [DepthCamera(), NormalCamera(), Lidar(azimuths=30)])
+@pytest.mark.parametrize("threads", [2, 3, 50])
+def test_threads_and_batches_change_no_bit(sensor: OpticalSensor, threads: int) -> None:
+    eyes = COUNTRY.outdoor[:: len(COUNTRY.outdoor) // 9][:7] + np.array((0, 1.5, 0))
+    yaws, pitches = np.linspace(-170, 170, 7), np.linspace(-40, 40, 7)
+
+    together = sensor.render(COUNTRY, eyes, yaws, pitches)
+    shared = sensor.render(COUNTRY, eyes, yaws, pitches, threads=threads)
+
+    assert shared.tobytes() == together.tobytes()
+    for place in range(7):
+        alone = sensor.render(COUNTRY, eyes[place : place + 1], yaws[place : place + 1], [pitches[place]])
+        assert alone[0].tobytes() == together[place].tobytes()
+
+
+def test_nobody_to_look_gives_no_image() -> None:
+    assert DepthCamera(5, 4).render(COUNTRY, np.zeros((0, 3)), [], []).shape == (0, 4, 5)
+
+
+def test_a_wider_view_shows_things_smaller() -> None:
+    """Depth at the edge of the image is that of the ray at half the field of view."""
+    eyes, level = COUNTRY.outdoor[:1] + np.array((0, 1.5, 0)), [0.0]
+    wide = DepthCamera(1001, 1, field_of_view=90).render(COUNTRY, eyes, level, level)[0, 0]
+    ahead = DepthCamera(1, 1).render(COUNTRY, eyes, [45.0], level)[0, 0, 0]
+    assert wide[-1] / np.cos(np.radians(45)) == pytest.approx(ahead, rel=0.02)
