@@ -15,9 +15,8 @@ REACH = 0.5  # m, how far off other surfaces take light
 STRENGTH = 0.65
 LEAST_RISE = 0.12  # sine of the angle above a surface below which nothing takes light from it
 # Rows and columns of the pixels that are looked at, in shares of the reach.
-SAMPLES = (
-    *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0)),
-    *((0.35, 0.35), (0.35, -0.35), (-0.35, 0.35), (-0.35, -0.35)),
+SAMPLES = np.array(
+    [(0, 1), (0, -1), (1, 0), (-1, 0), (0.35, 0.35), (0.35, -0.35), (-0.35, 0.35), (-0.35, -0.35)], np.float64
 )
 
 
@@ -31,9 +30,10 @@ def creased(
     if reach < 1.0:
         return 1.0
     taken = 0.0
-    for down, right in SAMPLES:
-        other_row = min(view.height - 1, max(0, row + int(np.floor(down * reach + 0.5))))
-        other_column = min(view.width - 1, max(0, column + int(np.floor(right * reach + 0.5))))
+    for sample in range(SAMPLES.shape[0]):
+        down, right = SAMPLES[sample, 0] * reach, SAMPLES[sample, 1] * reach
+        other_row = min(view.height - 1, max(0, int(row + down + 0.5)))
+        other_column = min(view.width - 1, max(0, int(column + right + 0.5)))
         other = float(hits.distance[image, other_row, other_column])
         if other == np.inf:
             continue

@@ -16,7 +16,7 @@ DIRECT = 0.90  # share of the palette's sunlight: pictures show more of what lie
 SKY_COLOR = (float(SKYLIGHT[0]), float(SKYLIGHT[1]), float(SKYLIGHT[2]))
 ASIDE = (-0.10, -0.04)  # what a surface that faces east, or north, has more of the light from all around
 SHADOW_REACH = 80.0  # m, from how far away a thing casts a shadow
-THING_REACH = 60.0  # m, how far from the eye moving things cast shadows
+THING_REACH = 40.0  # m, how far from the eye moving things cast shadows
 FLOOR, ROOF = int(Kind.FLOOR), int(Kind.ROOF)
 LIFT = 0.004  # m, how far off its surface a ray of light starts
 
