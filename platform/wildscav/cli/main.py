@@ -25,6 +25,7 @@ OWN = {
     "replay": "wildscav.cli.replay:replay",
     "serve": "wildscav.cli.serve:serve",
     "map": "wildscav.cli.map:app",
+    "look": "wildscav.cli.look:look",
 }
 # What a missing module is installed with.
 EXTRAS = {
@@ -45,7 +46,7 @@ class Commands(TyperGroup):
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - Typer's signature
         """Return the names, in the order of help: what a newcomer needs first."""
         names = [*OWN, *_plug_ins()]
-        first = ("init", "play", "evaluate", "leaderboard", "replay", "verify", "map", "serve")
+        first = ("init", "play", "evaluate", "leaderboard", "replay", "verify", "map", "look", "serve")
         return sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002

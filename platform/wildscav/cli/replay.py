@@ -19,7 +19,9 @@ def replay(
     follow: Annotated[
         int | None, typer.Option(help="Seat that the cameras follow. Default: the first submission.", min=0)
     ] = None,
-    depth: Annotated[bool, typer.Option(help="Draw the followed agent's depth map.")] = True,
+    images: Annotated[
+        bool, typer.Option(help="Draw what the followed agent's camera and depth camera see.")
+    ] = True,
 ) -> None:
     """Render a record as a replay that can be watched in 3D."""
     from wildscav.console import command, console, error_console
@@ -42,7 +44,7 @@ def replay(
         )
     with error_console.status(f"rendering {escape(path.name)}"):
         try:
-            write_replay(played, path, follow=follow, depth=depth)
+            write_replay(played, path, follow=follow, images=images)
         except RecordError as error:
             raise UserError(f"{record}: {error}") from None
         except ViewError as error:

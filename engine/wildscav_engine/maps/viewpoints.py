@@ -1,0 +1,99 @@
+"""Where to look at a map from: the height of somebody's eyes at a place, and a good place to start with."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.body import BODY_HEIGHT, EYE_HEIGHT
+from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.terrain import ground_at, water_at
+from wildscav_engine.geometry.world import World, cell_of
+from wildscav_engine.maps.game_map import GameMap, House
+from wildscav_engine.trig import arctangent
+
+AWAY = 1.1, 9.0  # times the greater side of a house, plus m: how far away it is looked at best
+CORNER_ON = 35.0  # degrees off its front
+
+
+class Viewpoint(NamedTuple):
+    """A place, and a direction to look in."""
+
+    eye: tuple[float, float, float]  # m
+    yaw: float  # degrees, 0 faces +z, clockwise from above
+    pitch: float  # degrees, positive looks down
+
+
+def standing_height(world: World, x: float, z: float) -> float:
+    """Return the height in m of the lowest place at (x, z) that has room for a body.
+
+    That is the ground, the ground floor of a house or the surface of a lake; where a wall or a trunk is, its
+    top.
+    """
+    height = max(ground_at(world, x, z).height, water_at(world, x, z))
+    for low, high in sorted(_solids_at(world, x, z)):
+        if low < height + BODY_HEIGHT:
+            height = max(height, high)
+    return float(height)
+
+
+def _solids_at(world: World, x: float, z: float) -> list[tuple[float, float]]:
+    """Return from where to where, m, each solid reaches on the upright line through (x, z)."""
+    rows, columns = world.water.shape
+    cell = cell_of(world.corner[1], z, rows) * columns + cell_of(world.corner[0], x, columns)
+    spans = []
+    for solid in world.cell_solids[world.cell_start[cell] : world.cell_start[cell + 1]]:
+        faces = world.faces[world.solid_start[solid] : world.solid_start[solid + 1]]
+        room = faces[:, 3] - faces[:, 0] * x - faces[:, 2] * z  # of n_y · y <= room
+        up = faces[:, 1]
+        if (room[up == 0.0] < 0.0).any():
+            continue
+        high = (room[up > 0.0] / up[up > 0.0]).min()
+        low = (room[up < 0.0] / up[up < 0.0]).max()
+        if low < high:
+            spans.append((float(low), float(high)))
+    return spans
+
+
+def viewpoint_of(game_map: GameMap) -> Viewpoint:
+    """Return an outdoor place with a house in clear view; without houses, one that looks over the map."""
+    for house in sorted(game_map.houses, key=lambda house: np.hypot(*house.center)):
+        found = _view_of(game_map, house)
+        if found is not None:
+            return found
+    south = -game_map.config.size / 4
+    return Viewpoint((0.0, standing_height(game_map.world, 0.0, south) + EYE_HEIGHT, south), 0.0, 5.0)
+
+
+def _view_of(game_map: GameMap, house: House) -> Viewpoint | None:
+    """Return the outdoor place that shows a house best, None if it is hidden from all."""
+    places = game_map.outdoor
+    across, along = house.pose.inside(places[:, 0], places[:, 2])  # type: ignore[arg-type]
+    best = AWAY[0] * max(house.size) + AWAY[1]
+    off = np.degrees(np.arctan2(np.abs(across), along))
+    awkward = np.abs(np.hypot(across, along) - best) / best + np.abs(off - CORNER_ON) / 45.0
+    for place in np.argsort(awkward, kind="stable")[:200]:
+        view = _towards(places[place], house)
+        if _sees(game_map, view, house):
+            return view
+    return None
+
+
+def _towards(place: NDArray[np.float64], house: House) -> Viewpoint:
+    """Return the view of somebody at a place who looks at the middle of a house."""
+    x, y, z = (float(part) for part in place)
+    east, north = house.center[0] - x, house.center[1] - z
+    down = y + EYE_HEIGHT - house.ground - house.storeys * house.storey_height / 2
+    return Viewpoint(
+        (x, y + EYE_HEIGHT, z), arctangent(east, north), arctangent(down, float(np.hypot(east, north)))
+    )
+
+
+def _sees(game_map: GameMap, view: Viewpoint, house: House) -> bool:
+    """Return whether the first thing in the middle of a view is a house."""
+    (x, y, z), (east, north) = view.eye, house.center
+    way = np.array([east - x, house.ground + house.storeys * house.storey_height / 2 - y, north - z])
+    distance = float(np.linalg.norm(way))
+    dx, dy, dz = (way / distance).tolist()
+    hit = cast_ray(game_map.world, x, y, z, dx, dy, dz, distance)
+    return hit.solid >= 0 and game_map.houses[game_map.solid_house[hit.solid]] is house
