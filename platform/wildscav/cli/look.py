@@ -235,9 +235,11 @@ def _check_free(world: "World", eye: Place) -> None:
     from wildscav_engine.geometry.rays import TERRAIN_HIT, cast_ray
     from wildscav_engine.geometry.world import Kind
 
-    hit = cast_ray(world, *eye, 0.0, 1.0, 0.0, 0.0)
+    x, y, z = eye
+    hit = cast_ray(world, x, y, z, 0.0, 1.0, 0.0, 1.0)
     if hit.distance > 0.0:
         return
-    inside = "the ground" if hit.solid == TERRAIN_HIT else Kind(world.solid_kind[hit.solid]).name.lower()
-    x, y, z = eye
+    inside = (
+        "the ground" if hit.solid == TERRAIN_HIT else f"a {Kind(world.solid_kind[hit.solid]).name.lower()}"
+    )
     raise UserError(f"position is {x:g},{y:.2f},{z:g}: nothing is seen from inside of {inside}", exit_code=2)
