@@ -3,7 +3,7 @@
 
     python docs/images/match.py
 
-needs ``pip install 'wildscav[view]' pillow`` and something to draw with: a graphics card, or without one
+needs ``pip install 'wildscav[view]'`` and something to draw with: a graphics card, or without one
 ``apt-get install mesa-vulkan-drivers``.
 """
 

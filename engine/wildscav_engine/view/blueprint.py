@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.view import frame
 from wildscav_engine.view.actors import path_of
 from wildscav_engine.view.columns import MATCH_TIME, STEP
-from wildscav_engine.view.follow import BEHIND, DEPTH, EYES
+from wildscav_engine.view.follow import BEHIND, COLOR, DEPTH, EYES
 from wildscav_engine.view.history import History
 
 TRAIL_TIME, TRAIL_STEPS = 6.0, 60  # s; on the time line of steps
@@ -30,12 +30,12 @@ class Layout(NamedTuple):
     names: tuple[str, ...]
     follow: int
     plots: tuple[str, ...]  # measures, the most telling first
-    depth: bool
+    images: bool  # whether depth maps and pictures are in the file
     map_size: float  # m
 
 
 def blueprint(history: History, layout: Layout) -> rrb.Blueprint:
-    """Return the layout: the free view, two follow views and the depth map, plots and the event log."""
+    """Return the layout: the free view, two follow views, plots, the event log and what the agent sees."""
     name, followed = layout.names[layout.follow], path_of(layout.follow)
     follow_views: list[rrb.View] = [
         _spatial(f"Behind {name}", _follow_contents(BEHIND, f"/{followed}/name"), _eye_of(BEHIND)),
@@ -43,11 +43,14 @@ def blueprint(history: History, layout: Layout) -> rrb.Blueprint:
     ]
     free = _spatial("Match", _free_contents(), _overview(history, layout.map_size), trails=len(layout.names))
     below: list[rrb.View | rrb.Container] = [_plots(layout), _log()]
-    if layout.depth:
+    if layout.images:
+        below.append(rrb.Spatial2DView(origin=COLOR, name=f"Camera of {name}"))
         below.append(rrb.Spatial2DView(origin=DEPTH, name=f"Depth map of {name}"))
     above = rrb.Horizontal(free, rrb.Vertical(*follow_views), column_shares=[2, 1])
     return rrb.Blueprint(
-        rrb.Vertical(above, rrb.Horizontal(*below, column_shares=[5, 4, 3][: len(below)]), row_shares=[5, 2]),
+        rrb.Vertical(
+            above, rrb.Horizontal(*below, column_shares=[4, 4, 3, 3][: len(below)]), row_shares=[5, 2]
+        ),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=MATCH_TIME, play_state="playing"),

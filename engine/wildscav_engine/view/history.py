@@ -6,12 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
-from wildscav_engine.sensors import DepthCamera
+from wildscav_engine.sensors import ColorCamera, DepthCamera
 from wildscav_engine.state import Agents
+from wildscav_engine.view import cameras
 
 DEPTH_CAMERA = DepthCamera(width=64, height=36, far=200.0)
-MOST_DEPTH_MAPS = 3000  # longer matches get every second, third, … step only
+COLOR_CAMERA = ColorCamera(width=160, height=90, shadows=False)  # shadows would double the time
+# Longer matches get every second, third, … step only. A picture takes tens of times as long as a depth map.
+MOST_DEPTH_MAPS, MOST_PICTURES = 3000, 200
+AT_ONCE = 256  # depth maps, to keep memory small
 
 
 class Boxes(NamedTuple):
@@ -23,11 +28,11 @@ class Boxes(NamedTuple):
     serial: NDArray[np.int32]  # (N,)
 
 
-class DepthMaps(NamedTuple):
-    """What the depth sensor of one agent read."""
+class Film(NamedTuple):
+    """What one agent saw through one camera."""
 
     rows: NDArray[np.int64]  # (D,) when
-    maps: NDArray[np.float32]  # (D, height, width) m
+    images: NDArray[Any]  # (D, *shape) as the camera makes them
 
 
 class History(NamedTuple):
@@ -39,7 +44,8 @@ class History(NamedTuple):
     boxes: tuple[Boxes, ...]  # one for each change, the first for row 0
     first_dropped: int  # serial of the first box that was not there by plan
     target: NDArray[np.float64] | None  # (3,) m, what ends the match when reached
-    depth: DepthMaps | None
+    depth: Film | None
+    color: Film | None
 
     @property
     def rows(self) -> NDArray[np.int64]:
@@ -47,20 +53,19 @@ class History(NamedTuple):
         return np.arange(len(self.frame))
 
 
-def collect(matches: Iterable[Match], steps: int, depth_of: int | None) -> tuple[Match, History]:
+def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tuple[Match, History]:
     """Play a re-simulation to its end.
 
     Args:
         matches: The match at its start and after each step, always the same object.
         steps: How many steps come after the start, at the most.
-        depth_of: The seat whose depth maps are kept, if any.
+        images_of: The seat whose depth maps and pictures are kept, if any.
 
     Returns:
         The match at its end, and all that happened.
     """
-    each = -(-(steps + 1) // MOST_DEPTH_MAPS)
-    depth_rows: list[int] = []
-    depth_maps: list[NDArray[np.float32]] = []
+    each = -(-(steps + 1) // MOST_PICTURES)
+    pictures: dict[int, NDArray[np.uint8]] = {}
     boxes: list[Boxes] = []
     frames, reached = np.zeros(steps + 1, np.int64), np.zeros(steps + 1, np.int32)
     rows = 0
@@ -73,16 +78,33 @@ def collect(matches: Iterable[Match], steps: int, depth_of: int | None) -> tuple
             getattr(agents, name)[row] = getattr(state.agents, name)[0]
         frames[row], reached[row] = match.frame, state.matches.reached_by[0]
         _note_boxes(row, match, boxes)
-        if depth_of is not None and row % each == 0:
-            depth_rows.append(row)
-            depth_maps.append(DEPTH_CAMERA.read(match, [depth_of])[0])
+        if images_of is not None and row % each == 0:
+            pictures[row] = COLOR_CAMERA.read(match, [images_of])[0]
         rows = row + 1
-    depth = DepthMaps(np.array(depth_rows), np.array(depth_maps)) if depth_rows else None
     target = match.state.matches.target[0].copy() if match.state.matches.has_target[0] else None
-    kept_agents = Agents._make(field[:rows] for field in agents)
+    kept = Agents._make(field[:rows] for field in agents)
     return match, History(
-        frames[:rows], kept_agents, reached[:rows], tuple(boxes), first_dropped, target, depth
+        frames[:rows],
+        kept,
+        reached[:rows],
+        tuple(boxes),
+        first_dropped,
+        target,
+        None if images_of is None else _depth_maps(match.game_map, kept, images_of),
+        None if images_of is None else Film(np.array([*pictures]), np.array([*pictures.values()])),
     )
+
+
+def _depth_maps(game_map: GameMap, agents: Agents, seat: int) -> Film:
+    """Return what the depth camera of an agent saw: it sees no moving things, so the map is all it needs."""
+    length = len(agents.yaw)
+    rows = np.arange(0, length, -(-length // MOST_DEPTH_MAPS))
+    eyes = cameras.at_the_eyes(agents, seat)
+    maps = [
+        DEPTH_CAMERA.render(game_map, eyes.position[some], eyes.yaw[some], eyes.pitch[some])
+        for some in (rows[start : start + AT_ONCE] for start in range(0, len(rows), AT_ONCE))
+    ]
+    return Film(rows, np.concatenate(maps))
 
 
 def _rows_of(field: NDArray[Any], rows: int) -> NDArray[Any]:

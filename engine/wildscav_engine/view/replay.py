@@ -16,7 +16,7 @@ class ViewError(Exception):
     """A replay cannot be made; the message is one clear line."""
 
 
-def write_replay(record: Record, path: Path, *, follow: int | None = None, depth: bool = True) -> None:
+def write_replay(record: Record, path: Path, *, follow: int | None = None, images: bool = True) -> None:
     """Render a record as a Rerun file that shows the match at once when it is opened.
 
     The file is there whole or not at all. Rerun keeps a few idle threads for every recording that a process
@@ -26,7 +26,7 @@ def write_replay(record: Record, path: Path, *, follow: int | None = None, depth
         record: The record; it is re-simulated here.
         path: Where to write, usually ``*.rrd``.
         follow: The seat that the cameras follow; by default the first that a submission fills.
-        depth: Whether the followed agent's depth maps are in the file.
+        images: Whether the followed agent's depth maps and pictures are in the file.
 
     Raises:
         ViewError: Rerun is not installed, or there is no such seat.
@@ -43,7 +43,7 @@ def write_replay(record: Record, path: Path, *, follow: int | None = None, depth
         if (error.name or "").split(".")[0] != "rerun":
             raise
         raise ViewError("replays need Rerun: pip install 'wildscav[view]'") from error
-    match, history = collect(resimulate(record), len(record.actions), seat if depth else None)
+    match, history = collect(resimulate(record), len(record.actions), seat if images else None)
     with RENDERING:
         content = render(record, match.game_map, history, seat)
     write_whole(path, content)

@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from itertools import repeat
 
 import numpy as np
 import pytest
@@ -6,9 +7,18 @@ import pytest
 from builders import act, box, flat_world, make_match, place
 from wildscav_engine.match import Match
 from wildscav_engine.rules import Rules
+from wildscav_engine.sensors.pinhole import PinholeCamera
 from wildscav_engine.view.cameras import BEHIND, HEAD, behind
 from wildscav_engine.view.events import events_of
-from wildscav_engine.view.history import History, changes, collect
+from wildscav_engine.view.history import (
+    COLOR_CAMERA,
+    DEPTH_CAMERA,
+    MOST_PICTURES,
+    Film,
+    History,
+    changes,
+    collect,
+)
 
 NAMES = ("ann", "bob")
 
@@ -27,7 +37,7 @@ def duel(steps: int) -> Iterator[Match]:
 
 @pytest.fixture(scope="module")
 def history() -> History:
-    return collect(duel(20), 20, depth_of=0)[1]
+    return collect(duel(20), 20, images_of=0)[1]
 
 
 def test_a_duel_is_told_in_order(history: History) -> None:
@@ -57,10 +67,39 @@ def test_the_history_holds_the_state_after_every_step(history: History) -> None:
             np.testing.assert_array_equal(field[row], getattr(match.state.agents, name)[0], err_msg=name)
 
 
-def test_the_followed_agents_depth_maps_are_kept(history: History) -> None:
-    assert history.depth is not None
-    assert history.depth.rows.tolist() == list(range(21))
-    assert history.depth.maps.shape == (21, 36, 64)
+@pytest.mark.parametrize(("film", "camera"), [("depth", DEPTH_CAMERA), ("color", COLOR_CAMERA)])
+def test_the_image_at_a_row_is_what_the_followed_agents_camera_sees_then(
+    history: History, film: str, camera: PinholeCamera
+) -> None:
+    kept: Film = getattr(history, film)
+
+    assert kept.rows.tolist() == list(range(21))
+    for row, match in enumerate(duel(20)):
+        np.testing.assert_array_equal(kept.images[row], camera.read(match, [0])[0], err_msg=f"row {row}")
+
+
+def test_the_pictures_of_a_duel_show_the_enemy_until_it_is_dead(history: History) -> None:
+    assert history.color is not None
+    alive, dead = history.color.images[0], history.color.images[3]  # dead after step 3
+
+    assert np.count_nonzero((alive != dead).any(axis=-1)) > 100
+
+
+def test_of_a_long_match_a_replay_has_so_many_pictures_at_the_most() -> None:
+    steps = 5 * MOST_PICTURES  # 1,001 rows: every sixth is one more than needed
+    match = make_match("battle", seats=2, time_limit=60.0)
+    _, history = collect(repeat(match, 13), steps, images_of=0)
+
+    assert history.color is not None
+    assert history.color.rows.tolist() == [0, 6, 12]
+    assert len(range(0, steps + 1, 6)) <= MOST_PICTURES < len(range(0, steps + 1, 5))
+
+
+def test_nobody_followed_has_no_images() -> None:
+    _, history = collect(duel(2), 2, images_of=None)
+
+    assert history.depth is None
+    assert history.color is None
 
 
 def test_boxes_are_noted_when_they_change_only(history: History) -> None:
@@ -83,7 +122,7 @@ def test_the_camera_behind_stands_back_in_the_open_and_before_a_wall() -> None:
     match = make_match("battle", world=flat_world(solids=[wall]), seats=2, time_limit=60.0)
     place(match, 0, (0.0, 0.0, 0.0))  # looks north, two metres before the wall behind it
     place(match, 1, (0.0, 0.0, 10.0))
-    _, history = collect(iter([match]), 0, depth_of=None)
+    _, history = collect(iter([match]), 0, images_of=None)
 
     near = behind(match.game_map.world, history.agents, 0).position[0]
     far = behind(match.game_map.world, history.agents, 1).position[0]

@@ -1,23 +1,30 @@
 import subprocess
 import sys
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pytest
+from PIL import Image
 from rerun.chunk import RrdReader
 
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.view import ViewError, write_replay
-from wildscav_engine.view.history import DEPTH_CAMERA, collect
+from wildscav_engine.view.history import DEPTH_CAMERA, History, collect
 
 RERUN = (sys.executable, "-m", "rerun")
 BATTLE_ENTITIES = [
     *("/world/terrain", "/world/water", "/world/houses/walls", "/world/houses/roofs"),
     *("/world/vegetation/crowns", "/supplies", "/shots", "/events"),
-    *("/follow/behind", "/follow/eyes", "/follow/depth"),
+    *("/follow/behind", "/follow/eyes", "/follow/depth", "/follow/color"),
     *(f"/agents/seat_{seat}/{part}" for seat in range(3) for part in ("body", "view", "name", "health")),
 ]
+
+
+@pytest.fixture(scope="module")
+def seen(battle: Record) -> History:
+    return collect(resimulate(battle), battle.steps, images_of=1)[1]
 
 
 def rows_of(path: Path, entity: str, ending: str) -> tuple[list[int], list[object]]:
@@ -68,16 +75,27 @@ def test_boxes_vanish_when_they_are_taken(battle_file: Path) -> None:
     assert counts[-1] < counts[0]
 
 
-def test_depth_maps_are_the_sensors_within_four_millimetres(battle: Record, battle_file: Path) -> None:
-    _, history = collect(resimulate(battle), battle.steps, depth_of=1)
-    assert history.depth is not None
+def test_depth_maps_are_the_sensors_within_four_millimetres(seen: History, battle_file: Path) -> None:
+    assert seen.depth is not None
     steps, buffers = rows_of(battle_file, "/follow/depth", "buffer")
 
     pixels = np.array([np.frombuffer(bytes(buffer[0]), np.uint16) for buffer in buffers])  # type: ignore[index]
     shape = (-1, DEPTH_CAMERA.height, DEPTH_CAMERA.width)
 
-    assert steps == history.depth.rows.tolist()
-    np.testing.assert_allclose(pixels.reshape(shape) / 250.0, history.depth.maps, atol=0.002 + 1e-5)
+    assert steps == seen.depth.rows.tolist()
+    np.testing.assert_allclose(pixels.reshape(shape) / 250.0, seen.depth.images, atol=0.002 + 1e-5)
+
+
+def test_pictures_are_the_cameras_but_for_what_jpeg_loses(seen: History, battle_file: Path) -> None:
+    assert seen.color is not None
+    steps, blobs = rows_of(battle_file, "/follow/color", "blob")
+
+    shown = np.array([np.asarray(Image.open(BytesIO(bytes(blob[0])))) for blob in blobs])  # type: ignore[index]
+    lost = np.abs(shown.astype(int) - seen.color.images).mean(axis=(1, 2, 3))
+
+    assert steps == seen.color.rows.tolist()
+    assert shown.shape == seen.color.images.shape
+    assert lost.max() < 6
 
 
 def test_there_is_a_blueprint(battle_file: Path) -> None:
@@ -102,19 +120,17 @@ def test_the_same_record_gives_the_same_recording(battle: Record, battle_file: P
     assert compared.returncode == 0, compared.stderr
 
 
-def test_a_replay_without_depth_maps_has_none(battle: Record, tmp_path: Path) -> None:
-    write_replay(battle, tmp_path / "small.rrd", depth=False)
+@pytest.mark.parametrize("entity", ["/follow/depth", "/follow/color"])
+def test_a_replay_without_images_has_none(battle: Record, tmp_path: Path, entity: str) -> None:
+    write_replay(battle, tmp_path / "small.rrd", images=False)
 
-    reader = RrdReader(tmp_path / "small.rrd")
-    depth = [
-        chunk for chunk in reader.stream().filter(content="/follow/depth") if "step" in chunk.timeline_names
-    ]
-    assert depth == []
+    chunks = RrdReader(tmp_path / "small.rrd").stream().filter(content=entity)
+    assert [chunk for chunk in chunks if "step" in chunk.timeline_names] == []
 
 
 def test_the_first_seat_of_a_submission_is_followed(battle: Record, tmp_path: Path) -> None:
     path = tmp_path / "followed.rrd"
-    write_replay(battle, path, depth=False)
+    write_replay(battle, path, images=False)
     _, history = collect(resimulate(battle), battle.steps, None)
 
     steps, eyes = rows_of(path, "/follow/eyes", "translation")
@@ -132,14 +148,14 @@ def test_a_seat_that_is_not_there_cannot_be_followed(battle: Record, tmp_path: P
 
 def test_a_folder_that_is_not_there_is_one_clear_error(battle: Record, tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match=r"nowhere/match\.rrd"):
-        write_replay(battle, tmp_path / "nowhere" / "match.rrd", depth=False)
+        write_replay(battle, tmp_path / "nowhere" / "match.rrd", images=False)
 
 
 def test_a_failed_write_leaves_nothing(battle: Record, tmp_path: Path) -> None:
     (tmp_path / "taken.rrd").mkdir()
 
     with pytest.raises(OSError, match=r"taken\.rrd"):
-        write_replay(battle, tmp_path / "taken.rrd", depth=False)
+        write_replay(battle, tmp_path / "taken.rrd", images=False)
 
     assert [path.name for path in tmp_path.iterdir()] == ["taken.rrd"]
 
