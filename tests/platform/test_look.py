@@ -19,7 +19,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.viewpoints import viewpoint_of
 from wildscav_engine.rendering.placed import placed_things
-from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, parse_sensor
+from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera
 from wildscav_engine.sensors.colors import of_distances
 from wildscav_engine.sensors.optical import OpticalSensor
 from wildscav_engine.spec import MapConfig
@@ -219,10 +219,3 @@ def test_a_folder_that_is_missing_is_named_and_an_older_picture_is_kept_whole(
     look(*BARE, *TINY, "-o", "a.png")
     assert pixels(tmp_path / "a.png").shape == (18, 32, 3)
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
-
-
-def test_the_help_names_every_sensor_that_can_be_looked_with(look: Callable[..., Done]) -> None:
-    told = " ".join(look("--help").stdout.replace("│", " ").split())
-    for name in IMAGES:
-        assert re.search(rf"Which sensor looks: [^.]*\b{name}\b", told), told
-    assert parse_sensor("camera", {}) == ColorCamera()

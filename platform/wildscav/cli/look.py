@@ -34,7 +34,7 @@ class Wanted(NamedTuple):
 def look(
     choose: Callable[[], Choice],
     sensor: Annotated[
-        str, typer.Option(help="Which sensor looks: camera, depth, lidar, segmentation or normals.")
+        str, typer.Option(help="Which sensor looks: any that makes images, such as depth.")
     ] = "camera",
     position: Annotated[
         str | None,

@@ -1,0 +1,189 @@
+"""What the page of sensors says is true, and the sensor that it adds works from its file to the agent."""
+
+import importlib.util
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
+
+import pytest
+import typer
+from annotated_types import Ge, Gt, Le
+from tests.platform.seats import ended, host, serving, small_spec, start_agent
+
+from wildscav.cli.main import app
+from wildscav.server import Clock, MatchServer, SeatStatus
+from wildscav_engine.geometry.world import Kind
+from wildscav_engine.sensors import SENSORS
+from wildscav_engine.sensors.base import Sensor
+from wildscav_engine.sensors.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
+from wildscav_evaluator.submission import Manifest
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "sensors.md"
+TEXT = PAGE.read_text("utf-8")
+CAMERAS = ("depth", "segmentation", "normals", "camera")
+WORDS = {"true": True, "false": False}
+PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=40.0)
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", TEXT, re.DOTALL)
+
+
+def value_of(text: str) -> object:
+    return WORDS[text] if text in WORDS else tomllib.loads(f"value = {text}")["value"]
+
+
+def range_of(sensor: type[Sensor], option: str) -> str:
+    """Say what an option may be, as the page does."""
+    field = sensor.__pydantic_fields__[option]  # type: ignore[attr-defined]
+    if field.annotation is bool:
+        return "true, false"
+    if get_origin(field.annotation) is Literal:
+        return ", ".join(f'"{word}"' for word in get_args(field.annotation))
+    (least,) = [limit for limit in field.metadata if isinstance(limit, Ge | Gt)]
+    (most,) = [limit.le for limit in field.metadata if isinstance(limit, Le)]
+    return f"{least.ge} to {most}" if isinstance(least, Ge) else f"above {least.gt}, to {most}"
+
+
+def options_told() -> dict[tuple[str, str], tuple[object, str]]:
+    """Return what the page says of every option of every sensor: its default and its range."""
+    told: dict[tuple[str, str], tuple[object, str]] = {}
+    cell = r" ([^|]+) \|"
+    for option, *defaults, allowed in re.findall(rf"^\| `(\w+)` \|{cell * 5}", TEXT, re.MULTILINE):
+        if len(defaults) == len(CAMERAS) and option not in SENSORS:
+            for name, default in zip(CAMERAS, defaults, strict=True):
+                if default != "–":
+                    told[name, option] = (value_of(default), allowed)
+    for name, option, default, allowed in re.findall(
+        rf"^\| `(\w+)` \| `([a-z]\w*)` \|{cell * 2}", TEXT, re.MULTILINE
+    ):
+        told[name, option] = (value_of(default), allowed)
+    return told
+
+
+def test_the_page_tells_every_option_with_its_default_and_its_range() -> None:
+    assert options_told() == {
+        (name, field.name): (getattr(kind(), field.name), range_of(kind, field.name))
+        for name, kind in SENSORS.items()
+        for field in fields(kind)  # type: ignore[arg-type]
+    }
+
+
+def test_the_page_tells_every_sensor_with_its_class_shape_and_type() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| `(\w+)` \| [^|]+ \| (\([^|]+\)) \| (\w+) \|$", TEXT, re.MULTILINE)
+    told = {name: (kind, shape, dtype) for name, kind, shape, dtype in rows}
+    assert list(told) == list(SENSORS)
+    for name, (kind, shape, dtype) in told.items():
+        sensor = SENSORS[name]()
+        options = {field.name: getattr(sensor, field.name) for field in fields(sensor)}  # type: ignore[arg-type]
+        lengths = [options.get(part, part) for part in re.findall(r"\w+", shape)]
+        assert kind == type(sensor).__name__
+        assert tuple(int(length) for length in lengths) == sensor.space.shape
+        assert dtype == str(sensor.space.dtype)
+
+
+def test_the_page_tells_the_labels_of_segmentation() -> None:
+    flat = " ".join(TEXT.split())
+    kinds = ", ".join(f"{kind.value} {kind.name.lower().replace('_', ' ')}" for kind in Kind)
+    assert f"by `kind`: {kinds}." in flat
+    for thing, first in (("agent", FIRST_AGENT), ("part of the map", FIRST_SOLID), ("supply box", FIRST_BOX)):
+        assert f"{thing} {first} + its " in flat
+
+
+def test_the_code_and_the_manifests_of_the_page_work(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", blocks("python")[0]], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, "(2, 36, 64)\n(3, 36, 64) float32\n"), done.stderr
+    asked = Manifest.model_validate(tomllib.loads(blocks("toml")[0])).sensors
+    assert set(asked) == {"depth", "lidar", "segmentation"}
+
+
+def test_the_look_commands_of_the_pages_have_the_options_named() -> None:
+    command = typer.main.get_command(app).get_command(None, "look")  # type: ignore[attr-defined]
+    options = {option for parameter in command.params for option in parameter.opts}
+    text = TEXT + (ROOT / "README.md").read_text("utf-8")
+    lines = re.findall(r"^wildscav look .*$", text, re.MULTILINE)
+    assert len(lines) >= 5
+    for line in lines:
+        words = shlex.split(line, comments=True)[2:]
+        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
+
+
+def test_the_pictures_of_the_page_are_small() -> None:
+    pictures = list((PAGE.parent / "images" / "sensors").glob("*.png"))
+    assert {path.stem for path in pictures} == {*CAMERAS, "lidar", "inside"}
+    for path in pictures:
+        assert path.stat().st_size < 150_000, path.name
+        assert f"images/sensors/{path.name}" in TEXT
+
+
+@pytest.fixture
+def altimeter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> type[Sensor]:
+    """The sensor that the page adds, from its file, in the registry by the line that the page gives."""
+    _, code, line, _ = blocks("python")
+    (tmp_path / "altimeter.py").write_text(code, "utf-8")
+    spec = importlib.util.spec_from_file_location("altimeter", tmp_path / "altimeter.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    ((name, kind),) = re.findall(r'^    "(\w+)": (\w+),$', line, re.MULTILINE)
+    monkeypatch.setitem(SENSORS, name, getattr(module, kind))
+    return SENSORS[name]
+
+
+def test_a_sensor_that_is_added_reaches_an_agent_over_the_wire(
+    tmp_path: Path, altimeter: type[Sensor]
+) -> None:
+    """The agent of the page plays in its own process; one that tells what it reads stands in for its eyes."""
+    manifest = Manifest.model_validate(tomllib.loads(blocks("toml")[1]))
+    module, _, kind = manifest.entry_point.partition(":")
+    (tmp_path / f"{module}.py").write_text(blocks("python")[3], "utf-8")
+    (tmp_path / "witness.py").write_text(
+        f"import sys\nfrom {module} import {kind}\n"
+        f"class Witness({kind}):\n"
+        "    def act(self, observation):\n"
+        "        reading = observation.sensor('altimeter')\n"
+        "        print(observation.position[1], reading.dtype, *reading, file=sys.stderr)\n"
+        "        return super().act(observation)\n",
+        "utf-8",
+    )
+
+    async def play(server: MatchServer, address: str) -> list[tuple[float, str, float]]:
+        hosted = await host(
+            server, small_spec(manifest.tracks[0]), sensors={0: manifest.sensors}, clock=PATIENT
+        )
+        agent = await start_agent("witness:Witness", address, hosted.tokens[0], folder=tmp_path)
+        code, said = await ended(agent)
+        assert code == 0, said
+        assert (await hosted.finished()).seats[0].status == SeatStatus.FINISHED
+        lines = [line.split() for line in said.splitlines()]
+        return [(float(height), dtype, float(reading)) for height, dtype, reading in lines]
+
+    told = serving(tmp_path, play)
+
+    assert len(told) == 20  # one a step, two seconds
+    heights, dtypes, readings = zip(*told, strict=True)
+    ground = heights[0]  # it jumps on the spot
+    assert set(dtypes) == {"float32"}
+    assert readings == pytest.approx([height - ground for height in heights], abs=1e-4)
+    assert readings[0] == pytest.approx(0.0, abs=1e-4)
+    assert max(readings) > 1.0  # a jump is 1.27 m high
+
+
+def test_a_sensor_that_is_added_is_refused_as_all_others_are(altimeter: type[Sensor]) -> None:
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({"reach": 0}, "sensor altimeter: reach: Input should be greater than 0, not 0"),
+        ({"depth": 3}, "sensor altimeter: there is no option 'depth'; its options are reach"),
+    ]
+    for options, message in wrong:
+        manifest = tomllib.loads(blocks("toml")[1]) | {"sensors": {"altimeter": options}}
+        with pytest.raises(ValueError, match=re.escape(message)):
+            Manifest.model_validate(manifest)
