@@ -68,6 +68,17 @@ def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     return cast(Callable[Params, Returned], Kernel(function, _nrt=False))
 
 
+def inlined_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
+    """Compile a function like ``kernel`` that is copied into each kernel that calls it.
+
+    A call hands over every number and every array's shape, strides and address one by one, so for small
+    functions that get large tuples it costs more than the work.
+    """
+    if config.DISABLE_JIT:
+        return function
+    return cast(Callable[Params, Returned], Kernel(function, _nrt=False, forceinline=True))
+
+
 def array_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     """Compile a function that makes or returns arrays, views included."""
     if config.DISABLE_JIT:

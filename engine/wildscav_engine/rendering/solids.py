@@ -8,8 +8,11 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Solid, World
+from wildscav_engine.kernel import kernel
+from wildscav_engine.rendering.tracing.packing import Shapes
 
 NO_OWNER = -1
+UPRIGHT = 1e-6  # upward part of the unit normal of an upright face, at the most
 
 
 class Solids(NamedTuple):
@@ -57,5 +60,70 @@ def gather_solids(solids: Sequence[Solid], owners: Sequence[int] | None = None) 
     )
 
 
-def _starts(counts: Sequence[int]) -> NDArray[np.int64]:
-    return np.cumsum([0, *counts]).astype(np.int64)
+def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.integer]) -> Shapes:
+    """Return some solids as kernels take them.
+
+    Args:
+        solids: All.
+        order: (N,) those that are wanted, in which order.
+        names: (N,) whole numbers that go with them.
+    """
+    faces, face_start = _picked(solids.faces, solids.face_start, order)
+    boxes = np.empty((len(order), 13))
+    corners, corner_start = _picked(solids.corners, solids.corner_start, order)
+    _box_in(faces, face_start, corners, corner_start, boxes)
+    return Shapes(
+        boxes,
+        face_start,
+        faces,
+        np.asarray(names, np.int64),
+        solids.face_start[order],
+        int(np.diff(face_start).max(initial=0)),
+    )
+
+
+@kernel
+def _box_in(
+    faces: NDArray[np.float64],
+    face_start: NDArray[np.int64],
+    corners: NDArray[np.float64],
+    corner_start: NDArray[np.int64],
+    boxes: NDArray[np.float64],
+) -> None:
+    """Write an upright box around each solid, turned like its first upright face; see ``Shapes``."""
+    for solid in range(boxes.shape[0]):
+        sine, cosine = 0.0, 1.0  # of the box's yaw
+        for face in range(face_start[solid], face_start[solid + 1]):
+            if abs(faces[face, 1]) < UPRIGHT:
+                length = np.sqrt(faces[face, 0] * faces[face, 0] + faces[face, 2] * faces[face, 2])
+                sine, cosine = faces[face, 0] / length, faces[face, 2] / length
+                break
+        low, high = (np.inf, np.inf, np.inf), (-np.inf, -np.inf, -np.inf)
+        for corner in range(corner_start[solid], corner_start[solid + 1]):
+            x, y, z = corners[corner, 0], corners[corner, 1], corners[corner, 2]
+            across, along = x * cosine - z * sine, x * sine + z * cosine
+            low = (min(low[0], across), min(low[1], y), min(low[2], along))
+            high = (max(high[0], across), max(high[1], y), max(high[2], along))
+        across, along = 0.5 * (low[0] + high[0]), 0.5 * (low[2] + high[2])
+        wide, tall, deep = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
+        boxes[solid, 0] = across * cosine + along * sine
+        boxes[solid, 1] = 0.5 * (low[1] + high[1])
+        boxes[solid, 2] = along * cosine - across * sine
+        boxes[solid, 3] = np.sqrt(wide * wide + tall * tall + deep * deep)
+        boxes[solid, 4], boxes[solid, 5], boxes[solid, 6] = wide * cosine, 0.0, -wide * sine
+        boxes[solid, 7], boxes[solid, 8], boxes[solid, 9] = 0.0, tall, 0.0
+        boxes[solid, 10], boxes[solid, 11], boxes[solid, 12] = deep * sine, 0.0, deep * cosine
+
+
+def _picked(
+    values: NDArray[np.float64], start: NDArray[np.int64], order: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the parts of some values that belong to what is in an order, and where these parts start."""
+    counts = (start[1:] - start[:-1])[order]
+    picked = _starts(counts)
+    rows = np.arange(picked[-1]) + np.repeat(start[order] - picked[:-1], counts)
+    return values[rows], picked
+
+
+def _starts(counts: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])

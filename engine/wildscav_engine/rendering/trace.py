@@ -1,25 +1,43 @@
-"""What the rays of cameras meet first."""
+"""What the rays of cameras meet first.
+
+All rays of an image start at one eye, so the image is made thing by thing rather than ray by ray: blocks of
+cells from near to far, in each the cells and solids that can lie on a pixel, and these meet the rays of just
+those pixels. What cannot be nearer than what is already there is passed over. Each ray's answer is the
+nearest of the same meetings, computed in the same way, whichever image it is part of.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.rays import TERRAIN_HIT, cast_ray, make_ray
-from wildscav_engine.geometry.world import CELL, World
-from wildscav_engine.kernel import kernel
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
+from wildscav_engine.kernel import array_kernel, inlined_kernel
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.solids import Solids, solids_of_world
-from wildscav_engine.trig import cosine, sine
+from wildscav_engine.rendering.solids import Solids, gather_solids, shapes_of
+from wildscav_engine.rendering.tracing.bodies import entered_face
+from wildscav_engine.rendering.tracing.canvas import (
+    NOTHING,
+    Canvas,
+    allocate_canvas,
+    index_of,
+    is_of_terrain,
+    start,
+)
+from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
+from wildscav_engine.rendering.tracing.look import allocate_desk, look
+from wildscav_engine.rendering.tracing.packing import (
+    Packed,
+    Shapes,
+    pack_shapes,
+    unpack_blocks,
+    unpack_shapes,
+)
+from wildscav_engine.rendering.tracing.scene import Scene, scene_of
+
+__all__ = ["WATER_HIT", "Hits", "Scene", "allocate_hits", "scene_of", "trace", "trace_depths"]
 
 WATER_HIT = -3
-
-
-class Scene(NamedTuple):
-    """What images of a world are made from."""
-
-    world: World
-    solids: Solids
 
 
 class Hits(NamedTuple):
@@ -35,15 +53,21 @@ class Hits(NamedTuple):
     # south-eastern triangle, + 1 for the other; for water the cell (row * columns + column); else 0.
 
 
-def scene_of(world: World) -> Scene:
-    """Prepare a world for images."""
-    return Scene(world, solids_of_world(world))
-
-
 def allocate_hits(count: int, height: int, width: int) -> Hits:
     """Return room for the hits of some images."""
     shape = (count, height, width)
     return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
+
+
+def _pack(moving: Solids) -> Packed:
+    if not len(moving.kind):
+        return NOTHING_MOVES
+    return pack_shapes(shapes_of(moving, np.arange(len(moving.kind)), moving.owner))
+
+
+NOTHING_MOVES = pack_shapes(shapes_of(gather_solids([]), np.arange(0), np.arange(0)))
+NO_HITS = allocate_hits(0, 0, 0)
+NO_DEPTHS = np.empty((0, 0, 0), np.float32)
 
 
 def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> None:
@@ -52,74 +76,125 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     Args:
         scene: The static world.
         moving: What is in it besides.
-        cameras: N cameras.
+        cameras: N cameras. One outside the map sees nothing of it; one below the ground or in a solid meets
+            that at distance 0.
         hits: Of N images, written.
         with_water: Whether rays meet the surface of water; else they go to its bed.
     """
-    _trace(scene, moving, cameras, hits, with_water)
+    _run(scene, moving, cameras, with_water, hits, NO_DEPTHS)
 
 
-@kernel
-def _trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, with_water: bool) -> None:
-    images, height, width = hits.distance.shape
-    for image in range(images):
-        yaw, pitch = cameras.yaws[image], cameras.pitches[image]
-        sin_yaw, cos_yaw, sin_pitch, cos_pitch = sine(yaw), cosine(yaw), sine(pitch), cosine(pitch)
-        pixel = 2.0 * cameras.half_width / width
-        for row in range(height):
-            up = (height * 0.5 - row - 0.5) * pixel
-            level, rise = cos_pitch + sin_pitch * up, cos_pitch * up - sin_pitch
-            for column in range(width):
-                right = (column + 0.5 - width * 0.5) * pixel
-                along = 1.0 / np.sqrt(1.0 + up * up + right * right)
-                dx, dz = sin_yaw * level + cos_yaw * right, cos_yaw * level - sin_yaw * right
-                way = (dx * along, rise * along, dz * along)
-                distance, solid, face = _trace_ray(scene, moving, cameras, image, way, with_water)
-                hits.distance[image, row, column] = distance
-                hits.solid[image, row, column] = solid
-                hits.face[image, row, column] = face
+def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> None:
+    """Find how far along the view axis each ray meets something; what is given is as in ``trace``.
+
+    Args:
+        scene: The static world.
+        moving: What is in it besides.
+        cameras: N cameras.
+        depths: (N, H, W) m, written: the cameras' far where nothing is met.
+    """
+    _run(scene, moving, cameras, False, NO_HITS, depths)
 
 
-@kernel
-def _trace_ray(
+def _run(
     scene: Scene,
     moving: Solids,
     cameras: Cameras,
-    image: int,
-    way: tuple[float, float, float],
     with_water: bool,
-) -> tuple[float, int, int]:
-    world = scene.world
-    x, y, z = cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2]
-    hit = cast_ray(world, x, y, z, way[0], way[1], way[2], cameras.far)
-    distance, solid, face = hit.distance, hit.solid, hit.face
-    rows, columns = world.water.shape
-    if solid == TERRAIN_HIT:
-        row = int((z + way[2] * distance - world.corner[1]) / CELL)
-        column = int((x + way[0] * distance - world.corner[0]) / CELL)
-        face += 2 * (min(rows - 1, max(0, row)) * columns + min(columns - 1, max(0, column)))
-    if with_water and way[1] < 0.0:
-        end = min(distance, cameras.far)
-        row = int((z + way[2] * end - world.corner[1]) / CELL)
-        column = int((x + way[0] * end - world.corner[0]) / CELL)
-        if 0 <= row < rows and 0 <= column < columns and y > world.water[row, column] > y + way[1] * end:
-            distance, solid, face = (world.water[row, column] - y) / way[1], -3, row * columns + column
-    ray = make_ray(world, x, y, z, way[0], way[1], way[2])
-    for thing in range(moving.kind.shape[0]):
-        if moving.owner[thing] == cameras.viewers[image]:
-            continue
-        enter, leave, entered_by = 0.0, min(distance, cameras.far), 0
-        for plane in range(moving.face_start[thing], moving.face_start[thing + 1]):
-            n_x, n_y, n_z = moving.faces[plane, 0], moving.faces[plane, 1], moving.faces[plane, 2]
-            outside = n_x * ray.x + n_y * ray.y + n_z * ray.z - moving.faces[plane, 3]
-            speed = n_x * ray.dx + n_y * ray.dy + n_z * ray.dz
-            if speed < 0.0:
-                if -outside / speed > enter:
-                    enter, entered_by = -outside / speed, plane
-            elif outside > 0.0:
-                leave = -1.0
-            elif speed > 0.0:
-                leave = min(leave, -outside / speed)
-        if enter <= leave:
-            distance, solid, face = enter, world.solid_kind.shape[0] + thing, entered_by
-    return distance, solid, face
+    hits: Hits,
+    depths: NDArray[np.float32],
+) -> None:
+    packed = _pack(moving)
+    _trace(
+        scene.packed.numbers,
+        scene.packed.indices,
+        packed.numbers,
+        packed.indices,
+        cameras.eyes,
+        cameras.yaws,
+        cameras.pitches,
+        cameras.viewers,
+        cameras.half_width,
+        cameras.far,
+        with_water,
+        hits.distance,
+        hits.solid,
+        hits.face,
+        depths,
+    )
+
+
+@array_kernel
+def _trace(
+    scene: NDArray[np.float64],
+    scene_indices: NDArray[np.int64],
+    moving: NDArray[np.float64],
+    moving_indices: NDArray[np.int64],
+    eyes: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    pitches: NDArray[np.float64],
+    viewers: NDArray[np.int32],
+    half_width: float,
+    far: float,
+    with_water: bool,
+    distance: NDArray[np.float32],
+    solid: NDArray[np.int32],
+    face: NDArray[np.int32],
+    depths: NDArray[np.float32],
+) -> None:
+    """Do what ``trace`` says, or ``trace_depths`` if there are no hits to write.
+
+    All arrays one by one: from Python, a tuple of them costs several times more.
+    """
+    packed = Packed(scene, scene_indices)
+    blocks, solids = unpack_blocks(packed), unpack_shapes(packed)
+    others = unpack_shapes(Packed(moving, moving_indices))
+    wants_hits = distance.shape[0] > 0
+    height, width = distance.shape[1:] if wants_hits else depths.shape[1:]
+    canvas = allocate_canvas(height, width, half_width)
+    desk = allocate_desk(blocks, solids, others)
+    for image in range(yaws.shape[0]):
+        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        start(canvas, camera)
+        look(blocks, solids, others, camera, viewers[image], image, with_water, desk, canvas)
+        if wants_hits:
+            hit = Hits(distance[image], solid[image], face[image])
+            _write_hits(solids, others, camera, canvas, hit)
+        else:
+            _write_depths(canvas, depths[image])
+
+
+@inlined_kernel
+def _write_depths(canvas: Canvas, depths: NDArray[np.float32]) -> None:
+    for row in range(depths.shape[0]):
+        for column in range(depths.shape[1]):
+            is_hit = canvas.met[row, column] != NOTHING
+            along = canvas.shortening[row, column] if is_hit else 1.0
+            depths[row, column] = canvas.distance[row, column] * along
+
+
+@inlined_kernel
+def _write_hits(solids: Shapes, others: Shapes, camera: Camera, canvas: Canvas, hit: Hits) -> None:
+    """Say what each ray of an image met, in the numbers of ``Hits``, all (H, W)."""
+    height, width = hit.distance.shape
+    for row in range(height):
+        for column in range(width):
+            met = canvas.met[row, column]
+            distance, solid, face = canvas.distance[row, column], NOTHING_HIT, 0
+            if met == NOTHING:
+                distance = np.inf
+            elif met < NOTHING:
+                solid = TERRAIN_HIT if is_of_terrain(met) else WATER_HIT
+                face = index_of(met)
+            else:
+                ray = (canvas.east[row, column], canvas.up[row, column], canvas.north[row, column])
+                if met < solids.boxes.shape[0]:
+                    solid = solids.names[met]
+                    face = solids.face_names[met] + entered_face(solids, met, camera, ray)
+                else:
+                    thing = met - solids.boxes.shape[0]
+                    solid = solids.boxes.shape[0] + thing
+                    face = others.face_names[thing] + entered_face(others, thing, camera, ray)
+            hit.distance[row, column] = distance
+            hit.solid[row, column] = solid
+            hit.face[row, column] = face

@@ -16,7 +16,7 @@ from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.things import as_things, things_of
 from wildscav_engine.rendering.trace import Hits
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.pinhole import PinholeCamera
+from wildscav_engine.sensors.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @sensor
-class ColorCamera(PinholeCamera):
+class ColorCamera(PaintedCamera):
     """Pictures in red, green and blue."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 160  # pixels

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids
-from wildscav_engine.rendering.trace import Hits
+from wildscav_engine.rendering.trace import trace_depths
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optical import MovingOption
 from wildscav_engine.sensors.pinhole import PinholeCamera
@@ -41,30 +40,8 @@ class DepthCamera(MovingOption, PinholeCamera):
 
         return Box(np.float32(0.0), np.float32(self.far), self.shape, np.float32)
 
-    def paint(
-        self,
-        game_map: "GameMap",  # noqa: ARG002
-        moving: Solids,  # noqa: ARG002
-        cameras: Cameras,
-        hits: Hits,
-        images: NDArray[np.float32],
+    def look(
+        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
     ) -> None:
-        """Write depths in m."""
-        _flatten(hits.distance, cameras.half_width, np.float32(cameras.far), images)
-
-
-@kernel
-def _flatten(
-    distances: NDArray[np.float32], half_width: float, far: np.float32, depths: NDArray[np.float32]
-) -> None:
-    """Write (N, H, W) depths along the view axis for distances along the rays."""
-    images, height, width = distances.shape
-    pixel = 2.0 * half_width / width
-    for row in range(height):
-        up = (height * 0.5 - row - 0.5) * pixel
-        for column in range(width):
-            right = (column + 0.5 - width * 0.5) * pixel
-            along = 1.0 / np.sqrt(1.0 + up * up + right * right)
-            for image in range(images):
-                distance = distances[image, row, column]
-                depths[image, row, column] = far if distance > far else np.float32(distance * along)
+        """Make the images of some cameras."""
+        trace_depths(game_map.scene, moving, cameras, images)

@@ -18,7 +18,7 @@ from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.trace import Hits, Scene
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optical import MovingOption
-from wildscav_engine.sensors.pinhole import PinholeCamera
+from wildscav_engine.sensors.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @sensor
-class NormalCamera(MovingOption, PinholeCamera):
+class NormalCamera(MovingOption, PaintedCamera):
     """Unit normals."""
 
     name: ClassVar[str] = "normals"

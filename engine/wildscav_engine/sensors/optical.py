@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.body import EYE_HEIGHT
+from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids, gather_solids
 from wildscav_engine.rendering.things import things_of
@@ -105,6 +106,9 @@ class OpticalSensor(Sensor):
         images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
         solids = NOTHING_MOVES if moving is None else moving
         _ = game_map.scene  # made here, not in several threads at once
+        if threads == 1:
+            self.look(game_map, solids, cameras, images)
+            return images
 
         def look_at(part: slice) -> None:
             self.look(game_map, solids, _some(cameras, part), images[part])
@@ -117,14 +121,27 @@ class OpticalSensor(Sensor):
     ) -> Cameras:
         eyes = _checked("positions", positions, (None, 3))
         count = len(eyes)
-        seats = np.full(count, NO_VIEWER) if viewers is None else _checked("viewers", viewers, (count,))
-        return Cameras(
-            eyes,
-            _checked("yaws", yaws, (count,)),
-            _checked("pitches", pitches, (count,)),
-            seats.astype(np.int32),
-            *self.lens,
+        turns = _checked("yaws", yaws, (count,)), _checked("pitches", pitches, (count,))
+        if not _are_finite(eyes, *turns):
+            for name, values in zip(("positions", "yaws", "pitches"), (eyes, *turns), strict=True):
+                _check_finite(name, values)
+        return Cameras(eyes, *turns, _seats_of(viewers, count), *self.lens)
+
+
+def _seats_of(viewers: ArrayLike | None, count: int) -> NDArray[np.int32]:
+    """Return (count,) seats whose eyes look.
+
+    Raises:
+        ValueError: They are not as many, or no whole numbers.
+    """
+    if viewers is None:
+        return np.full(count, NO_VIEWER, np.int32)
+    seats = np.asarray(viewers)
+    if seats.shape != (count,) or seats.dtype.kind not in "iu":
+        raise ValueError(
+            f"viewers are {seats.dtype} of shape {seats.shape}, must be whole numbers of shape ({count},)"
         )
+    return seats.astype(np.int32)
 
 
 class MovingOption(OpticalSensor):
@@ -151,20 +168,34 @@ def _checked(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDA
     """Return values as an array of a shape, whose first length may be free.
 
     Raises:
-        ValueError: They have another shape, or are not all finite numbers.
+        ValueError: They have another shape, or are no real numbers.
     """
     array = np.asarray(values)
-    fits = array.ndim == len(shape) and all(
-        length in (None, found) for length, found in zip(shape, array.shape, strict=True)
-    )
+    fits = array.ndim == len(shape) and all(map(_is_length, shape, array.shape))
     if not fits or array.dtype.kind not in "biuf":
         wanted = str(shape).replace("None", "N")
         raise ValueError(
             f"{name} are {array.dtype} of shape {array.shape}, must be real numbers of shape {wanted}"
         )
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} hold {array[~np.isfinite(array)][0]}, must be finite")
     return np.ascontiguousarray(array, np.float64)
+
+
+def _is_length(wanted: int | None, found: int) -> bool:
+    return wanted is None or wanted == found
+
+
+@kernel
+def _are_finite(eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]) -> bool:
+    """Return whether all of (N, 3), (N,) and (N,) numbers are finite; faster than NumPy for a few."""
+    for row in range(yaws.shape[0]):
+        if not np.isfinite(eyes[row, 0] + eyes[row, 1] + eyes[row, 2] + yaws[row] + pitches[row]):
+            return False
+    return True
+
+
+def _check_finite(name: str, values: NDArray[np.float64]) -> None:
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} hold {values[~np.isfinite(values)][0]}, must be finite")
 
 
 def _over_threads(work: Callable[[slice], None], count: int, threads: int) -> None:

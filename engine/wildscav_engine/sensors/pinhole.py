@@ -4,6 +4,7 @@ Row 0 is at the top, column 0 at the left.
 """
 
 from abc import abstractmethod
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from numpy.typing import NDArray
@@ -20,9 +21,15 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
 
 
+@lru_cache(maxsize=64)
+def _half_width(field_of_view: float) -> float:
+    """Return the tangent of half a field of view in degrees."""
+    return sine(field_of_view / 2.0) / cosine(field_of_view / 2.0)
+
+
 @sensor
 class PinholeCamera(OpticalSensor):
-    """A camera. Each kind of camera says what a pixel is (``paint``)."""
+    """A camera: how many pixels it has, how wide and how far it sees."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 38  # pixels
     height: Annotated[int, Field(ge=1, le=1080)] = 22  # pixels
@@ -30,7 +37,6 @@ class PinholeCamera(OpticalSensor):
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 60.0  # degrees from the left edge to the right
 
     channels: ClassVar[tuple[int, ...]] = ()  # length of the axes after height and width
-    sees_water: ClassVar[bool] = False  # whether rays meet the surface of water; else they go to its bed
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -40,7 +46,13 @@ class PinholeCamera(OpticalSensor):
     @property
     def lens(self) -> tuple[float, float]:
         """The tangent of half the field of view, and ``far``."""
-        return sine(self.field_of_view / 2.0) / cosine(self.field_of_view / 2.0), self.far
+        return _half_width(self.field_of_view), self.far
+
+
+class PaintedCamera(PinholeCamera):
+    """A camera whose pixels are made from what their rays met: each kind says how (``paint``)."""
+
+    sees_water: ClassVar[bool] = False  # whether rays meet the surface of water; else they go to its bed
 
     @abstractmethod
     def paint(

@@ -20,7 +20,7 @@ from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.things import Things, as_things, things_of
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.pinhole import PinholeCamera
+from wildscav_engine.sensors.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -34,7 +34,7 @@ NOTHING, TERRAIN, WATER = int(Kind.NOTHING), int(Kind.TERRAIN), int(Kind.WATER)
 
 
 @sensor
-class SegmentationCamera(PinholeCamera):
+class SegmentationCamera(PaintedCamera):
     """Labels of what is in each pixel."""
 
     label: Literal["kind", "instance"] = "kind"

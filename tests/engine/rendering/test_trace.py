@@ -445,7 +445,6 @@ def test_any_world_at_full_size_is_seen_as_brute_force_sees_it(seed: int) -> Non
     check_random_world(seed, [(38, 22), (64, 36), (65, 37)][seed % 3])
 
 
-@pytest.mark.xfail(reason="the first trace looks the cell of a hit up again", strict=True)
 def test_a_ray_along_a_border_of_cells_names_a_triangle_that_it_meets() -> None:
     for seed in range(20):
         world, _ = random_world(np.random.default_rng(seed))
@@ -517,7 +516,6 @@ def test_water_hides_its_bed_from_above_when_asked_for(lake: Country) -> None:
     assert seen > 100
 
 
-@pytest.mark.xfail(reason="the first trace names the cell where the ray ends under water", strict=True)
 def test_a_hit_on_water_names_the_cell_where_its_surface_is_met(lake: Country) -> None:
     row, column = np.argwhere(np.isfinite(lake.world.water))[20]
     x, z = lake.world.corner + CELL * np.array([column + 0.5, row + 0.5])

@@ -1,0 +1,1 @@
+"""How the rays of an image find what they meet: see ``rendering.trace``."""

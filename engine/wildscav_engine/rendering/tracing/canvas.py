@@ -1,0 +1,105 @@
+"""The rays of one image and the nearest that each has met so far."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.kernel import array_kernel, inlined_kernel
+from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle
+
+# What a ray has met is one number: a solid; NOTHING; or from there downwards, alternately
+# terrain by triangle (twice the cell, and one more for the north-western) and water by cell.
+NOTHING = -1
+
+
+class Canvas(NamedTuple):
+    """The H × W rays of one image."""
+
+    east: NDArray[np.float64]  # (H, W) unit vectors of the rays
+    up: NDArray[np.float64]
+    north: NDArray[np.float64]
+    distance: NDArray[np.float64]  # (H, W) m to the nearest so far, or the camera's far
+    met: NDArray[np.int32]  # (H, W) what that is
+    enter: NDArray[np.float64]  # (W,) m, room for a row of rays
+    leave: NDArray[np.float64]  # (W,) m
+    spare: NDArray[np.float64]  # (W,) m
+    shortening: NDArray[np.float64]  # (H, W) cosines of the angles between the view axis and the rays
+
+
+@array_kernel
+def allocate_canvas(height: int, width: int, half_width: float) -> Canvas:
+    """Return room for images whose half width has this tangent."""
+    planes = np.empty((5, height, width))
+    pixel = 2.0 * half_width / width
+    for row in range(height):
+        above = (height * 0.5 - row - 0.5) * pixel
+        for column in range(width):
+            right = (column + 0.5 - width * 0.5) * pixel
+            planes[4, row, column] = 1.0 / np.sqrt(1.0 + above * above + right * right)
+    lines = np.empty((3, width))
+    met = np.empty((height, width), np.int32)
+    return Canvas(planes[0], planes[1], planes[2], planes[3], met, lines[0], lines[1], lines[2], planes[4])
+
+
+@inlined_kernel
+def of_triangle(triangle: int) -> int:
+    """Return what stands for a triangle of the terrain."""
+    return NOTHING - 1 - 2 * triangle
+
+
+@inlined_kernel
+def of_water(cell: int) -> int:
+    """Return what stands for the water over a cell."""
+    return NOTHING - 2 - 2 * cell
+
+
+@inlined_kernel
+def is_of_terrain(met: int) -> bool:
+    """Return whether what is neither a solid nor nothing is terrain; else it is water."""
+    return (NOTHING - met) % 2 == 1
+
+
+@inlined_kernel
+def index_of(met: int) -> int:
+    """Return the triangle of the terrain or the cell of the water that is meant."""
+    return (NOTHING - 1 - met) // 2
+
+
+@inlined_kernel
+def fill(canvas: Canvas, distance: float, met: int) -> None:
+    """Let all rays meet one thing at one distance in m."""
+    canvas.distance[:] = distance
+    canvas.met[:] = met
+
+
+@inlined_kernel
+def start(canvas: Canvas, camera: Camera) -> None:
+    """Aim all rays, which have met nothing yet."""
+    pixel = 1.0 / camera.scale
+    fill(canvas, camera.far, NOTHING)
+    for row in range(camera.height):
+        above = (camera.height * 0.5 - row - 0.5) * pixel
+        # A pixel's direction is ahead + right · u + above · v; this is ahead + above · v.
+        level = camera.cos_pitch + camera.sin_pitch * above
+        rise = camera.cos_pitch * above - camera.sin_pitch
+        along = canvas.shortening[row]
+        east, up, north = canvas.east[row], canvas.up[row], canvas.north[row]
+        for column in range(camera.width):
+            right = (column + 0.5 - camera.width * 0.5) * pixel
+            east[column] = (camera.sin_yaw * level + camera.cos_yaw * right) * along[column]
+        for column in range(camera.width):
+            up[column] = rise * along[column]
+        for column in range(camera.width):
+            right = (column + 0.5 - camera.width * 0.5) * pixel
+            north[column] = (camera.cos_yaw * level - camera.sin_yaw * right) * along[column]
+
+
+@inlined_kernel
+def is_open(canvas: Canvas, pixels: Rectangle, distance: float) -> bool:
+    """Return whether some of the rays can still meet what is at a distance in m or beyond."""
+    for row in range(pixels.top, pixels.bottom):
+        for column in range(pixels.left, pixels.right):
+            if canvas.distance[row, column] > distance:
+                return True
+    return False

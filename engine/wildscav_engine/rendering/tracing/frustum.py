@@ -1,0 +1,232 @@
+"""What of the world can lie on which pixels of a camera.
+
+Everything here is cautious: a pixel that is left out surely misses, one that is named may miss.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.kernel import inlined_kernel
+from wildscav_engine.trig import cosine, sine
+
+NEAREST = 1e-9  # m before the camera, what is nearer or behind has no place on the image
+TOUCH = 1e-6  # m
+MARGIN = 1e-3  # pixels by which everything is taken to be larger, for what is rounded
+
+
+class Camera(NamedTuple):
+    """A pinhole at one place, looking one way."""
+
+    x: float  # m
+    y: float
+    z: float
+    sin_yaw: float
+    cos_yaw: float
+    sin_pitch: float
+    cos_pitch: float
+    scale: float  # pixels a unit of tangent
+    width: int  # pixels
+    height: int
+    half_width: float  # tangents of half of what it sees
+    half_height: float
+    slant_x: float  # how much wider a ball seems at the image's left and right edge; and top and bottom
+    slant_y: float
+    far: float  # m along a ray, beyond which nothing is met
+
+
+class Rectangle(NamedTuple):
+    """Pixels of an image; none if left is not less than right."""
+
+    left: int
+    right: int  # one past the last column
+    top: int
+    bottom: int  # one past the last row
+
+
+class Outline(NamedTuple):
+    """What some points span in a camera's own axes (right, above, ahead) and on its image (tangents)."""
+
+    left: float  # tangents, of points ahead only
+    right: float
+    lowest: float
+    highest: float
+    x_least: float  # m
+    x_most: float
+    y_least: float
+    y_most: float
+    nearest: float  # m ahead
+    farthest: float
+
+
+@inlined_kernel
+def camera_at(
+    eye: NDArray[np.float64],
+    yaw: float,
+    pitch: float,
+    half_width: float,
+    width: int,
+    height: int,
+    far: float,
+) -> Camera:
+    """Return the camera at an eye (3,) m, by angles in degrees and the tangent of half its view's width."""
+    half_height = half_width * height / width
+    return Camera(
+        eye[0],
+        eye[1],
+        eye[2],
+        sine(yaw),
+        cosine(yaw),
+        sine(pitch),
+        cosine(pitch),
+        width / (2.0 * half_width),
+        width,
+        height,
+        half_width,
+        half_height,
+        np.sqrt(1.0 + half_width * half_width),
+        np.sqrt(1.0 + half_height * half_height),
+        far,
+    )
+
+
+@inlined_kernel
+def in_its_axes(camera: Camera, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a point of the world as m to the camera's right, above it and ahead of it."""
+    return turned(camera, x - camera.x, y - camera.y, z - camera.z)
+
+
+@inlined_kernel
+def turned(camera: Camera, east: float, up: float, north: float) -> tuple[float, float, float]:
+    """Return the way from a camera to a point in the camera's own axes: right, above, ahead."""
+    level = camera.sin_yaw * east + camera.cos_yaw * north
+    return (
+        camera.cos_yaw * east - camera.sin_yaw * north,
+        camera.cos_pitch * up + camera.sin_pitch * level,
+        camera.cos_pitch * level - camera.sin_pitch * up,
+    )
+
+
+@inlined_kernel
+def may_show(camera: Camera, x: float, y: float, z: float, radius: float) -> bool:
+    """Return whether a ball in the world, m, reaches into the pyramid that the camera sees."""
+    right, above, ahead = in_its_axes(camera, x, y, z)
+    beside = abs(right) - camera.half_width * ahead
+    beyond = abs(above) - camera.half_height * ahead
+    return (
+        (ahead >= -radius)
+        & (ahead <= camera.far + radius)
+        & (beside <= radius * camera.slant_x)
+        & (beyond <= radius * camera.slant_y)
+    )
+
+
+@inlined_kernel
+def no_outline() -> Outline:
+    """Return the outline of no points."""
+    most = np.inf
+    return Outline(most, -most, most, -most, most, -most, most, -most, most, -most)
+
+
+@inlined_kernel
+def widened(outline: Outline, point: tuple[float, float, float]) -> Outline:
+    """Return an outline with one more point, in the camera's axes."""
+    x, y, z = point
+    inverse = 1.0 / z
+    u, v, is_ahead = x * inverse, y * inverse, z > NEAREST
+    return Outline(
+        min(outline.left, u if is_ahead else np.inf),
+        max(outline.right, u if is_ahead else -np.inf),
+        min(outline.lowest, v if is_ahead else np.inf),
+        max(outline.highest, v if is_ahead else -np.inf),
+        min(outline.x_least, x),
+        max(outline.x_most, x),
+        min(outline.y_least, y),
+        max(outline.y_most, y),
+        min(outline.nearest, z),
+        max(outline.farthest, z),
+    )
+
+
+@inlined_kernel
+def outline_of_box(camera: Camera, box: NDArray[np.float64]) -> Outline:
+    """Return the outline of a turned box (13,); see ``Shapes``."""
+    x, y, z = in_its_axes(camera, box[0], box[1], box[2])
+    wide = turned(camera, box[4], box[5], box[6])
+    tall = turned(camera, box[7], box[8], box[9])
+    deep = turned(camera, box[10], box[11], box[12])
+    outline = no_outline()
+    for corner in range(8):
+        a = 1.0 if corner & 1 else -1.0
+        b = 1.0 if corner & 2 else -1.0
+        c = 1.0 if corner & 4 else -1.0
+        outline = widened(
+            outline,
+            (
+                x + a * wide[0] + b * tall[0] + c * deep[0],
+                y + a * wide[1] + b * tall[1] + c * deep[1],
+                z + a * wide[2] + b * tall[2] + c * deep[2],
+            ),
+        )
+    return outline
+
+
+@inlined_kernel
+def pixels_of(camera: Camera, outline: Outline) -> Rectangle:
+    """Return the pixels whose middles can lie in the convex hull of an outline's points."""
+    if _is_around_eye(outline):
+        return Rectangle(0, camera.width, 0, camera.height)
+    left, right, lowest, highest = outline.left, outline.right, outline.lowest, outline.highest
+    if outline.farthest <= NEAREST:
+        return Rectangle(0, 0, 0, 0)
+    if outline.nearest <= NEAREST:
+        # What the plane at NEAREST cuts has its corners there, within the breadth of all points.
+        left, right = min(left, outline.x_least / NEAREST), max(right, outline.x_most / NEAREST)
+        lowest, highest = min(lowest, outline.y_least / NEAREST), max(highest, outline.y_most / NEAREST)
+    return pixels_between(camera, left, right, lowest, highest)
+
+
+@inlined_kernel
+def _is_around_eye(outline: Outline) -> bool:
+    """Return whether the eye may be in the hull of the points, or on it: then all rays meet it there."""
+    return (
+        max(outline.x_least, outline.y_least, outline.nearest) <= TOUCH
+        and min(outline.x_most, outline.y_most, outline.farthest) >= -TOUCH
+    )
+
+
+@inlined_kernel
+def pixels_between(camera: Camera, left: float, right: float, lowest: float, highest: float) -> Rectangle:
+    """Return the pixels whose middles lie between some tangents."""
+    half_width, half_height = camera.width * 0.5, camera.height * 0.5
+    first = max(0.0, np.ceil(half_width + left * camera.scale - 0.5 - MARGIN))
+    last = min(camera.width - 1.0, np.floor(half_width + right * camera.scale - 0.5 + MARGIN))
+    top = max(0.0, np.ceil(half_height - highest * camera.scale - 0.5 - MARGIN))
+    bottom = min(camera.height - 1.0, np.floor(half_height - lowest * camera.scale - 0.5 + MARGIN))
+    if first > last or top > bottom:
+        return Rectangle(0, 0, 0, 0)
+    return Rectangle(int(first), int(last) + 1, int(top), int(bottom) + 1)
+
+
+@inlined_kernel
+def pixels_of_block(
+    camera: Camera, east: float, north: float, side: float, low: float, high: float
+) -> Rectangle:
+    """Return the pixels that an upright square prism can lie on.
+
+    Args:
+        camera: The camera.
+        east: m from it to the prism's south-western corner.
+        north: m.
+        side: m, of the square.
+        low: m, height of its bottom in the world.
+        high: m, of its top.
+    """
+    outline = no_outline()
+    for corner in range(4):
+        x = east + side if corner & 1 else east
+        z = north + side if corner & 2 else north
+        outline = widened(outline, turned(camera, x, low - camera.y, z))
+        outline = widened(outline, turned(camera, x, high - camera.y, z))
+    return pixels_of(camera, outline)

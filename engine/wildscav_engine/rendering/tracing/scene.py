@@ -1,0 +1,106 @@
+"""A world as images need it: blocks of cells, and all that stands in them, with balls around everything.
+
+Made when somebody first looks, so it is no part of a map and of its digest.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import BLOCK, CELL, World
+from wildscav_engine.kernel import array_kernel
+from wildscav_engine.rendering.solids import Solids, shapes_of, solids_of_world
+from wildscav_engine.rendering.tracing.packing import CORNERS, SQUARE, Blocks, Packed, pack_scene
+
+
+class Scene(NamedTuple):
+    """What images of a world are made from."""
+
+    world: World
+    solids: Solids  # of the world, as it counts them
+    packed: Packed  # for kernels: the same in the order of blocks, so that neighbours lie together
+
+
+def scene_of(world: World) -> Scene:
+    """Prepare a world for images."""
+    solids = solids_of_world(world)
+    start, members = _members_of_blocks(world)
+    # In the order of the blocks that they are in first; what is in none is never seen.
+    _, first = np.unique(members, return_index=True)
+    order = members[np.sort(first)]
+    place = np.zeros(len(solids.kind), np.int64)
+    place[order] = np.arange(len(order))
+    spans = _spans_of_blocks(world, solids, start, members)
+    shapes = shapes_of(solids, order, order)
+    within = np.arange(CORNERS)
+    offsets = np.stack([np.tile(within, CORNERS), np.repeat(within, CORNERS)]) * CELL
+    more = ((0, 0), (0, SQUARE - CORNERS * CORNERS))
+    blocks = Blocks(
+        np.pad(_in_blocks(world, world.heights, CORNERS), more, mode="edge"),
+        np.pad(offsets, more, mode="edge"),
+        _in_blocks(world, world.water, BLOCK),
+        np.concatenate([_balls_of_blocks(world, spans), spans], axis=1),
+        world.corner,
+        start,
+        place[members],
+        world.water.shape[0],
+        world.water.shape[1],
+    )
+    return Scene(world, solids, pack_scene(blocks, shapes))
+
+
+def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[np.float64]:
+    """Return (B, side * side) values of each block; beyond the map, the last ones again."""
+    block_rows, block_columns = world.block_top.shape
+    within = np.arange(side)
+    rows = np.minimum(BLOCK * np.arange(block_rows)[:, None] + within, values.shape[0] - 1)
+    columns = np.minimum(BLOCK * np.arange(block_columns)[:, None] + within, values.shape[1] - 1)
+    picked = values[rows[:, None, :, None], columns[None, :, None, :]]
+    return np.ascontiguousarray(picked.reshape(block_rows * block_columns, side * side))
+
+
+def _balls_of_blocks(world: World, spans: NDArray[np.float64]) -> NDArray[np.float64]:
+    columns = world.block_top.shape[1]
+    low, high = np.minimum(spans[:, 0], spans[:, 2]), np.maximum(spans[:, 1], spans[:, 3])
+    side, block = BLOCK * CELL, np.arange(len(spans))
+    x = world.corner[0] + (block % columns + 0.5) * side
+    z = world.corner[1] + (block // columns + 0.5) * side
+    radius = np.sqrt(0.5 * side * side + 0.25 * (high - low) ** 2)
+    return np.stack([x, 0.5 * (low + high), z, radius], axis=1)
+
+
+@array_kernel
+def _members_of_blocks(world: World) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return where each block's members start, and the members, each once a block."""
+    rows, columns = world.water.shape
+    block_rows, block_columns = world.block_top.shape
+    start = np.zeros(block_rows * block_columns + 1, np.int64)
+    members = np.empty(world.cell_solids.shape[0], np.int64)
+    last_block = np.full(world.solid_kind.shape[0], -1, np.int64)
+    count = 0
+    for block in range(block_rows * block_columns):
+        first_row, first_column = block // block_columns * BLOCK, block % block_columns * BLOCK
+        for row in range(first_row, min(rows, first_row + BLOCK)):
+            for column in range(first_column, min(columns, first_column + BLOCK)):
+                cell = row * columns + column
+                for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
+                    solid = world.cell_solids[item]
+                    if last_block[solid] != block:
+                        last_block[solid] = block
+                        members[count] = solid
+                        count += 1
+        start[block + 1] = count
+    return start, members[:count].copy()
+
+
+def _spans_of_blocks(
+    world: World, solids: Solids, start: NDArray[np.int64], members: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return (B, 4) m: lowest and highest ground and members of each block; of no members inf and -inf."""
+    ground = _in_blocks(world, world.heights, CORNERS)
+    block = np.repeat(np.arange(len(ground)), np.diff(start))
+    low, high = np.full(len(ground), np.inf), np.full(len(ground), -np.inf)
+    np.minimum.at(low, block, solids.low[members, 1])
+    np.maximum.at(high, block, solids.high[members, 1])
+    return np.stack([ground.min(axis=1), ground.max(axis=1), low, high], axis=1)

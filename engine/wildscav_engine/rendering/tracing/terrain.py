@@ -1,0 +1,283 @@
+"""The terrain and the water of a block of cells on an image.
+
+The middles of all cells' corners are placed on the image first; then each cell is met by the rays of the few
+pixels that it can lie on.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import BLOCK, CELL
+from wildscav_engine.kernel import array_kernel, inlined_kernel, kernel
+from wildscav_engine.rendering.tracing.canvas import Canvas, of_triangle, of_water
+from wildscav_engine.rendering.tracing.frustum import (
+    MARGIN,
+    NEAREST,
+    Camera,
+    Rectangle,
+    no_outline,
+    pixels_of,
+    turned,
+    widened,
+)
+from wildscav_engine.rendering.tracing.packing import CORNERS, SQUARE, Blocks
+
+NARROW = 8  # columns; up to so many, ray after ray is faster than row after row
+OVERLAP = 1e-6  # m that a triangle reaches beyond its edges, so that no ray slips through between two
+
+
+class Sketch(NamedTuple):
+    """Where the corners of a block's cells, and the cells, lie on an image; row after row, CORNERS a row."""
+
+    ahead: NDArray[np.float64]  # (96,) m before the camera
+    right: NDArray[np.float64]  # (96,) tangents
+    above: NDArray[np.float64]  # (96,)
+    first: NDArray[np.float64]  # (96,) first and last column and row of a cell's pixels
+    last: NDArray[np.float64]
+    top: NDArray[np.float64]
+    bottom: NDArray[np.float64]
+    shown: NDArray[np.bool_]  # (96,) whether a cell has pixels
+
+
+@array_kernel
+def allocate_sketch() -> Sketch:
+    """Return room for the cells of a block."""
+    room = np.empty((7, SQUARE))
+    shown = np.empty(SQUARE, np.bool_)
+    return Sketch(room[0], room[1], room[2], room[3], room[4], room[5], room[6], shown)
+
+
+class Square(NamedTuple):
+    """A block of cells in front of a camera."""
+
+    block: int
+    row: int  # of its south-western cell
+    column: int
+    east: float  # m from the camera to its south-western corner
+    north: float
+
+
+@inlined_kernel
+def height_in(blocks: Blocks, row: int, column: int, camera: Camera) -> tuple[float, int]:
+    """Return how high the ground under a camera is, m, in its cell, and in which half of it the camera is."""
+    block = row // BLOCK * ((blocks.columns + BLOCK - 1) // BLOCK) + column // BLOCK
+    at = row % BLOCK * CORNERS + column % BLOCK
+    heights = blocks.heights[block]
+    h00, h01, h10, h11 = heights[at], heights[at + 1], heights[at + CORNERS], heights[at + CORNERS + 1]
+    east = (camera.x - blocks.edges[0]) / CELL - column
+    north = (camera.z - blocks.edges[1]) / CELL - row
+    if east >= north:
+        return h00 + (h01 - h00) * east + (h11 - h01) * north, 0
+    return h00 + (h11 - h10) * east + (h10 - h00) * north, 1
+
+
+@inlined_kernel
+def paint_terrain(blocks: Blocks, square: Square, camera: Camera, sketch: Sketch, canvas: Canvas) -> None:
+    """Let the rays of an image meet the terrain of a block.
+
+    Args:
+        blocks: The world.
+        square: Which block.
+        camera: The image's.
+        sketch: Room for the places of cells on the image.
+        canvas: The image, written.
+    """
+    _sketch_corners(blocks, square, camera, sketch)
+    _sketch_cells(camera, sketch)
+    for row in range(min(BLOCK, blocks.rows - square.row)):
+        for column in range(min(BLOCK, blocks.columns - square.column)):
+            at = row * CORNERS + column
+            if sketch.shown[at]:
+                nearest = min(
+                    sketch.ahead[at],
+                    sketch.ahead[at + 1],
+                    sketch.ahead[at + CORNERS],
+                    sketch.ahead[at + CORNERS + 1],
+                )
+                if nearest <= NEAREST:
+                    pixels = _pixels_of_near_cell(blocks, square, camera, at)
+                else:
+                    pixels = Rectangle(
+                        int(sketch.first[at]),
+                        int(sketch.last[at]) + 1,
+                        int(sketch.top[at]),
+                        int(sketch.bottom[at]) + 1,
+                    )
+                _paint_cell(blocks, square, camera, row, column, pixels, canvas)
+
+
+@inlined_kernel
+def _sketch_corners(blocks: Blocks, square: Square, camera: Camera, sketch: Sketch) -> None:
+    """Place the corners on the image: plain loops that write one array each, several corners at once."""
+    heights, easts, norths = blocks.heights[square.block], blocks.offsets[0], blocks.offsets[1]
+    ahead, right, above = sketch.ahead, sketch.right, sketch.above
+    level = camera.sin_yaw * square.east + camera.cos_yaw * square.north
+    beside = camera.cos_yaw * square.east - camera.sin_yaw * square.north
+    for at in range(SQUARE):
+        far = level + camera.sin_yaw * easts[at] + camera.cos_yaw * norths[at]
+        ahead[at] = camera.cos_pitch * far - camera.sin_pitch * (heights[at] - camera.y)
+    for at in range(SQUARE):
+        right[at] = (beside + camera.cos_yaw * easts[at] - camera.sin_yaw * norths[at]) / ahead[at]
+    for at in range(SQUARE):
+        far = level + camera.sin_yaw * easts[at] + camera.cos_yaw * norths[at]
+        above[at] = (camera.cos_pitch * (heights[at] - camera.y) + camera.sin_pitch * far) / ahead[at]
+
+
+@inlined_kernel
+def _sketch_cells(camera: Camera, sketch: Sketch) -> None:
+    """Note the pixels of each cell; those of one with corners behind the camera are still to be found."""
+    half_width, half_height, scale = camera.width * 0.5, camera.height * 0.5, camera.scale
+    ahead, right, above, shown = sketch.ahead, sketch.right, sketch.above, sketch.shown
+    first, last, top, bottom = sketch.first, sketch.last, sketch.top, sketch.bottom
+    cells = 80  # 72 and more, to make the loops even
+    for at in range(cells):
+        least = min(right[at], right[at + 1], right[at + CORNERS], right[at + CORNERS + 1])
+        first[at] = max(0.0, np.ceil(half_width + least * scale - 0.5 - MARGIN))
+    for at in range(cells):
+        most = max(right[at], right[at + 1], right[at + CORNERS], right[at + CORNERS + 1])
+        last[at] = min(camera.width - 1.0, np.floor(half_width + most * scale - 0.5 + MARGIN))
+    for at in range(cells):
+        most = max(above[at], above[at + 1], above[at + CORNERS], above[at + CORNERS + 1])
+        top[at] = max(0.0, np.ceil(half_height - most * scale - 0.5 - MARGIN))
+    for at in range(cells):
+        least = min(above[at], above[at + 1], above[at + CORNERS], above[at + CORNERS + 1])
+        bottom[at] = min(camera.height - 1.0, np.floor(half_height - least * scale - 0.5 + MARGIN))
+    for at in range(cells):
+        nearest = min(ahead[at], ahead[at + 1], ahead[at + CORNERS], ahead[at + CORNERS + 1])
+        farthest = max(ahead[at], ahead[at + 1], ahead[at + CORNERS], ahead[at + CORNERS + 1])
+        has_pixels = (first[at] <= last[at]) & (top[at] <= bottom[at])
+        shown[at] = (farthest > NEAREST) & ((nearest <= NEAREST) | has_pixels)
+
+
+@inlined_kernel
+def _pixels_of_near_cell(blocks: Blocks, square: Square, camera: Camera, at: int) -> Rectangle:
+    """Return the pixels of a cell with corners behind the camera."""
+    outline = no_outline()
+    for corner in (at, at + 1, at + CORNERS, at + CORNERS + 1):
+        east = square.east + blocks.offsets[0, corner]
+        north = square.north + blocks.offsets[1, corner]
+        up = blocks.heights[square.block, corner] - camera.y
+        outline = widened(outline, turned(camera, east, up, north))
+    return pixels_of(camera, outline)
+
+
+@inlined_kernel
+def _paint_cell(
+    blocks: Blocks,
+    square: Square,
+    camera: Camera,
+    row: int,
+    column: int,
+    pixels: Rectangle,
+    canvas: Canvas,
+) -> None:
+    at = row * CORNERS + column
+    heights = blocks.heights[square.block]
+    h00, h01, h10, h11 = heights[at], heights[at + 1], heights[at + CORNERS], heights[at + CORNERS + 1]
+    eye = (-(square.east + column * CELL), -(square.north + row * CELL))
+    triangle = 2 * ((square.row + row) * blocks.columns + square.column + column)
+    for side in range(2):
+        slope_east = ((h01 - h00) if side == 0 else (h11 - h10)) / CELL
+        slope_north = ((h11 - h01) if side == 0 else (h10 - h00)) / CELL
+        above = camera.y - h00 - (slope_east * eye[0] + slope_north * eye[1])
+        if above > 0.0:
+            towards = 1.0 if side == 0 else -1.0
+            met = of_triangle(triangle + side)
+            half = Triangle(eye[0], eye[1], above, slope_east, slope_north, towards, met)
+            _paint_triangle(half, pixels, canvas)
+
+
+class Triangle(NamedTuple):
+    """Half a cell of the terrain or of water, as a camera sees it."""
+
+    east: float  # m from the cell's south-western corner to the camera
+    north: float
+    above: float  # m, height of the camera over the triangle's plane
+    slope_east: float  # m up per m east
+    slope_north: float
+    towards: float  # 1 for the south-eastern half, -1 for the other
+    met: int  # what stands for it on a canvas
+
+
+@inlined_kernel
+def _meet(triangle: Triangle, d_east: float, d_up: float, d_north: float) -> tuple[bool, float]:
+    """Return whether a ray meets a triangle from above, and after how many m."""
+    sinking = triangle.slope_east * d_east + triangle.slope_north * d_north - d_up
+    distance = triangle.above / sinking
+    east, north = triangle.east + distance * d_east, triangle.north + distance * d_north
+    is_in = (
+        (sinking > 0.0)
+        & (min(east, north) >= -OVERLAP)
+        & (max(east, north) <= CELL + OVERLAP)
+        & ((east - north) * triangle.towards >= -OVERLAP)
+    )
+    return is_in, distance
+
+
+@inlined_kernel
+def _paint_triangle(triangle: Triangle, pixels: Rectangle, canvas: Canvas) -> None:
+    """Let the rays of some pixels meet a triangle."""
+    if pixels.right - pixels.left <= NARROW:
+        for row in range(pixels.top, pixels.bottom):
+            for column in range(pixels.left, pixels.right):
+                is_in, distance = _meet(
+                    triangle, canvas.east[row, column], canvas.up[row, column], canvas.north[row, column]
+                )
+                if is_in and distance < canvas.distance[row, column]:
+                    canvas.distance[row, column] = distance
+                    canvas.met[row, column] = triangle.met
+    else:
+        _paint_by_rows(triangle, pixels, canvas)
+
+
+@kernel
+def _paint_by_rows(triangle: Triangle, pixels: Rectangle, canvas: Canvas) -> None:
+    """Do for whole rows what ``_paint_triangle`` does for a ray: several rays at once."""
+    left, right = pixels.left, pixels.right
+    for row in range(pixels.top, pixels.bottom):
+        east, up, north = (
+            canvas.east[row, left:right],
+            canvas.up[row, left:right],
+            canvas.north[row, left:right],
+        )
+        nearest, mets = canvas.distance[row, left:right], canvas.met[row, left:right]
+        for ray in range(right - left):
+            is_in, distance = _meet(triangle, east[ray], up[ray], north[ray])
+            nearer = is_in & (distance < nearest[ray])
+            nearest[ray] = distance if nearer else nearest[ray]
+            mets[ray] = triangle.met if nearer else mets[ray]
+
+
+@inlined_kernel
+def paint_water(blocks: Blocks, square: Square, camera: Camera, canvas: Canvas) -> None:
+    """Let the rays of an image meet the water of a block from above; see ``paint_terrain``."""
+    for row in range(min(BLOCK, blocks.rows - square.row)):
+        for column in range(min(BLOCK, blocks.columns - square.column)):
+            above = camera.y - blocks.water[square.block, row * BLOCK + column]
+            if 0.0 < above < np.inf:
+                _paint_water_of_cell(blocks, square, camera, row, column, above, canvas)
+
+
+@inlined_kernel
+def _paint_water_of_cell(
+    blocks: Blocks,
+    square: Square,
+    camera: Camera,
+    row: int,
+    column: int,
+    above: float,
+    canvas: Canvas,
+) -> None:
+    east, north = square.east + column * CELL, square.north + row * CELL
+    outline = no_outline()
+    for corner in range(4):
+        beyond = (east + (corner & 1) * CELL, north + (corner >> 1) * CELL)
+        outline = widened(outline, turned(camera, beyond[0], -above, beyond[1]))
+    pixels = pixels_of(camera, outline)
+    if pixels.left < pixels.right:
+        met = of_water((square.row + row) * blocks.columns + square.column + column)
+        for side in range(2):
+            towards = 1.0 if side == 0 else -1.0
+            _paint_triangle(Triangle(-east, -north, above, 0.0, 0.0, towards, met), pixels, canvas)
