@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args, get_origin
 import pytest
 import typer
 from annotated_types import Ge, Gt, Le
+from tests.builders import box, flat_world, make_match, place
 from tests.platform.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.cli.main import app
@@ -187,3 +188,30 @@ def test_a_sensor_that_is_added_is_refused_as_all_others_are(altimeter: type[Sen
         manifest = tomllib.loads(blocks("toml")[1]) | {"sensors": {"altimeter": options}}
         with pytest.raises(ValueError, match=re.escape(message)):
             Manifest.model_validate(manifest)
+
+
+@pytest.mark.parametrize(
+    ("place_of", "height"),
+    [
+        ((9.0, 0.0, 9.0), 0.0),  # on the ground
+        ((9.0, 2.5, 9.0), 2.5),  # in a jump
+        ((0.0, 5.0, 0.0), 2.0),  # over a roof of 3 m
+        ((0.0, 30.0, 0.0), 20.0),  # farther than it reaches
+    ],
+)
+def test_the_sensor_that_is_added_reads_what_it_says(
+    altimeter: type[Sensor], place_of: tuple[float, float, float], height: float
+) -> None:
+    match = make_match(world=flat_world(solids=[box((-2, 0, -2), (2, 3, 2), Kind.ROOF)]), seats=2)
+    place(match, 1, place_of)
+    sensor = altimeter(reach=20.0)  # type: ignore[call-arg]
+    _, reading = sensor.read(match, [0, 1])
+    assert reading == pytest.approx(height, abs=1e-5)
+    assert sensor.space.contains(reading)
+
+
+def test_the_sensor_that_is_added_takes_the_surface_of_a_lake_for_the_ground(altimeter: type[Sensor]) -> None:
+    match = make_match(world=flat_world(water=1.5), seats=2)
+    place(match, 0, (3.0, 4.0, 3.0))
+    place(match, 1, (3.0, 0.5, 3.0))  # in the water
+    assert altimeter().read(match, [0, 1])[:, 0] == pytest.approx([2.5, 0.0], abs=1e-6)
