@@ -7,6 +7,7 @@ Eurographics 1987) and skips blocks and cells that it passes above.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import BLOCK, CELL, Kind, World
 from wildscav_engine.kernel import kernel
@@ -81,7 +82,7 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
     best = Hit(np.inf, NOTHING_HIT, 0)
     while step.at < far and 0 <= step.row < rows and 0 <= step.column < columns:
         block_row, block_column = step.row // BLOCK, step.column // BLOCK
-        over = _leave_square(ray, step, block_row * BLOCK, block_column * BLOCK, BLOCK, far)
+        over = leave_square(ray, step, block_row * BLOCK, block_column * BLOCK, BLOCK, far)
         if min(y + dy * step.at, y + dy * over.at) > world.block_top[block_row, block_column]:
             step = over
             continue
@@ -93,7 +94,7 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
 
 
 @kernel
-def _leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: float) -> Step:
+def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: float) -> Step:
     """Return the first step of a ray beyond a square of cells that it is in.
 
     Args:
@@ -132,7 +133,7 @@ def _cross_block(
         and 0 <= step.row < rows
         and 0 <= step.column < columns
     ):
-        over = _leave_square(ray, step, step.row, step.column, 1, far)
+        over = leave_square(ray, step, step.row, step.column, 1, far)
         if min(ray.y + ray.dy * step.at, ray.y + ray.dy * over.at) <= world.cell_top[step.row, step.column]:
             best = _nearer_in_cell(world, ray, step, over.at, best)
         step = over
@@ -144,7 +145,7 @@ def _cross_block(
 @kernel
 def _nearer_in_cell(world: World, ray: Ray, step: Step, leave: float, best: Hit) -> Hit:
     """Return the nearest of the best hit so far and the hits in a cell, which the ray leaves at ``leave``."""
-    distance, triangle = _meet_terrain(world, ray, step, leave)
+    distance, triangle = meet_terrain(world, ray, step, leave)
     if distance < best.distance:
         best = Hit(distance, TERRAIN_HIT, triangle)
     cell = step.row * world.water.shape[1] + step.column
@@ -157,7 +158,7 @@ def _nearer_in_cell(world: World, ray: Ray, step: Step, leave: float, best: Hit)
 
 
 @kernel
-def _meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[float, int]:
+def meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[float, int]:
     """Return where a ray goes below the two triangles of a cell, and which; inf if it does not."""
     h00, h01 = world.heights[step.row, step.column], world.heights[step.row, step.column + 1]
     h10, h11 = world.heights[step.row + 1, step.column], world.heights[step.row + 1, step.column + 1]
@@ -190,14 +191,22 @@ def _meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[flo
 
 @kernel
 def meet_solid(world: World, solid: int, ray: Ray, nearest: float) -> tuple[float, int]:
-    """Return where a ray enters a solid and by which face; inf if it does not before ``nearest``.
+    """Return where a ray enters a solid and by which face; inf if it does not before ``nearest``."""
+    return meet_faces(world.faces, world.solid_start[solid], world.solid_start[solid + 1], ray, nearest)
+
+
+@kernel
+def meet_faces(
+    faces: NDArray[np.float64], start: int, end: int, ray: Ray, nearest: float
+) -> tuple[float, int]:
+    """Return where a ray enters the solid of some rows of faces, and by which; inf if not before ``nearest``.
 
     Clips the ray by each face: Cyrus & Beck, "Generalized Two- and Three-Dimensional Clipping", 1978.
     """
     enter, leave, entered_by = 0.0, nearest, 0
-    for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
-        n_x, n_y, n_z = world.faces[face, 0], world.faces[face, 1], world.faces[face, 2]
-        outside = n_x * ray.x + n_y * ray.y + n_z * ray.z - world.faces[face, 3]
+    for face in range(start, end):
+        n_x, n_y, n_z = faces[face, 0], faces[face, 1], faces[face, 2]
+        outside = n_x * ray.x + n_y * ray.y + n_z * ray.z - faces[face, 3]
         speed = n_x * ray.dx + n_y * ray.dy + n_z * ray.dz
         if speed < 0.0:
             crossing = -outside / speed

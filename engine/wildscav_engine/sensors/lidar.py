@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.fans import Fans, cast_fan, meet_solid_with_fan
+from wildscav_engine.geometry.rays import Ray, make_ray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
     from wildscav_engine.maps.game_map import GameMap
 
+LEAST_LEVEL = (
+    1e-12  # cosine of the elevation of the steepest rays: those straight up and down lean by so little
+)
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 
 
@@ -79,7 +83,20 @@ class Lidar(MovingOption):
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
     ) -> None:
         """Measure distances in m."""
-        _scan(game_map.world, moving, cameras, self.elevations, images)
+        world = game_map.world
+        levels, slopes = np.empty(self.channels), np.empty(self.channels)
+        reach = np.empty((self.azimuths, self.channels))
+        fans = Fans(slopes, reach, np.empty(len(world.solid_kind), np.int64))
+        _aim(self.elevations, levels, slopes)
+        _scan(world, moving, cameras, levels, fans, images)
+
+
+@kernel
+def _aim(elevations: NDArray[np.float64], levels: NDArray[np.float64], slopes: NDArray[np.float64]) -> None:
+    """Write how far each ray goes over ground a metre of its way, and how it rises."""
+    for channel in range(elevations.shape[0]):
+        levels[channel] = max(cosine(elevations[channel]), LEAST_LEVEL)
+        slopes[channel] = sine(elevations[channel]) / levels[channel]
 
 
 @kernel
@@ -87,48 +104,45 @@ def _scan(
     world: World,
     moving: Solids,
     cameras: Cameras,
-    elevations: NDArray[np.float64],
+    levels: NDArray[np.float64],
+    fans: Fans,
     images: NDArray[np.float32],
 ) -> None:
-    """Write (N, channels, azimuths) m of N viewers."""
-    far, azimuths = np.float32(cameras.far), images.shape[2]
+    """Write (N, channels, azimuths) m of N viewers, a fan for each azimuth."""
     for image in range(images.shape[0]):
-        x, y, z = cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2]
-        for column in range(azimuths):
-            azimuth = cameras.yaws[image] + 360.0 * column / azimuths
-            east, north = sine(azimuth), cosine(azimuth)
+        fans.seen_by[:] = -1
+        for column in range(images.shape[2]):
             for channel in range(images.shape[1]):
-                level, rise = cosine(elevations[channel]), sine(elevations[channel])
-                hit = cast_ray(world, x, y, z, east * level, rise, north * level, cameras.far)
-                images[image, channel, column] = min(far, np.float32(hit.distance))
+                fans.reach[column, channel] = cameras.far * levels[channel]
+            cast_fan(world, fans, column, _way(world, cameras, image, column, images.shape[2]))
         for solid in range(moving.kind.shape[0]):
             if moving.owner[solid] != cameras.viewers[image]:
-                _scan_solid(moving, solid, cameras, image, elevations, images[image])
+                _scan_solid(world, moving, solid, cameras, image, fans)
+        for column in range(images.shape[2]):
+            for channel in range(images.shape[1]):
+                distance = fans.reach[column, channel] / levels[channel]
+                images[image, channel, column] = min(np.float32(cameras.far), np.float32(distance))
 
 
 @kernel
-def _scan_solid(
-    moving: Solids,
-    solid: int,
-    cameras: Cameras,
-    image: int,
-    elevations: NDArray[np.float64],
-    distances: NDArray[np.float32],
-) -> None:
-    """Shorten the distances of one viewer to a solid, wherever it is met before."""
+def _way(world: World, cameras: Cameras, image: int, column: int, azimuths: int) -> Ray:
+    """Return a level ray of a column."""
+    azimuth = cameras.yaws[image] + 360.0 * column / azimuths
     x, y, z = cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2]
-    azimuths = distances.shape[1]
+    return make_ray(world, x, y, z, sine(azimuth), 0.0, cosine(azimuth))
+
+
+@kernel
+def _scan_solid(world: World, moving: Solids, solid: int, cameras: Cameras, image: int, fans: Fans) -> None:
+    """Shorten the distances of one viewer to a solid, wherever it is met before."""
+    solids = (moving.low, moving.high, moving.face_start, moving.faces)
+    azimuths, channels = fans.reach.shape
+    x, z = cameras.eyes[image, 0], cameras.eyes[image, 2]
     first, last = _columns_over(moving, solid, x, z, cameras.yaws[image], azimuths)
     for place in range(first, last + 1):
         column = place % azimuths
-        azimuth = cameras.yaws[image] + 360.0 * column / azimuths
-        east, north = sine(azimuth), cosine(azimuth)
-        for channel in range(distances.shape[0]):
-            level, rise = cosine(elevations[channel]), sine(elevations[channel])
-            nearest = np.float64(distances[channel, column])
-            met = _meet(moving, solid, (x, y, z), (east * level, rise, north * level), nearest)
-            if met < nearest:
-                distances[channel, column] = met
+        way = _way(world, cameras, image, column, azimuths)
+        meet_solid_with_fan(solids, solid, fans, column, way, channels - 1)
 
 
 @kernel
@@ -150,31 +164,3 @@ def _columns_over(
     first = int(np.floor((middle - half) * column))
     last = int(np.ceil((middle + half) * column))
     return first, min(last, first + azimuths - 1)
-
-
-@kernel
-def _meet(
-    moving: Solids,
-    solid: int,
-    eye: tuple[float, float, float],
-    way: tuple[float, float, float],
-    nearest: float,
-) -> float:
-    """Return where a ray enters a solid, m; inf if it does not before ``nearest``.
-
-    Clips the ray by each face: Cyrus & Beck, "Generalized Two- and Three-Dimensional Clipping", 1978.
-    """
-    enter, leave = 0.0, nearest
-    for face in range(moving.face_start[solid], moving.face_start[solid + 1]):
-        n_x, n_y, n_z = moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2]
-        outside = n_x * eye[0] + n_y * eye[1] + n_z * eye[2] - moving.faces[face, 3]
-        speed = n_x * way[0] + n_y * way[1] + n_z * way[2]
-        if speed < 0.0:
-            enter = max(enter, -outside / speed)
-        elif outside > 0.0:
-            return np.inf
-        elif speed > 0.0:
-            leave = min(leave, -outside / speed)
-        if enter > leave:
-            return np.inf
-    return enter

@@ -8,11 +8,13 @@ import pytest
 
 from builders import box, flat_world, make_match, map_from, place
 from wildscav_engine.body import EYE_HEIGHT
+from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import generate_map
 from wildscav_engine.rendering.solids import gather_solids
 from wildscav_engine.sensors import DepthCamera, Lidar
 from wildscav_engine.spec import MapConfig
+from wildscav_engine.trig import cosine, sine
 
 RING = {"channels": 1, "lowest": 0.0, "highest": 0.0}  # one level ring
 
@@ -78,6 +80,29 @@ def test_it_agrees_with_the_depth_camera_straight_ahead() -> None:
     rings = Lidar(azimuths=8, **RING).render(country, eyes, yaws, level)
     assert rings[:, 0, :1] == pytest.approx(depth[:, 0], abs=1e-4)
     assert len(np.unique(depth)) > 10
+
+
+@pytest.mark.parametrize("highest", [15.0, 90.0])
+def test_every_ray_meets_what_the_one_ray_kernel_says(highest: float) -> None:
+    """In the open, in houses, outside the map, underground, along cells; all round, straight up and down."""
+    country = generate_map(MapConfig(size=100, relief=1.5, houses=4, water=0.1, vegetation=0.8), 3)
+    random = np.random.default_rng(1)
+    feet = [some[random.choice(len(some), 12)] for some in (country.outdoor, country.indoor)]
+    odd = [(60.0, 5.0, 0.0), (1.0, -99.0, 1.0), (0.0, 40.0, -0.5), (4.0, 3.0, 8.0)]
+    eyes = np.concatenate([*feet, odd])
+    eyes[:, 1] += EYE_HEIGHT
+    yaws = random.choice((-45.0, 0.0, 90.0, 33.3), len(eyes))
+    lidar = Lidar(channels=15, azimuths=40, range=70.0, lowest=-highest, highest=highest)
+
+    rings = lidar.render(country, eyes, yaws, np.zeros(len(eyes)))
+
+    azimuths = yaws[:, None] + np.arange(40) * 9.0
+    for image, channel, column in np.ndindex(rings.shape):
+        rise, azimuth = lidar.elevations[channel], azimuths[image, column]
+        level = cosine(rise)
+        way = (sine(azimuth) * level, sine(rise), cosine(azimuth) * level)
+        expected = min(70.0, cast_ray(country.world, *eyes[image], *way, 70.0).distance)
+        assert rings[image, channel, column] == pytest.approx(expected, abs=1e-5), (image, channel, column)
 
 
 def test_agents_are_met_only_when_they_are_asked_for_and_never_oneself() -> None:
