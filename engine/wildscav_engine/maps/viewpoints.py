@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_HEIGHT, EYE_HEIGHT
 from wildscav_engine.geometry.rays import cast_ray
@@ -14,6 +13,7 @@ from wildscav_engine.trig import arctangent
 
 AWAY = 1.1, 9.0  # times the greater side of a house, plus m: how far away it is looked at best
 CORNER_ON = 35.0  # degrees off its front
+ON_GROUND = 0.1  # m; who stands higher above the ground stands on a roof or a rock
 
 
 class Viewpoint(NamedTuple):
@@ -56,7 +56,7 @@ def _solids_at(world: World, x: float, z: float) -> list[tuple[float, float]]:
 
 
 def viewpoint_of(game_map: GameMap) -> Viewpoint:
-    """Return an outdoor place with a house in clear view; without houses, one that looks over the map."""
+    """Return a place on open ground with a house in clear view; without houses, one over the map."""
     for house in sorted(game_map.houses, key=lambda house: np.hypot(*house.center)):
         found = _view_of(game_map, house)
         if found is not None:
@@ -66,22 +66,24 @@ def viewpoint_of(game_map: GameMap) -> Viewpoint:
 
 
 def _view_of(game_map: GameMap, house: House) -> Viewpoint | None:
-    """Return the outdoor place that shows a house best, None if it is hidden from all."""
+    """Return the place on open ground that shows a house best, None if it is hidden from all."""
     places = game_map.outdoor
     across, along = house.pose.inside(places[:, 0], places[:, 2])  # type: ignore[arg-type]
     best = AWAY[0] * max(house.size) + AWAY[1]
     off = np.degrees(np.arctan2(np.abs(across), along))
     awkward = np.abs(np.hypot(across, along) - best) / best + np.abs(off - CORNER_ON) / 45.0
     for place in np.argsort(awkward, kind="stable")[:200]:
-        view = _towards(places[place], house)
-        if _sees(game_map, view, house):
+        x, y, z = places[place].tolist()
+        on_ground = y - ground_at(game_map.world, x, z).height < ON_GROUND
+        view = _towards((x, y, z), house)
+        if on_ground and _sees(game_map, view, house):
             return view
     return None
 
 
-def _towards(place: NDArray[np.float64], house: House) -> Viewpoint:
+def _towards(place: tuple[float, float, float], house: House) -> Viewpoint:
     """Return the view of somebody at a place who looks at the middle of a house."""
-    x, y, z = (float(part) for part in place)
+    x, y, z = place
     east, north = house.center[0] - x, house.center[1] - z
     down = y + EYE_HEIGHT - house.ground - house.storeys * house.storey_height / 2
     return Viewpoint(

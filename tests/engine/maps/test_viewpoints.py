@@ -51,7 +51,7 @@ def test_on_a_slope_one_stands_where_the_ground_is() -> None:
     assert standing_height(flat_world(slope=0.5), 7.0, 4.0) == pytest.approx(3.5)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(12))
 def test_every_location_is_a_place_to_stand_and_look_from(seed: int) -> None:
     game_map = generate_map(MapConfig(size=80, houses=3, storeys=(1, 3), water=0.1), seed)
     for x, y, z in game_map.outdoor[::20]:
@@ -60,6 +60,7 @@ def test_every_location_is_a_place_to_stand_and_look_from(seed: int) -> None:
     assert abs(view.pitch) < 45
     feet = np.array(view.eye) - [0, EYE_HEIGHT, 0]
     assert np.abs(game_map.outdoor - feet).sum(axis=1).min() < 1e-9  # somebody may stand there
+    assert feet[1] == pytest.approx(standing_height(game_map.world, feet[0], feet[2]))  # and on no roof
     (labels,) = SegmentationCamera(64, 36, 100.0, 75.0).render(game_map, [view.eye], [view.yaw], [view.pitch])
     of_house = np.isin(labels, (Kind.WALL, Kind.ROOF, Kind.FLOOR, Kind.STAIR, Kind.FURNITURE))
     assert of_house.mean() > 0.08
