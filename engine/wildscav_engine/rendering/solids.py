@@ -69,7 +69,7 @@ def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.intege
         names: (N,) whole numbers that go with them.
     """
     faces, face_start = _picked(solids.faces, solids.face_start, order)
-    boxes = np.empty((len(order), 13))
+    boxes = np.empty((len(order), 9))
     corners, corner_start = _picked(solids.corners, solids.corner_start, order)
     _box_in(faces, face_start, corners, corner_start, boxes)
     return Shapes(
@@ -110,9 +110,9 @@ def _box_in(
         boxes[solid, 1] = 0.5 * (low[1] + high[1])
         boxes[solid, 2] = along * cosine - across * sine
         boxes[solid, 3] = np.sqrt(wide * wide + tall * tall + deep * deep)
-        boxes[solid, 4], boxes[solid, 5], boxes[solid, 6] = wide * cosine, 0.0, -wide * sine
-        boxes[solid, 7], boxes[solid, 8], boxes[solid, 9] = 0.0, tall, 0.0
-        boxes[solid, 10], boxes[solid, 11], boxes[solid, 12] = deep * sine, 0.0, deep * cosine
+        boxes[solid, 4] = tall
+        boxes[solid, 5], boxes[solid, 6] = wide * cosine, -wide * sine
+        boxes[solid, 7], boxes[solid, 8] = deep * sine, deep * cosine
 
 
 def _picked(

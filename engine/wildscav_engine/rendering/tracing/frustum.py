@@ -151,25 +151,29 @@ def widened(outline: Outline, point: tuple[float, float, float]) -> Outline:
 
 @inlined_kernel
 def outline_of_box(camera: Camera, box: NDArray[np.float64]) -> Outline:
-    """Return the outline of a turned box (13,); see ``Shapes``."""
-    x, y, z = in_its_axes(camera, box[0], box[1], box[2])
-    wide = turned(camera, box[4], box[5], box[6])
-    tall = turned(camera, box[7], box[8], box[9])
-    deep = turned(camera, box[10], box[11], box[12])
+    """Return the outline of a turned upright box (9,); see ``Shapes``."""
+    east, up, north = box[0] - camera.x, box[1] - camera.y, box[2] - camera.z
     outline = no_outline()
-    for corner in range(8):
-        a = 1.0 if corner & 1 else -1.0
-        b = 1.0 if corner & 2 else -1.0
-        c = 1.0 if corner & 4 else -1.0
-        outline = widened(
-            outline,
-            (
-                x + a * wide[0] + b * tall[0] + c * deep[0],
-                y + a * wide[1] + b * tall[1] + c * deep[1],
-                z + a * wide[2] + b * tall[2] + c * deep[2],
-            ),
-        )
+    for corner in range(4):
+        a, c = (1.0 if corner & 1 else -1.0), (1.0 if corner & 2 else -1.0)
+        x, z = east + a * box[5] + c * box[7], north + a * box[6] + c * box[8]
+        outline = _with_edge(camera, outline, x, z, up, box[4])
     return outline
+
+
+@inlined_kernel
+def _with_edge(
+    camera: Camera, outline: Outline, east: float, north: float, up: float, half: float
+) -> Outline:
+    """Return an outline with the ends of an upright edge.
+
+    Its middle is so many m away from the camera. What is right of the camera does not depend on the height,
+    since cameras do not roll.
+    """
+    right, above, ahead = turned(camera, east, up, north)
+    rise, run = camera.cos_pitch * half, camera.sin_pitch * half
+    outline = widened(outline, (right, above + rise, ahead - run))
+    return widened(outline, (right, above - rise, ahead + run))
 
 
 @inlined_kernel
@@ -223,10 +227,10 @@ def pixels_of_block(
         low: m, height of its bottom in the world.
         high: m, of its top.
     """
+    up, half = 0.5 * (low + high) - camera.y, 0.5 * (high - low)
     outline = no_outline()
     for corner in range(4):
         x = east + side if corner & 1 else east
         z = north + side if corner & 2 else north
-        outline = widened(outline, turned(camera, x, low - camera.y, z))
-        outline = widened(outline, turned(camera, x, high - camera.y, z))
+        outline = _with_edge(camera, outline, x, z, up, half)
     return pixels_of(camera, outline)

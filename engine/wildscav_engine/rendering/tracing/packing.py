@@ -27,10 +27,8 @@ class Packed(NamedTuple):
 class Shapes(NamedTuple):
     """S convex solids, F faces in all."""
 
-    boxes: NDArray[
-        np.float64
-    ]  # (S, 13) m: a turned box around each: x, y, z of its middle, the radius of the
-    # ball around it, and three half edges (x, y, z each)
+    boxes: NDArray[np.float64]  # (S, 9) m: of a turned upright box around each, x, y, z of its middle, its
+    # radius, half its height, and x and z of its two level half edges
     face_start: NDArray[np.int64]  # (S + 1,) where each solid's faces start
     faces: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m
     names: NDArray[np.int64]  # (S,) of a scene: the solid's index in the world; of what moves: its owner
@@ -45,7 +43,6 @@ class Blocks(NamedTuple):
     """
 
     heights: NDArray[np.float64]  # (B, 96) m, of the 81 corners of a block's cells, row after row
-    offsets: NDArray[np.float64]  # (2, 96) m east and north of those corners from the first
     water: NDArray[np.float64]  # (B, 64) m, of a block's cells, -inf where dry
     balls: NDArray[np.float64]  # (B, 8) m: x, y, z of a middle, radius: hold the ground and the members;
     # then the lowest and highest ground, the lowest and highest of the members
@@ -71,7 +68,7 @@ def pack_scene(blocks: Blocks, shapes: Shapes) -> Packed:
     solids = pack_shapes(shapes)
     counts = [len(blocks.balls), len(blocks.members), blocks.rows, blocks.columns]
     solids.indices[4:8] = counts
-    numbers = (blocks.heights, blocks.offsets, blocks.water, blocks.balls, blocks.edges)
+    numbers = (blocks.heights, blocks.water, blocks.balls, blocks.edges)
     return Packed(
         np.concatenate([solids.numbers, *(array.ravel() for array in numbers)]),
         np.concatenate([solids.indices, blocks.member_start, blocks.members]),
@@ -83,10 +80,10 @@ def unpack_shapes(packed: Packed) -> Shapes:
     """Return some solids, or those of a scene, as views."""
     numbers, indices = packed.numbers, packed.indices
     solids, faces = indices[0], indices[1]
-    boxes = 13 * solids
+    boxes = 9 * solids
     starts = HEAD + solids + 1
     return Shapes(
-        numbers[:boxes].reshape((solids, 13)),
+        numbers[:boxes].reshape((solids, 9)),
         indices[HEAD:starts],
         numbers[boxes : boxes + 4 * faces].reshape((faces, 4)),
         indices[starts : starts + solids],
@@ -100,14 +97,12 @@ def unpack_blocks(packed: Packed) -> Blocks:
     """Return the blocks of a scene as views."""
     solids, faces = packed.indices[0], packed.indices[1]
     blocks, members = packed.indices[4], packed.indices[5]
-    numbers, indices = packed.numbers[13 * solids + 4 * faces :], packed.indices[HEAD + 3 * solids + 1 :]
-    offsets = SQUARE * blocks
-    water = offsets + 2 * SQUARE
+    numbers, indices = packed.numbers[9 * solids + 4 * faces :], packed.indices[HEAD + 3 * solids + 1 :]
+    water = SQUARE * blocks
     balls = water + BLOCK * BLOCK * blocks
     edges = balls + 8 * blocks
     return Blocks(
-        numbers[:offsets].reshape((blocks, SQUARE)),
-        numbers[offsets:water].reshape((2, SQUARE)),
+        numbers[:water].reshape((blocks, SQUARE)),
         numbers[water:balls].reshape((blocks, BLOCK * BLOCK)),
         numbers[balls:edges].reshape((blocks, 8)),
         numbers[edges : edges + 2],

@@ -33,12 +33,9 @@ def scene_of(world: World) -> Scene:
     place[order] = np.arange(len(order))
     spans = _spans_of_blocks(world, solids, start, members)
     shapes = shapes_of(solids, order, order)
-    within = np.arange(CORNERS)
-    offsets = np.stack([np.tile(within, CORNERS), np.repeat(within, CORNERS)]) * CELL
     more = ((0, 0), (0, SQUARE - CORNERS * CORNERS))
     blocks = Blocks(
         np.pad(_in_blocks(world, world.heights, CORNERS), more, mode="edge"),
-        np.pad(offsets, more, mode="edge"),
         _in_blocks(world, world.water, BLOCK),
         np.concatenate([_balls_of_blocks(world, spans), spans], axis=1),
         world.corner,
