@@ -15,7 +15,7 @@ from wildscav_engine.view import cameras
 DEPTH_CAMERA = DepthCamera(width=64, height=36, far=200.0)
 COLOR_CAMERA = ColorCamera(width=160, height=90, shadows=False)  # shadows would double the time
 # Longer matches get every second, third, … step only. A picture takes tens of times as long as a depth map.
-MOST_DEPTH_MAPS, MOST_PICTURES = 3000, 200
+MOST_DEPTH_MAPS, MOST_PICTURES = 3000, 100
 AT_ONCE = 256  # depth maps, to keep memory small
 
 

@@ -86,7 +86,7 @@ def test_the_pictures_of_a_duel_show_the_enemy_until_it_is_dead(history: History
 
 
 def test_of_a_long_match_a_replay_has_so_many_pictures_at_the_most() -> None:
-    steps = 5 * MOST_PICTURES  # 1,001 rows: every sixth is one more than needed
+    steps = 5 * MOST_PICTURES  # and the start: one row too many for every fifth
     match = make_match("battle", seats=2, time_limit=60.0)
     _, history = collect(repeat(match, 13), steps, images_of=0)
 
