@@ -47,6 +47,7 @@ class Sketch(NamedTuple):
     top: NDArray[np.float32]
     bottom: NDArray[np.float32]
     shown: NDArray[np.bool_]  # (96,) whether a cell may have pixels
+    cells: NDArray[np.int64]  # (65,) the cells that have
 
 
 @array_kernel
@@ -56,7 +57,21 @@ def allocate_sketch() -> Sketch:
     shown = np.empty(SQUARE, np.bool_)
     for at in range(SQUARE):
         r[0, at], r[1, at] = at % CORNERS * CELL, min(at // CORNERS, BLOCK) * CELL
-    return Sketch(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], shown)
+    return Sketch(
+        r[0],
+        r[1],
+        r[2],
+        r[3],
+        r[4],
+        r[5],
+        r[6],
+        r[7],
+        r[8],
+        r[9],
+        r[10],
+        shown,
+        np.empty(BLOCK * BLOCK + 1, np.int64),
+    )
 
 
 class Square(NamedTuple):
@@ -96,26 +111,31 @@ def paint_terrain(blocks: Blocks, square: Square, camera: Camera, sketch: Sketch
     """
     _sketch_corners(blocks, square, camera, sketch)
     _sketch_cells(camera, sketch)
-    for row in range(min(BLOCK, blocks.rows - square.row)):
-        for column in range(min(BLOCK, blocks.columns - square.column)):
-            at = row * CORNERS + column
-            if sketch.shown[at]:
-                nearest = min(
-                    sketch.ahead[at],
-                    sketch.ahead[at + 1],
-                    sketch.ahead[at + CORNERS],
-                    sketch.ahead[at + CORNERS + 1],
-                )
-                if nearest <= NEAR:
-                    pixels = _pixels_of_near_cell(blocks, square, camera, at)
-                else:
-                    pixels = Rectangle(
-                        int(sketch.first[at]),
-                        int(sketch.last[at]) + 1,
-                        int(sketch.top[at]),
-                        int(sketch.bottom[at]) + 1,
-                    )
-                _paint_cell(blocks, square, camera, row, column, pixels, canvas)
+    rows, columns = min(BLOCK, blocks.rows - square.row), min(BLOCK, blocks.columns - square.column)
+    count = 0
+    for row in range(rows):
+        for column in range(columns):
+            # Written always, counted if shown: so nothing is to be guessed.
+            sketch.cells[count] = row * CORNERS + column
+            count += sketch.shown[row * CORNERS + column]
+    for cell in range(count):
+        at = sketch.cells[cell]
+        nearest = min(
+            sketch.ahead[at],
+            sketch.ahead[at + 1],
+            sketch.ahead[at + CORNERS],
+            sketch.ahead[at + CORNERS + 1],
+        )
+        if nearest <= NEAR:
+            pixels = _pixels_of_near_cell(blocks, square, camera, at)
+        else:
+            pixels = Rectangle(
+                int(sketch.first[at]),
+                int(sketch.last[at]) + 1,
+                int(sketch.top[at]),
+                int(sketch.bottom[at]) + 1,
+            )
+        _paint_cell(blocks, square, camera, at, pixels, canvas)
 
 
 @inlined_kernel
@@ -190,91 +210,110 @@ def _pixels_of_near_cell(blocks: Blocks, square: Square, camera: Camera, at: int
     return pixels_of(camera, outline)
 
 
-@inlined_kernel
-def _paint_cell(
-    blocks: Blocks,
-    square: Square,
-    camera: Camera,
-    row: int,
-    column: int,
-    pixels: Rectangle,
-    canvas: Canvas,
-) -> None:
-    at = row * CORNERS + column
-    heights = blocks.heights[square.block]
-    h00, h01, h10, h11 = heights[at], heights[at + 1], heights[at + CORNERS], heights[at + CORNERS + 1]
-    eye = (-(square.east + column * CELL), -(square.north + row * CELL))
-    triangle = 2 * ((square.row + row) * blocks.columns + square.column + column)
-    for side in range(2):
-        slope_east = ((h01 - h00) if side == 0 else (h11 - h10)) / CELL
-        slope_north = ((h11 - h01) if side == 0 else (h10 - h00)) / CELL
-        above = camera.y - h00 - (slope_east * eye[0] + slope_north * eye[1])
-        if above > 0.0:
-            towards = 1.0 if side == 0 else -1.0
-            met = of_triangle(triangle + side)
-            half = Triangle(eye[0], eye[1], above, slope_east, slope_north, towards, met)
-            _paint_triangle(half, pixels, canvas)
+class Half(NamedTuple):
+    """One of the two triangles of a cell, as a camera sees it."""
 
-
-class Triangle(NamedTuple):
-    """Half a cell of the terrain or of water, as a camera sees it."""
-
-    east: float  # m from the cell's south-western corner to the camera
-    north: float
-    above: float  # m, height of the camera over the triangle's plane
+    above: float  # m, height of the camera over its plane
     slope_east: float  # m up per m east
     slope_north: float
-    towards: float  # 1 for the south-eastern half, -1 for the other
     met: int  # what stands for it on a canvas
 
 
+class Cell(NamedTuple):
+    """A cell of the terrain or of water, as a camera sees it."""
+
+    east: float  # m from its south-western corner to the camera
+    north: float
+    south_east: Half
+    north_west: Half
+
+
 @inlined_kernel
-def _meet(triangle: Triangle, d_east: float, d_up: float, d_north: float) -> tuple[bool, float]:
-    """Return whether a ray meets a triangle from above, and after how many m."""
-    sinking = triangle.slope_east * d_east + triangle.slope_north * d_north - d_up
-    distance = triangle.above / sinking
-    east, north = triangle.east + distance * d_east, triangle.north + distance * d_north
+def _paint_cell(
+    blocks: Blocks, square: Square, camera: Camera, at: int, pixels: Rectangle, canvas: Canvas
+) -> None:
+    row, column = at // CORNERS, at % CORNERS
+    heights = blocks.heights[square.block]
+    h00, h01, h10, h11 = heights[at], heights[at + 1], heights[at + CORNERS], heights[at + CORNERS + 1]
+    east, north = -(square.east + column * CELL), -(square.north + row * CELL)
+    triangle = 2 * ((square.row + row) * blocks.columns + square.column + column)
+    up = camera.y - h00
+    se_east, se_north, nw_east, nw_north = (
+        (h01 - h00) / CELL,
+        (h11 - h01) / CELL,
+        (h11 - h10) / CELL,
+        (h10 - h00) / CELL,
+    )
+    south_east = Half(up - (se_east * east + se_north * north), se_east, se_north, of_triangle(triangle))
+    north_west = Half(up - (nw_east * east + nw_north * north), nw_east, nw_north, of_triangle(triangle + 1))
+    if max(south_east.above, north_west.above) > 0.0:
+        _paint(Cell(east, north, south_east, north_west), pixels, canvas)
+
+
+@inlined_kernel
+def _meet_half(
+    cell: Cell, half: Half, towards: float, east: float, up: float, north: float
+) -> tuple[bool, float]:
+    """Return whether a ray meets half a cell from above, and after how many m.
+
+    Args:
+        cell: The cell.
+        half: Which half of it.
+        towards: 1 for the south-eastern half, -1 for the other.
+        east: Of the ray's unit vector; so up and north.
+        up: See east.
+        north: See east.
+    """
+    sinking = half.slope_east * east + half.slope_north * north - up
+    distance = half.above / sinking
+    x, z = cell.east + distance * east, cell.north + distance * north
     is_in = (
-        (sinking > 0.0)
-        & (min(east, north) >= -OVERLAP)
-        & (max(east, north) <= CELL + OVERLAP)
-        & ((east - north) * triangle.towards >= -OVERLAP)
+        (half.above > 0.0)
+        & (sinking > 0.0)
+        & (min(x, z) >= -OVERLAP)
+        & (max(x, z) <= CELL + OVERLAP)
+        & ((x - z) * towards >= -OVERLAP)
     )
     return is_in, distance
 
 
 @inlined_kernel
-def _paint_triangle(triangle: Triangle, pixels: Rectangle, canvas: Canvas) -> None:
-    """Let the rays of some pixels meet a triangle."""
-    if pixels.right - pixels.left <= NARROW:
-        for row in range(pixels.top, pixels.bottom):
-            for column in range(pixels.left, pixels.right):
-                is_in, distance = _meet(
-                    triangle, canvas.east[row, column], canvas.up[row, column], canvas.north[row, column]
-                )
-                if is_in and distance < canvas.distance[row, column]:
-                    canvas.distance[row, column] = distance
-                    canvas.met[row, column] = triangle.met
-    else:
-        _paint_by_rows(triangle, pixels, canvas)
+def _paint(cell: Cell, pixels: Rectangle, canvas: Canvas) -> None:
+    """Let the rays of some pixels meet a cell."""
+    if pixels.right - pixels.left > NARROW:
+        _paint_by_rows(cell, pixels, canvas)
+        return
+    for row in range(pixels.top, pixels.bottom):
+        for column in range(pixels.left, pixels.right):
+            east, up, north = canvas.east[row, column], canvas.up[row, column], canvas.north[row, column]
+            nearest, met = canvas.distance[row, column], canvas.met[row, column]
+            is_in, distance = _meet_half(cell, cell.south_east, 1.0, east, up, north)
+            nearer = is_in & (distance < nearest)
+            nearest, met = distance if nearer else nearest, cell.south_east.met if nearer else met
+            is_in, distance = _meet_half(cell, cell.north_west, -1.0, east, up, north)
+            nearer = is_in & (distance < nearest)
+            canvas.distance[row, column] = distance if nearer else nearest
+            canvas.met[row, column] = cell.north_west.met if nearer else met
 
 
 @kernel
-def _paint_by_rows(triangle: Triangle, pixels: Rectangle, canvas: Canvas) -> None:
-    """Do for whole rows what ``_paint_triangle`` does for a ray: several rays at once."""
+def _paint_by_rows(cell: Cell, pixels: Rectangle, canvas: Canvas) -> None:
+    """Do for whole rows what ``_paint`` does for a ray: several rays at once."""
     left, right = pixels.left, pixels.right
     for row in range(pixels.top, pixels.bottom):
-        east, up, north = (
-            canvas.east[row, left:right],
-            canvas.up[row, left:right],
-            canvas.north[row, left:right],
-        )
-        nearest, mets = canvas.distance[row, left:right], canvas.met[row, left:right]
+        easts, ups = canvas.east[row, left:right], canvas.up[row, left:right]
+        norths = canvas.north[row, left:right]
+        distances, mets = canvas.distance[row, left:right], canvas.met[row, left:right]
         for ray in range(right - left):
-            is_in, distance = _meet(triangle, east[ray], up[ray], north[ray])
-            nearer = is_in & (distance < nearest[ray])
-            nearest[ray] = distance if nearer else nearest[ray]
-            mets[ray] = triangle.met if nearer else mets[ray]
+            east, up, north = easts[ray], ups[ray], norths[ray]
+            nearest, met = distances[ray], mets[ray]
+            is_in, distance = _meet_half(cell, cell.south_east, 1.0, east, up, north)
+            nearer = is_in & (distance < nearest)
+            nearest, met = distance if nearer else nearest, cell.south_east.met if nearer else met
+            is_in, distance = _meet_half(cell, cell.north_west, -1.0, east, up, north)
+            nearer = is_in & (distance < nearest)
+            distances[ray] = distance if nearer else nearest
+            mets[ray] = cell.north_west.met if nearer else met
 
 
 @inlined_kernel
@@ -304,7 +343,7 @@ def _paint_water_of_cell(
         outline = widened(outline, turned(camera, beyond[0], -above, beyond[1]))
     pixels = pixels_of(camera, outline)
     if pixels.left < pixels.right:
-        met = of_water((square.row + row) * blocks.columns + square.column + column)
-        for side in range(2):
-            towards = 1.0 if side == 0 else -1.0
-            _paint_triangle(Triangle(-east, -north, above, 0.0, 0.0, towards, met), pixels, canvas)
+        surface = Half(
+            above, 0.0, 0.0, of_water((square.row + row) * blocks.columns + square.column + column)
+        )
+        _paint(Cell(-east, -north, surface, surface), pixels, canvas)
