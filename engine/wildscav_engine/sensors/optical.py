@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -128,6 +129,12 @@ class OpticalSensor(Sensor):
         return Cameras(eyes, *turns, _seats_of(viewers, count), *self.lens)
 
 
+@lru_cache(maxsize=8)
+def _nobody(count: int) -> NDArray[np.int32]:
+    """Return the viewers of so many places where nobody is."""
+    return np.full(count, NO_VIEWER, np.int32)
+
+
 def _seats_of(viewers: ArrayLike | None, count: int) -> NDArray[np.int32]:
     """Return (count,) seats whose eyes look.
 
@@ -135,7 +142,7 @@ def _seats_of(viewers: ArrayLike | None, count: int) -> NDArray[np.int32]:
         ValueError: They are not as many, or no whole numbers.
     """
     if viewers is None:
-        return np.full(count, NO_VIEWER, np.int32)
+        return _nobody(count)
     seats = np.asarray(viewers)
     if seats.shape != (count,) or seats.dtype.kind not in "iu":
         raise ValueError(
@@ -171,17 +178,15 @@ def _checked(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDA
         ValueError: They have another shape, or are no real numbers.
     """
     array = np.asarray(values)
-    fits = array.ndim == len(shape) and all(map(_is_length, shape, array.shape))
+    fits = array.ndim == len(shape) and array.shape[1:] == shape[1:] and shape[0] in (None, len(array))
+    if fits and array.dtype == np.float64 and array.flags.c_contiguous:
+        return array
     if not fits or array.dtype.kind not in "biuf":
         wanted = str(shape).replace("None", "N")
         raise ValueError(
             f"{name} are {array.dtype} of shape {array.shape}, must be real numbers of shape {wanted}"
         )
     return np.ascontiguousarray(array, np.float64)
-
-
-def _is_length(wanted: int | None, found: int) -> bool:
-    return wanted is None or wanted == found
 
 
 @kernel

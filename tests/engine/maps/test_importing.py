@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.builders import box
 
+from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.base import Base, BaseError
 from wildscav_engine.maps.export import export_map
 from wildscav_engine.maps.importing import Imported, import_height_map, import_mesh
-from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh
 from wildscav_engine.spec import MapConfig
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world, convex_solid
-from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
 
 BOX_FACES = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]

@@ -70,15 +70,11 @@ def _meet(
     enter, leave = 0.0, nearest
     for face in range(faces.shape[0]):
         speed = faces[face, 0] * ray[0] + faces[face, 1] * ray[1] + faces[face, 2] * ray[2]
-        if outside[face] > 0.0:
-            if speed >= 0.0:
-                return np.inf
-            enter = max(enter, -outside[face] / speed)
-        elif speed > 0.0:
-            leave = min(leave, -outside[face] / speed)
-        if enter > leave:
-            return np.inf
-    return enter
+        crossing = -outside[face] / speed
+        is_front = outside[face] > 0.0
+        enter = max(enter, (crossing if speed < 0.0 else np.inf) if is_front else 0.0)
+        leave = min(leave, crossing if (speed > 0.0) & (not is_front) else np.inf)
+    return enter if enter <= leave else np.inf
 
 
 @kernel

@@ -30,6 +30,7 @@ class Desk(NamedTuple):
     outside: NDArray[np.float64]  # m that the eye is outside of each face of a solid
     blocks: NDArray[np.bool_]  # (B,) whether each may be on the image
     solids: NDArray[np.bool_]  # the same, of a block's members or of what moves
+    members: NDArray[np.int64]  # of a block, those that may be on the image
     done: NDArray[np.int32]  # (S,) the last image that each solid of the scene was painted on
 
 
@@ -41,6 +42,7 @@ def allocate_desk(blocks: Blocks, solids: Shapes, moving: Shapes) -> Desk:
         np.empty(max(solids.most_faces, moving.most_faces)),
         np.empty(blocks.balls.shape[0], np.bool_),
         np.empty(max(solids.boxes.shape[0], moving.boxes.shape[0]), np.bool_),
+        np.empty(solids.boxes.shape[0] + 1, np.int64),
         np.full(solids.boxes.shape[0], -1, np.int32),
     )
 
@@ -162,10 +164,15 @@ def _paint_block(
 def _paint_members(
     blocks: Blocks, solids: Shapes, block: int, camera: Camera, image: int, desk: Desk, canvas: Canvas
 ) -> None:
+    count = 0
     for item in range(blocks.member_start[block], blocks.member_start[block + 1]):
         solid = blocks.members[item]
-        if desk.done[solid] != image:
-            desk.done[solid] = image
-            ball = solids.boxes[solid]
-            if may_show(camera, ball[0], ball[1], ball[2], ball[3]):
-                paint_solid(solids, solid, solid, camera, desk.outside, canvas)
+        ball = solids.boxes[solid]
+        # Written always, counted if shown: so nothing is to be guessed.
+        desk.members[count] = solid
+        is_shown = may_show(camera, ball[0], ball[1], ball[2], ball[3])
+        count += is_shown & (desk.done[solid] != image)
+    for member in range(count):
+        solid = desk.members[member]
+        desk.done[solid] = image
+        paint_solid(solids, solid, solid, camera, desk.outside, canvas)
