@@ -1,4 +1,4 @@
-"""Depth maps against Intel Embree on one core, pose by pose in one run; two threads; the other sensors.
+"""Depth maps against Intel Embree on one core, by turns in one run; two threads; the other sensors.
 
 Embree gets the exported mesh and its rays, made before in float32; ours makes its rays itself. With
 ``--check`` nothing is timed: the images of both are compared, and differences explained.
@@ -29,7 +29,7 @@ MAP_SEED = 1
 FAR = 100.0  # m
 SIZES = ((10, 10), (38, 22), (64, 36))
 OUTDOOR, INDOOR = 200, 56  # poses
-ROUNDS = 7  # over all poses; the first warms up
+ROUNDS = 21  # over all poses; the first warms up
 SENSOR_ROUNDS = 4  # likewise of each sensor
 EYES = 1.5  # m above the ground
 STEEPEST = 30.0  # degrees up and down
@@ -67,20 +67,19 @@ def seconds(work: Callable[..., object], *values: Any, **named: Any) -> float:
 
 
 def race(game_map: GameMap, tracer: Tracer, poses: Poses, size: tuple[int, int]) -> list[Figure]:
-    """Measure one size of images, both tracers by turns at every pose."""
+    """Measure one size of images: in each round all poses by Embree, by ours one by one, by ours at once."""
     camera = DepthCamera(*size, FAR)
     count = len(poses.yaws)
     rays = [rays_of(*pose, *size) for pose in zip(*poses, strict=True)]
     embree, alone, together = np.empty((ROUNDS, count)), np.empty((ROUNDS, count)), np.empty(ROUNDS)
     for turn in range(ROUNDS):
         for pose in range(count):
-            one = slice(pose, pose + 1)
             reach = np.full(size[0] * size[1], FAR, np.float32)  # Embree writes its answers there
-            started = time.perf_counter()
-            tracer.distances(*rays[pose], reach)
-            between = time.perf_counter()
-            camera.render(game_map, poses.positions[one], poses.yaws[one], poses.pitches[one])
-            embree[turn, pose], alone[turn, pose] = between - started, time.perf_counter() - between
+            embree[turn, pose] = seconds(tracer.distances, *rays[pose], reach)
+        for pose in range(count):
+            one = slice(pose, pose + 1)
+            single = poses.positions[one], poses.yaws[one], poses.pitches[one]
+            alone[turn, pose] = seconds(camera.render, game_map, *single)
         together[turn] = seconds(camera.render, game_map, *poses) / count
     return _figures(f"{size[0]} × {size[1]}", embree[1:], alone[1:], together[1:])
 
