@@ -82,6 +82,20 @@ def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.intege
     )
 
 
+def all_shapes_of(solids: Solids) -> Shapes:
+    """Return all of some solids as kernels take them, named by their owners."""
+    boxes = np.empty((len(solids.kind), 9))
+    _box_in(solids.faces, solids.face_start, solids.corners, solids.corner_start, boxes)
+    return Shapes(
+        boxes,
+        solids.face_start,
+        solids.faces,
+        solids.owner.astype(np.int64),
+        solids.face_start[:-1],
+        int(np.diff(solids.face_start).max(initial=0)),
+    )
+
+
 @kernel
 def _box_in(
     faces: NDArray[np.float64],

@@ -12,7 +12,7 @@ from numba.extending import typeof_impl
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Kind, write_plane
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.palette import SUPPLY_BOX, of_seat
 from wildscav_engine.rendering.solids import NO_OWNER, Solids
 from wildscav_engine.state import Supplies
@@ -89,18 +89,14 @@ def things_of(match: "Match") -> Things:
     slots = slots[: _find_boxes(supplies, match.frame, slots)]
     bodies, crates = len(seats) * len(BODY), len(slots) * len(CRATE)
     solids = allocate_parts(bodies + crates)
-    owners = seats.astype(np.int32)
-    write_parts(AGENT, BODY, agents.position[0, seats], agents.yaw[0, seats], owners, 0, solids)
-    serials = supplies.serial[slots]
-    nobody, turns = np.full(len(slots), NO_OWNER, np.int32), TURN_OF_BOXES * serials.astype(np.float64)
-    write_parts(BOX, CRATE, supplies.position[slots], turns, nobody, bodies, solids)
-    instance = np.concatenate([np.repeat(owners, len(BODY)), np.repeat(serials, len(CRATE))])
-    color = np.empty((bodies + crates, 3))
-    teams = agents.team[0]
-    color[:bodies] = _bodies_of_teams(int(teams.max(initial=0)) + 1)[teams[seats]].reshape(-1, 3)
-    safe = np.repeat(agents.invincible_left[0, seats] > 0, len(BODY))
-    color[:bodies][safe] += (255.0 - color[:bodies][safe]) * PALE
-    color[bodies:] = np.tile(CRATE_COLORS, (len(slots), 1))
+    write_parts(AGENT, BODY, agents.position[0], agents.yaw[0], seats, 0, solids)
+    turns = TURN_OF_BOXES * supplies.serial.astype(np.float64)
+    write_parts(BOX, CRATE, supplies.position, turns, slots, bodies, solids)
+    instance, color = np.empty(bodies + crates, np.int32), np.empty((bodies + crates, 3))
+    teams, invincible_left = agents.team[0], agents.invincible_left[0]
+    looks = _bodies_of_teams(int(teams.max(initial=0)) + 1)
+    _write_looks_of_agents(seats, looks, teams, invincible_left, instance[:bodies], color[:bodies])
+    _write_looks_of_boxes(supplies.serial, slots, instance[bodies:], color[bodies:])
     return Things(solids, instance, color)
 
 
@@ -123,6 +119,41 @@ def _bodies_of_teams(teams: int) -> NDArray[np.float64]:
     """Return (T, P, 3) the colours of the parts of each team's bodies."""
     colors = np.array([of_seat(team) for team in range(teams)], np.float64)[:, None]
     return np.asarray(BODY_COLORS + (colors - BODY_COLORS) * TEAM_SHARE[:, None])
+
+
+@kernel
+def _write_looks_of_agents(
+    seats: NDArray[np.int64],
+    looks: NDArray[np.float64],
+    teams: NDArray[np.int32],
+    invincible_left: NDArray[np.int32],
+    instance: NDArray[np.int32],
+    color: NDArray[np.float64],
+) -> None:
+    """Write the seat and the colour of each part of some agents, by (T, P, 3) colours of each team's."""
+    parts = looks.shape[1]
+    for part in range(instance.shape[0]):
+        seat = seats[part // parts]
+        instance[part] = seat
+        pale = PALE if invincible_left[seat] > 0 else 0.0
+        for channel in range(3):
+            own = looks[teams[seat], part % parts, channel]
+            color[part, channel] = own + (255.0 - own) * pale
+
+
+@kernel
+def _write_looks_of_boxes(
+    serials: NDArray[np.int32],
+    slots: NDArray[np.int64],
+    instance: NDArray[np.int32],
+    color: NDArray[np.float64],
+) -> None:
+    """Write the serial number and the colour of each part of some boxes."""
+    parts = CRATE_COLORS.shape[0]
+    for part in range(instance.shape[0]):
+        instance[part] = serials[slots[part // parts]]
+        for channel in range(3):
+            color[part, channel] = CRATE_COLORS[part % parts, channel]
 
 
 @kernel
@@ -155,32 +186,32 @@ def write_parts(
     shapes: NDArray[np.float64],
     places: NDArray[np.float64],
     yaws: NDArray[np.float64],
-    owners: NDArray[np.int32],
+    rows: NDArray[np.int64],
     first: int,
     solids: Solids,
 ) -> None:
-    """Write the parts of N things of one shape.
+    """Write the parts of some things of one shape.
 
     Args:
         kind: What they are.
         shapes: (P, 10) m, the parts of each as in ``BODY``.
-        places: (N, 3) m, where they stand.
-        yaws: (N,) degrees, which way they look.
-        owners: (N,) of the things.
+        places: (A, 3) m, where all of their sort stand.
+        yaws: (A,) degrees, which way these look.
+        rows: (N,) which of them are wanted; agents own their bodies.
         first: Where the first part goes.
         solids: Of parts, N * P of them written.
     """
     part = first
-    for thing in range(places.shape[0]):
+    for thing in rows:
         turn = (sine(yaws[thing]), cosine(yaws[thing]))
         for shape in range(shapes.shape[0]):
-            solids.kind[part], solids.owner[part] = kind, owners[thing]
+            solids.kind[part], solids.owner[part] = kind, thing if kind == AGENT else NO_OWNER
             _write_corners(shapes[shape], places[thing], turn, part, solids)
             _write_faces(part, solids)
             part += 1
 
 
-@kernel
+@inlined_kernel
 def _write_corners(
     shape: NDArray[np.float64],
     place: NDArray[np.float64],
@@ -202,7 +233,7 @@ def _write_corners(
             high[axis] = at[axis] if corner == 0 else max(high[axis], at[axis])
 
 
-@kernel
+@inlined_kernel
 def _write_faces(part: int, solids: Solids) -> None:
     """Write the faces of a part: bottom, top, left, right, back, front."""
     corner, face = solids.corner_start[part], solids.face_start[part]

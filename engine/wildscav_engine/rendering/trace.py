@@ -6,6 +6,7 @@ those pixels. What cannot be nearer than what is already there is passed over. E
 nearest of the same meetings, computed in the same way, whichever image it is part of.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.kernel import array_kernel, inlined_kernel
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.solids import Solids, gather_solids, shapes_of
+from wildscav_engine.rendering.solids import Solids, all_shapes_of, gather_solids
 from wildscav_engine.rendering.tracing.bodies import entered_face
 from wildscav_engine.rendering.tracing.canvas import (
     NOTHING,
@@ -59,13 +60,17 @@ def allocate_hits(count: int, height: int, width: int) -> Hits:
     return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
 
+@cache
+def _pack_nothing() -> Packed:
+    return pack_shapes(all_shapes_of(gather_solids([])))
+
+
 def _pack(moving: Solids) -> Packed:
     if not len(moving.kind):
-        return NOTHING_MOVES
-    return pack_shapes(shapes_of(moving, np.arange(len(moving.kind)), moving.owner))
+        return _pack_nothing()
+    return pack_shapes(all_shapes_of(moving))
 
 
-NOTHING_MOVES = pack_shapes(shapes_of(gather_solids([]), np.arange(0), np.arange(0)))
 NO_HITS = allocate_hits(0, 0, 0)
 NO_DEPTHS = np.empty((0, 0, 0), np.float32)
 
