@@ -5,11 +5,12 @@ SIGGRAPH 2007 courses.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel
 from wildscav_engine.rendering.colors import Vector, dot
 from wildscav_engine.rendering.trace import Hits
-from wildscav_engine.rendering.views import View, place_on, way_of
+from wildscav_engine.rendering.views import View, place_on
 
 REACH = 0.5  # m, how far off other surfaces take light
 STRENGTH = 0.65
@@ -20,11 +21,29 @@ SAMPLES = np.array(
 )
 
 
-@kernel
+@inlined_kernel
 def creased(
-    hits: Hits, image: int, row: int, column: int, view: View, place: Vector, normal: Vector
+    hits: Hits,
+    image: int,
+    row: int,
+    column: int,
+    view: View,
+    ways: NDArray[np.float64],
+    place: Vector,
+    normal: Vector,
 ) -> float:
-    """Return the share of the sky's light that what nearby pixels met leaves to a surface, 0-1."""
+    """Return the share of the sky's light that what nearby pixels met leaves to a surface, 0-1.
+
+    Args:
+        hits: What all rays met.
+        image: Whose pixel it is.
+        row: Of the pixel.
+        column: Of the pixel.
+        view: The image's.
+        ways: (H, W, 3) unit vectors of its rays.
+        place: m, what the pixel shows.
+        normal: Unit vector away from it.
+    """
     distance = float(hits.distance[image, row, column])
     reach = min(REACH / max(1e-6, distance * view.pixel), 0.2 * view.height)
     if reach < 1.0:
@@ -37,7 +56,8 @@ def creased(
         other = float(hits.distance[image, other_row, other_column])
         if other == np.inf:
             continue
-        there = place_on(view.eye, way_of(view, other_row, other_column), other)
+        way = ways[other_row, other_column]
+        there = place_on(view.eye, (way[0], way[1], way[2]), other)
         aside = (there[0] - place[0], there[1] - place[1], there[2] - place[2])
         height = dot(aside, normal)
         if height <= 0.0:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL, World, cell_of
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.palette import of_terrain
 from wildscav_engine.rendering.colors import Color, Vector, clipped, dimmed
 from wildscav_engine.rendering.noise import noise
@@ -60,7 +60,7 @@ def _write_dryness(dryness: NDArray[np.float64]) -> None:
             dryness[row, column] = min(1.0, max(0.0, 1.7 * (wide / 1.6 - 0.5) + 0.42 + 0.3 * fine))
 
 
-@kernel
+@inlined_kernel
 def ground_color(world: World, look: GroundLook, place: Vector, pixel: float) -> Color:
     """Return the colour of the ground at a place, its grain included, where a pixel is so large in m."""
     x, _, z = place
@@ -78,7 +78,7 @@ def ground_color(world: World, look: GroundLook, place: Vector, pixel: float) ->
     return dimmed(color, grain)
 
 
-@kernel
+@inlined_kernel
 def ground_normal(world: World, look: GroundLook, place: Vector) -> Vector:
     """Return the unit normal of the ground at a place, smooth across the edges of its triangles."""
     row, column, north, east = _in_cell(world, place[0], place[2])
@@ -89,7 +89,7 @@ def ground_normal(world: World, look: GroundLook, place: Vector) -> Vector:
     return x / length, y / length, z / length
 
 
-@kernel
+@inlined_kernel
 def _in_cell(world: World, x: float, z: float) -> tuple[int, int, float, float]:
     """Return the row and column of a place's cell, and how far north and east in it the place is, 0-1."""
     rows, columns = world.water.shape
@@ -99,7 +99,7 @@ def _in_cell(world: World, x: float, z: float) -> tuple[int, int, float, float]:
     return row, column, clipped(north, 0.0, 1.0), clipped(east, 0.0, 1.0)
 
 
-@kernel
+@inlined_kernel
 def _between(
     corners: NDArray[np.float32], row: int, column: int, north: float, east: float, channel: int
 ) -> float:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.colors import Color, Vector, clipped, dot, mixed
 from wildscav_engine.rendering.creases import creased
@@ -20,7 +20,7 @@ from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.surfaces import textured
 from wildscav_engine.rendering.things import Things
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
-from wildscav_engine.rendering.views import View, place_on, view_of, way_of
+from wildscav_engine.rendering.views import View, place_on, view_of, write_ways
 from wildscav_engine.rendering.water import DEEP, MURK, water_color
 
 if TYPE_CHECKING:
@@ -68,22 +68,33 @@ def shade(
         shadows: Whether things cast shadows.
     """
     subject = Lit(game_map.world, game_map.materials, things.solids, things.color, shadows)
-    _shade(subject, cameras, hits, np.empty(len(things.kind), np.int64), images)
+    near, ways = np.empty(len(things.kind), np.int64), np.empty((*images.shape[1:3], 3))
+    _shade(subject, cameras, hits, near, ways, images)
 
 
 @kernel
 def _shade(
-    subject: Lit, cameras: Cameras, hits: Hits, near: NDArray[np.int64], images: NDArray[np.uint8]
+    subject: Lit,
+    cameras: Cameras,
+    hits: Hits,
+    near: NDArray[np.int64],
+    ways: NDArray[np.float64],
+    images: NDArray[np.uint8],
 ) -> None:
-    """Write pictures; ``near`` is (S,) room for those moving solids that cast shadows."""
+    """Write pictures.
+
+    There is (S,) room in ``near`` for those moving solids that cast shadows, and (H, W, 3) in ``ways`` for
+    the unit vectors of the rays.
+    """
     for image in range(images.shape[0]):
         count = find_near(subject.moving, cameras.eyes[image], near) if subject.shadows else 0
         view = view_of(cameras, image, images.shape[1], images.shape[2])
+        write_ways(view, ways)
         under_water = water_at(subject.world, view.eye[0], view.eye[2]) > view.eye[1]
         for row in range(images.shape[1]):
             for column in range(images.shape[2]):
-                way = way_of(view, row, column)
-                color = _seen(subject, view, hits, image, row, column, way, near, count)
+                way = (ways[row, column, 0], ways[row, column, 1], ways[row, column, 2])
+                color = _seen(subject, view, hits, image, row, column, ways, near, count)
                 distance = float(hits.distance[image, row, column])
                 if under_water:
                     color = mixed(color, DEEP, min(1.0, distance / MURK))
@@ -94,7 +105,7 @@ def _shade(
                     images[image, row, column, channel] = int(clipped(color[channel] + 0.5, 0.0, 255.0))
 
 
-@kernel
+@inlined_kernel
 def _seen(
     subject: Lit,
     view: View,
@@ -102,12 +113,13 @@ def _seen(
     image: int,
     row: int,
     column: int,
-    way: Vector,
+    ways: NDArray[np.float64],
     near: NDArray[np.int64],
     count: int,
 ) -> Color:
     """Return the colour that a ray meets, as if there were no haze."""
     solid = hits.solid[image, row, column]
+    way = (ways[row, column, 0], ways[row, column, 1], ways[row, column, 2])
     if solid == NOTHING_HIT:
         return sky(way)
     distance = float(hits.distance[image, row, column])
@@ -119,11 +131,11 @@ def _seen(
         pixel = _footprint(view, way, distance, surface.normal)
         look = subject.materials.ground
         return water_color(subject.world, look, surface.place, way, sun, around, pixel)
-    around *= creased(hits, image, row, column, view, surface.place, surface.normal)
+    around *= creased(hits, image, row, column, view, ways, surface.place, surface.normal)
     return lit(surface.base, surface.normal, sun, around)
 
 
-@kernel
+@inlined_kernel
 def _surface(subject: Lit, solid: int, face: int, view: View, way: Vector, distance: float) -> Surface:
     place = place_on(view.eye, way, distance)
     normal = _normal(subject, solid, face, place)
@@ -145,7 +157,7 @@ def _surface(subject: Lit, solid: int, face: int, view: View, way: Vector, dista
     return Surface(base, normal, place, in_air)
 
 
-@kernel
+@inlined_kernel
 def _normal(subject: Lit, solid: int, face: int, place: Vector) -> Vector:
     statics = subject.world.solid_kind.shape[0]
     if solid == TERRAIN_HIT:
@@ -159,13 +171,13 @@ def _normal(subject: Lit, solid: int, face: int, place: Vector) -> Vector:
     return walls[face, 0], walls[face, 1], walls[face, 2]
 
 
-@kernel
+@inlined_kernel
 def _footprint(view: View, way: Vector, distance: float, normal: Vector) -> float:
     """Return how large a pixel is on a surface, m."""
     return view.pixel * distance / max(0.2, -dot(way, normal))
 
 
-@kernel
+@inlined_kernel
 def _sunshine(subject: Lit, surface: Surface, near: NDArray[np.int64], count: int) -> float:
     """Return the share of the sun's light that comes to a surface, 0 or 1."""
     if dot(surface.normal, SUN_WAY) <= 0.0:

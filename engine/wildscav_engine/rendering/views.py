@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
@@ -44,6 +45,14 @@ def way_of(view: View, row: int, column: int) -> Vector:
         rise * along,
         (view.cos_yaw * level - view.sin_yaw * right) * along,
     )
+
+
+@kernel
+def write_ways(view: View, ways: NDArray[np.float64]) -> None:
+    """Write (H, W, 3) the unit vectors of all rays."""
+    for row in range(view.height):
+        for column in range(view.width):
+            ways[row, column, 0], ways[row, column, 1], ways[row, column, 2] = way_of(view, row, column)
 
 
 @kernel

@@ -11,10 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 from builders import box, flat_world, map_from
+from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.palette import SUN
+from wildscav_engine.rendering.light import SHADOW_REACH, sun_is_clear
 from wildscav_engine.rendering.noise import grain, noise, noise_in_space
 from wildscav_engine.rendering.sky import DISC, HORIZON, SUN_WAY, haze
 from wildscav_engine.rendering.solids import gather_solids
@@ -61,6 +63,16 @@ def test_a_wall_casts_its_shadow_away_from_the_sun_if_shadows_are_asked_for() ->
     before = (0.0, 5.0, -behind[2])
     assert look(wall, behind, 0.0, 90.0).sum() < 0.8 * look(wall, behind, 0.0, 90.0, plain).sum()
     assert (look(wall, before, 0.0, 90.0) == look(wall, before, 0.0, 90.0, plain)).all()
+
+
+def test_the_sun_shines_where_a_ray_to_it_meets_nothing() -> None:
+    world = generate_map(CONFIG, 3).world
+    random = np.random.default_rng(0)
+    places = random.uniform((-32.0, world.heights.min() - 1.0, -32.0), (32.0, 12.0, 32.0), (3000, 3))
+    clear = [sun_is_clear(world, (x, y, z)) for x, y, z in places]
+    free = [cast_ray(world, x, y, z, *SUN_WAY, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
+    assert clear == free
+    assert 500 < sum(clear) < 2500
 
 
 def test_what_moves_casts_a_shadow_too() -> None:
