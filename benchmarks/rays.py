@@ -30,7 +30,8 @@ FAR = 100.0  # m
 SIZES = ((10, 10), (38, 22), (64, 36))
 OUTDOOR, INDOOR = 200, 56  # poses
 ROUNDS = 21  # over all poses; the first warms up
-SENSOR_ROUNDS = 4  # likewise of each sensor
+TIMES_FOR_THREADS = 8  # that the poses are repeated
+SENSOR_ROUNDS = 8  # likewise of each sensor
 EYES = 1.5  # m above the ground
 STEEPEST = 30.0  # degrees up and down
 VIEWERS = 8  # of a batch of sensors
@@ -119,18 +120,20 @@ def _ratio(name: str, ratios: NDArray[np.float64]) -> Figure:
 
 
 def thread_figures(game_map: GameMap, poses: Poses, cores: set[int]) -> list[Figure]:
-    """Measure two threads against one, by turns, where there are two cores."""
+    """Measure two threads against one, by turns, where there are two cores: on batches that are worth it."""
     if len(cores) < 2:
         return []
     os.sched_setaffinity(0, cores)
     figures = []
+    many = Poses(*(np.concatenate([array] * TIMES_FOR_THREADS) for array in poses))
     for size in SIZES:
         camera = DepthCamera(*size, FAR)
         ratios = []
-        for _ in range(2 * ROUNDS):
-            one = seconds(camera.render, game_map, *poses)
-            ratios.append(one / seconds(camera.render, game_map, *poses, threads=2))
-        figures.append(_ratio(f"{size[0]} × {size[1]}: two threads, times one", np.array(ratios[2:])))
+        for _ in range(ROUNDS):
+            one = seconds(camera.render, game_map, *many)
+            ratios.append(one / seconds(camera.render, game_map, *many, threads=2))
+        name = f"{size[0]} × {size[1]}: two threads, times one, {len(many.yaws):,} images a call"
+        figures.append(_ratio(name, np.array(ratios[1:])))
     return figures
 
 

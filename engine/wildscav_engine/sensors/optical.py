@@ -1,5 +1,6 @@
 """What all sensors share that look out of the eyes of agents, or from any other place."""
 
+import os
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.match import Match
 
+PARTS_A_THREAD = 4
 NO_VIEWER = -2  # sees every body
 NOTHING_MOVES = gather_solids([])
 
@@ -204,11 +206,17 @@ def _check_finite(name: str, values: NDArray[np.float64]) -> None:
 
 
 def _over_threads(work: Callable[[slice], None], count: int, threads: int) -> None:
-    """Do work on parts of ``range(count)``, one part a thread."""
-    ends = [count * part // threads for part in range(threads + 1)]
-    parts = [slice(start, end) for start, end in pairwise(ends) if start < end]
-    if len(parts) < 2:
-        work(slice(0, count))
-        return
-    with ThreadPoolExecutor(len(parts)) as pool:
-        list(pool.map(work, parts))
+    """Do work on parts of ``range(count)``, several for each thread, since some take longer than others."""
+    parts = min(count, PARTS_A_THREAD * threads)
+    ends = [count * part // parts for part in range(parts + 1)] if parts else []
+    list(_pool(threads).map(work, (slice(start, end) for start, end in pairwise(ends))))
+
+
+@lru_cache(maxsize=4)
+def _pool(threads: int) -> ThreadPoolExecutor:
+    """Return threads that wait for work: to start them takes longer than a few images."""
+    return ThreadPoolExecutor(threads, thread_name_prefix="wildscav-sensors")
+
+
+# A forked process has no threads but its first: it makes its own.
+os.register_at_fork(after_in_child=_pool.cache_clear)

@@ -25,21 +25,29 @@ class Canvas(NamedTuple):
     leave: NDArray[np.float64]  # (W,) m
     spare: NDArray[np.float64]  # (W,) m
     shortening: NDArray[np.float64]  # (H, W) cosines of the angles between the view axis and the rays
+    flat: NDArray[
+        np.float64
+    ]  # (7, H * W) row after row: east, up, north, distance and shortening again, then
+    # the tangents of each pixel, to the right and upwards
 
 
 @array_kernel
 def allocate_canvas(height: int, width: int, half_width: float) -> Canvas:
     """Return room for images whose half width has this tangent."""
-    planes = np.empty((5, height, width))
+    planes = np.empty((7, height, width))
     pixel = 2.0 * half_width / width
     for row in range(height):
         above = (height * 0.5 - row - 0.5) * pixel
         for column in range(width):
             right = (column + 0.5 - width * 0.5) * pixel
             planes[4, row, column] = 1.0 / np.sqrt(1.0 + above * above + right * right)
+            planes[5, row, column] = right
+            planes[6, row, column] = above
     lines = np.empty((3, width))
     met = np.empty((height, width), np.int32)
-    return Canvas(planes[0], planes[1], planes[2], planes[3], met, lines[0], lines[1], lines[2], planes[4])
+    flat = planes.reshape((7, height * width))
+    east, up, north, distance, shortening = planes[0], planes[1], planes[2], planes[3], planes[4]
+    return Canvas(east, up, north, distance, met, lines[0], lines[1], lines[2], shortening, flat)
 
 
 @inlined_kernel
@@ -69,30 +77,25 @@ def index_of(met: int) -> int:
 @inlined_kernel
 def fill(canvas: Canvas, distance: float, met: int) -> None:
     """Let all rays meet one thing at one distance in m."""
-    canvas.distance[:] = distance
+    canvas.flat[3][:] = distance
     canvas.met[:] = met
 
 
 @inlined_kernel
 def start(canvas: Canvas, camera: Camera) -> None:
     """Aim all rays, which have met nothing yet."""
-    pixel = 1.0 / camera.scale
     fill(canvas, camera.far, NOTHING)
-    for row in range(camera.height):
-        above = (camera.height * 0.5 - row - 0.5) * pixel
-        # A pixel's direction is ahead + right · u + above · v; this is ahead + above · v.
-        level = camera.cos_pitch + camera.sin_pitch * above
-        rise = camera.cos_pitch * above - camera.sin_pitch
-        along = canvas.shortening[row]
-        east, up, north = canvas.east[row], canvas.up[row], canvas.north[row]
-        for column in range(camera.width):
-            right = (column + 0.5 - camera.width * 0.5) * pixel
-            east[column] = (camera.sin_yaw * level + camera.cos_yaw * right) * along[column]
-        for column in range(camera.width):
-            up[column] = rise * along[column]
-        for column in range(camera.width):
-            right = (column + 0.5 - camera.width * 0.5) * pixel
-            north[column] = (camera.cos_yaw * level - camera.sin_yaw * right) * along[column]
+    east, up, north = canvas.flat[0], canvas.flat[1], canvas.flat[2]
+    along, right, above = canvas.flat[4], canvas.flat[5], canvas.flat[6]
+    # A pixel's direction is ahead + right · u + above · v, of which ahead + above · v rises and goes level.
+    for ray in range(along.shape[0]):
+        level = camera.cos_pitch + camera.sin_pitch * above[ray]
+        east[ray] = (camera.sin_yaw * level + camera.cos_yaw * right[ray]) * along[ray]
+    for ray in range(along.shape[0]):
+        up[ray] = (camera.cos_pitch * above[ray] - camera.sin_pitch) * along[ray]
+    for ray in range(along.shape[0]):
+        level = camera.cos_pitch + camera.sin_pitch * above[ray]
+        north[ray] = (camera.cos_yaw * level - camera.sin_yaw * right[ray]) * along[ray]
 
 
 @inlined_kernel

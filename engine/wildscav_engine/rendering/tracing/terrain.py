@@ -246,8 +246,7 @@ def _paint_cell(
     )
     south_east = Half(up - (se_east * east + se_north * north), se_east, se_north, of_triangle(triangle))
     north_west = Half(up - (nw_east * east + nw_north * north), nw_east, nw_north, of_triangle(triangle + 1))
-    if max(south_east.above, north_west.above) > 0.0:
-        _paint(Cell(east, north, south_east, north_west), pixels, canvas)
+    _paint(Cell(east, north, south_east, north_west), pixels, canvas)
 
 
 @inlined_kernel
