@@ -58,10 +58,9 @@ class Manifest(BaseModel):
     @field_validator("sensors")
     @classmethod
     def _sensors_are_understood(cls, sensors: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-        from wildscav_engine.sensors import parse_sensor
+        from wildscav_engine.sensors import parse_sensors
 
-        for name, options in sensors.items():
-            parse_sensor(name, options)
+        parse_sensors(sensors)
         return sensors
 
 

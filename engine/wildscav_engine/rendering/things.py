@@ -68,6 +68,9 @@ class Things(Solids):
         things.instance, things.color = instance, color
         return things
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.solids, self.instance, self.color)
+
     @property
     def solids(self) -> Solids:
         """The solids alone."""

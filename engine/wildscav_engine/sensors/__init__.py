@@ -35,7 +35,10 @@ __all__ = [
     "Sensor",
     "VisibleAgents",
     "parse_sensor",
+    "parse_sensors",
 ]
+
+MOST_RAYS = 500_000  # of all sensors of a seat in one step; a match waits for them
 
 
 def parse_sensor(name: str, options: Mapping[str, object]) -> Sensor:
@@ -48,3 +51,17 @@ def parse_sensor(name: str, options: Mapping[str, object]) -> Sensor:
     if name not in SENSORS:
         raise ValueError(f"there is no sensor {name!r}; the sensors are {', '.join(SENSORS)}")
     return SENSORS[name](**options)
+
+
+def parse_sensors(wanted: Mapping[str, Mapping[str, object]]) -> dict[str, Sensor]:
+    """Return all sensors of a seat, by name.
+
+    Raises:
+        ValueError: One is wrong, as in ``parse_sensor``, or together they take too many rays.
+    """
+    sensors = {name: parse_sensor(name, options) for name, options in wanted.items()}
+    rays = {name: sensor.rays for name, sensor in sensors.items() if sensor.rays}
+    if sum(rays.values()) > MOST_RAYS:
+        parts = ", ".join(f"{name} {count:,}" for name, count in rays.items())
+        raise ValueError(f"the sensors take too many rays a step ({parts}); together at most {MOST_RAYS:,}")
+    return sensors

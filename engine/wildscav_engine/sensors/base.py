@@ -26,6 +26,7 @@ from wildscav_engine.spec import one_line
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
+    from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.match import Match
 
 CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
@@ -49,6 +50,14 @@ class Sensor(ABC):
         Raises:
             ValueError: The match has no such seat.
         """
+
+    @property
+    def rays(self) -> int:
+        """How many rays one reading takes: what it costs."""
+        return 0
+
+    def prepare(self, game_map: "GameMap") -> None:  # noqa: B027  # most need nothing
+        """Make what readings on a map need and what takes longer than a reading, if anything."""
 
     @classmethod
     def warmers(cls) -> "Sequence[Sensor]":

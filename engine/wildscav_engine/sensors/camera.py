@@ -31,7 +31,7 @@ class ColorCamera(PaintedCamera):
 
     width: Annotated[int, Field(ge=1, le=1920)] = 160  # pixels
     height: Annotated[int, Field(ge=1, le=1080)] = 90  # pixels
-    far: Annotated[float, Field(gt=0, le=2000)] = 300.0  # m, where all has faded into the haze
+    far: Annotated[float, Field(ge=0.01, le=2000)] = 300.0  # m, where all has faded into the haze
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 75.0  # degrees from the left edge to the right
     shadows: bool = True  # whether things cast shadows
 
@@ -47,6 +47,11 @@ class ColorCamera(PaintedCamera):
         from gymnasium.spaces import Box
 
         return Box(0, 255, self.shape, np.uint8)
+
+    def prepare(self, game_map: "GameMap") -> None:
+        """Make what images of a map are made from, its colours included."""
+        super().prepare(game_map)
+        _ = game_map.materials
 
     def moving_in(self, match: "Match") -> Solids:
         """Return the living agents and the supply boxes that are there."""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
 
 LEAST_WIDTH = 400  # pixels that a legend needs
+MOST_ROWS = 4000  # of an image that is drawn larger for that
 LINE, TEXT, SWATCH, GAP = 24, 13, 12, 10  # pixels: a line of the legend, its text, a patch of colour, between
 PAPER, INK = (250, 248, 243), (44, 40, 38)
 STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000)  # m that a scale may name
@@ -54,7 +55,7 @@ def draw_reading(sensor: OpticalSensor, reading: NDArray[Any], *, legend: bool =
 
 def _enlarged(sensor: OpticalSensor, colors: Colors) -> Colors:
     """Draw each pixel as a block, where a legend needs the room or rings are farther apart than columns."""
-    times = -(-LEAST_WIDTH // colors.shape[1])
+    times = max(1, min(-(-LEAST_WIDTH // colors.shape[1]), MOST_ROWS // colors.shape[0]))
     tall = times
     if isinstance(sensor, Lidar) and sensor.channels > 1:
         apart = (sensor.highest - sensor.lowest) / (sensor.channels - 1)

@@ -43,7 +43,7 @@ class Lidar(MovingOption):
 
     channels: Annotated[int, Field(ge=1, le=128)] = 16  # rings; a single one is halfway up
     azimuths: Annotated[int, Field(ge=1, le=3600)] = 360  # columns of a whole turn
-    range: Annotated[float, Field(gt=0, le=2000)] = 100.0  # m
+    range: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m
     lowest: Elevation = -15.0  # degrees above the horizon, of the lowest ring
     highest: Elevation = 15.0  # degrees, of the highest
     moving: bool = False  # whether agents and supply boxes are met

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 PARTS_A_THREAD = 4
+MOST_SEAT = 2**31 - 1
 NO_VIEWER = -2  # sees every body
 NOTHING_MOVES = gather_solids([])
 
@@ -52,6 +53,15 @@ class OpticalSensor(Sensor):
             cameras: N of them.
             images: (N, *shape), written.
         """
+
+    def prepare(self, game_map: "GameMap") -> None:
+        """Make what images of a map are made from, which takes longer than an image."""
+        _ = game_map.scene
+
+    @property
+    def rays(self) -> int:
+        """How many rays one reading takes."""
+        return self.shape[0] * self.shape[1]
 
     def moving_in(self, match: "Match") -> Solids:  # noqa: ARG002
         """Return what is seen in a match besides the static world: nothing, unless a sensor says else."""
@@ -108,13 +118,13 @@ class OpticalSensor(Sensor):
         cameras = self._cameras(positions, yaws, pitches, viewers)
         images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
         solids = NOTHING_MOVES if moving is None else moving
-        _ = game_map.scene  # made here, not in several threads at once
+        self.prepare(game_map)  # here, not in several threads at once
         if threads == 1:
             self.look(game_map, solids, cameras, images)
             return images
 
         def look_at(part: slice) -> None:
-            self.look(game_map, solids, _some(cameras, part), images[part])
+            self.look(game_map, solids, some_of(cameras, part), images[part])
 
         _over_threads(look_at, len(images), threads)
         return images
@@ -150,6 +160,10 @@ def _seats_of(viewers: ArrayLike | None, count: int) -> NDArray[np.int32]:
         raise ValueError(
             f"viewers are {seats.dtype} of shape {seats.shape}, must be whole numbers of shape ({count},)"
         )
+    if (seats < 0).any() or (seats > MOST_SEAT).any():
+        raise ValueError(
+            f"viewers hold {seats[(seats < 0) | (seats > MOST_SEAT)][0]}, must be seats, 0 or more"
+        )
     return seats.astype(np.int32)
 
 
@@ -163,7 +177,7 @@ class MovingOption(OpticalSensor):
         return things_of(match) if self.moving else NOTHING_MOVES
 
 
-def _some(cameras: Cameras, part: slice) -> Cameras:
+def some_of(cameras: Cameras, part: slice) -> Cameras:
     """Return some of the cameras."""
     return cameras._replace(
         eyes=cameras.eyes[part],

@@ -14,11 +14,14 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.trace import Hits, allocate_hits, trace
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optical import OpticalSensor
+from wildscav_engine.sensors.optical import OpticalSensor, some_of
 from wildscav_engine.trig import cosine, sine
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
+
+
+RAYS_AT_ONCE = 2**20
 
 
 @lru_cache(maxsize=64)
@@ -33,7 +36,7 @@ class PinholeCamera(OpticalSensor):
 
     width: Annotated[int, Field(ge=1, le=1920)] = 38  # pixels
     height: Annotated[int, Field(ge=1, le=1080)] = 22  # pixels
-    far: Annotated[float, Field(gt=0, le=2000)] = 100.0  # m along the ray; nothing beyond is met
+    far: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m along the ray; nothing beyond is met
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 60.0  # degrees from the left edge to the right
 
     channels: ClassVar[tuple[int, ...]] = ()  # length of the axes after height and width
@@ -70,6 +73,11 @@ class PaintedCamera(PinholeCamera):
 
     def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> None:
         """Make the images of some cameras."""
-        hits = allocate_hits(len(images), self.height, self.width)
-        trace(game_map.scene, moving, cameras, hits, with_water=self.sees_water)
-        self.paint(game_map, moving, cameras, hits, images)
+        # Some at a time: what all rays of many images meet would take more memory than the images.
+        each = max(1, RAYS_AT_ONCE // (self.height * self.width))
+        for first in range(0, len(images), each):
+            part = slice(first, first + each)
+            some = cameras if each >= len(images) else some_of(cameras, part)
+            hits = allocate_hits(len(some.yaws), self.height, self.width)
+            trace(game_map.scene, moving, some, hits, with_water=self.sees_water)
+            self.paint(game_map, moving, some, hits, images[part])

@@ -33,7 +33,7 @@ class Seat:
         self.number = number
         self.token = token
         self.bank = bank
-        self._sensors = sensors
+        self.sensors = sensors
         self.stream: asyncio.Task[Any] | None = None  # serves its connection
         self.refusal: RefusalError | None = None  # why its stream was ended
         self.gone = False  # plays no action for the rest of the match
@@ -74,7 +74,7 @@ class Seat:
 
     def sense(self, match: "Match") -> dict[str, NDArray[Any]]:
         """Read the seat's sensors."""
-        return {name: sensor.read(match, [self.number])[0] for name, sensor in self._sensors.items()}
+        return {name: sensor.read(match, [self.number])[0] for name, sensor in self.sensors.items()}
 
     def mark(self, status: SeatStatus, detail: str) -> None:
         """Say how the seat's part in the match ended, and why."""
@@ -95,9 +95,9 @@ def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, "Sensor"
     Raises:
         SensorError: There is no such sensor, or it has no such option.
     """
-    from wildscav_engine.sensors import parse_sensor
+    from wildscav_engine.sensors import parse_sensors
 
     try:
-        return {name: parse_sensor(name, options) for name, options in wanted.items()}
+        return parse_sensors(wanted)
     except ValueError as error:
         raise SensorError(str(error)) from None

@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import grpc
@@ -21,6 +21,7 @@ from wildscav.server.warm import warm
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
+    from wildscav_engine.sensors import Sensor
     from wildscav_engine.spec import MatchSpec
 
 SERVICES = ("", "wildscav.match.v1.Match")
@@ -118,7 +119,7 @@ class MatchServer:
             wanted = parse_sensors((sensors or {}).get(number, {}))
             seats.append(Seat(number, secrets.token_urlsafe(24), TimeBank(clock), wanted))
         # In a thread, so that other matches play on while the map is made.
-        match = await asyncio.to_thread(_set_up, spec)
+        match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats])
         hosted = HostedMatch(match, names, seats, clock)
         self._matches.add(hosted)
         self._places.update({seat.token: Place(hosted, seat) for seat in seats})
@@ -144,8 +145,12 @@ class MatchServer:
         await self._grpc.stop(grace)
 
 
-def _set_up(spec: "MatchSpec") -> "Match":
+def _set_up(spec: "MatchSpec", sensors: Iterable[Mapping[str, "Sensor"]]) -> "Match":
     from wildscav_engine.match import Match
 
     warm()
-    return Match(spec)
+    match = Match(spec)
+    for of_seat in sensors:
+        for sensor in of_seat.values():
+            sensor.prepare(match.game_map)
+    return match

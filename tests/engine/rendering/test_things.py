@@ -1,5 +1,7 @@
 """What moves in a match is seen as it is: who lives, which boxes lie there, and which way each looks."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -149,3 +151,12 @@ def test_a_match_without_anything_has_no_things() -> None:
     match = battle(1)
     match.state.agents.health[:] = 0
     assert len(things_of(match).kind) == 0
+
+
+def test_things_can_be_sent_to_other_processes() -> None:
+    match = make_match(seats=2)
+    things = things_of(match)
+    sent = pickle.loads(pickle.dumps(things))  # noqa: S301
+    assert [part.tobytes() for part in sent] == [part.tobytes() for part in things]
+    assert (sent.instance == things.instance).all()
+    assert (sent.color == things.color).all()

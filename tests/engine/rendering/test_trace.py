@@ -573,3 +573,25 @@ def test_what_lies_beyond_does_not_change_what_is_met(country: Country) -> None:
         met = np.isfinite(near.distance)
         assert (near.distance[met] == distant.distance[met]).all()
         assert (distant.distance[~met] > 19.999).all()
+
+
+def test_the_water_of_a_deep_lake_is_seen_from_just_above_it() -> None:
+    heights, water = np.full((49, 49), -20.0), np.full((48, 48), 0.0)
+    deep = build_world((-48.0, -48.0), heights, water, [], np.zeros((1, 3)))
+    view = View((0.0, 1.0, 0.0), size=(38, 22), far=40.0)
+    answers = seen_by(scene_of(deep), view, with_water=True)
+    below = directions(view)[:, 1] < -1.0 / 40.0
+    assert below.any()
+    assert (answers.solid[below] == WATER_HIT).all()
+
+
+def test_nothing_is_met_beyond_the_map_even_if_a_solid_reaches_there() -> None:
+    scene = scene_of(flat_world(32, [box((12.0, 0.0, -4.0), (24.0, 6.0, 4.0))]))
+    beyond = View((15.5, 3.0, -15.0), yaw=20.0, pitch=-2.0, size=(41, 21), field_of_view=120.0, far=50.0)
+    whole = seen_by(scene, beyond)
+    places = np.array(beyond.eye) + directions(beyond) * whole.distance[:, None]
+    met = whole.solid != NOTHING_HIT
+    assert (whole.solid >= 0).any()
+    assert (np.abs(places[met][:, [0, 2]]) <= 16.0 + 1e-4).all()
+    middle = seen_by(scene, beyond._replace(size=(1, 1), field_of_view=1.0))
+    assert middle.solid[0] == whole.solid[len(met) // 2] == NOTHING_HIT

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wildscav_engine.maps import generate_map
-from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera
+from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera, parse_sensors
 from wildscav_engine.sensors.optical import OpticalSensor
 from wildscav_engine.spec import MapConfig
 
@@ -24,6 +24,8 @@ FINE: dict[str, Any] = {"positions": np.ones((2, 3)), "yaws": np.zeros(2), "pitc
         ({"yaws": [0, np.inf]}, "yaws hold inf, must be finite"),
         ({"pitches": ["a", "b"]}, "pitches are <U1 .* must be real numbers"),
         ({"viewers": [1]}, r"viewers .* shape \(1,\), must be .* shape \(2,\)"),
+        ({"viewers": [0, -1]}, "viewers hold -1, must be seats, 0 or more"),
+        ({"viewers": [0, 2**32 - 2]}, "viewers hold 4294967294, must be seats"),
         ({"threads": 0}, "threads is 0, must be at least 1"),
     ],
 )
@@ -58,3 +60,18 @@ def test_a_wider_view_shows_things_smaller() -> None:
     wide = DepthCamera(1001, 1, field_of_view=90).render(COUNTRY, eyes, level, level)[0, 0]
     ahead = DepthCamera(1, 1).render(COUNTRY, eyes, [45.0], level)[0, 0, 0]
     assert wide[-1] / np.cos(np.radians(45)) == pytest.approx(ahead, rel=0.02)
+
+
+def test_many_images_are_made_in_parts_that_fit_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    eyes, turns = COUNTRY.outdoor[:7] + np.array((0, 1.5, 0)), np.linspace(-170, 170, 7)
+    whole = NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7))
+    monkeypatch.setattr("wildscav_engine.sensors.pinhole.RAYS_AT_ONCE", 2 * 8 * 6)
+    assert NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7)).tobytes() == whole.tobytes()
+
+
+def test_a_seat_cannot_ask_for_more_rays_than_a_match_can_wait_for() -> None:
+    with pytest.raises(
+        ValueError, match=r"too many rays a step \(depth 417,600, camera 384,000\).* at most 500,000"
+    ):
+        parse_sensors({"depth": {"width": 870, "height": 480}, "camera": {"width": 800, "height": 480}})
+    assert list(parse_sensors({"depth": {"width": 380, "height": 220}, "lidar": {}})) == ["depth", "lidar"]

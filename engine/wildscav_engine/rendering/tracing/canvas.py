@@ -99,6 +99,32 @@ def start(canvas: Canvas, camera: Camera) -> None:
 
 
 @inlined_kernel
+def end_at_edges(
+    canvas: Canvas, camera: Camera, west: float, south: float, width: float, height: float
+) -> None:
+    """Let rays meet nothing where they have left a map.
+
+    Args:
+        canvas: Written.
+        camera: The image's, on the map.
+        west: m, x of the map's western edge.
+        south: m, z of its southern edge.
+        width: m from west to east.
+        height: m from south to north.
+    """
+    for row in range(canvas.met.shape[0]):
+        for column in range(canvas.met.shape[1]):
+            east, north = canvas.east[row, column], canvas.north[row, column]
+            past_x = west + width - camera.x if east > 0.0 else west - camera.x
+            past_z = south + height - camera.z if north > 0.0 else south - camera.z
+            out_x = past_x / east if east != 0.0 else np.inf
+            out_z = past_z / north if north != 0.0 else np.inf
+            if canvas.distance[row, column] > min(out_x, out_z):
+                canvas.distance[row, column] = camera.far
+                canvas.met[row, column] = NOTHING
+
+
+@inlined_kernel
 def is_open(canvas: Canvas, pixels: Rectangle, distance: float) -> bool:
     """Return whether some of the rays can still meet what is at a distance in m or beyond."""
     for row in range(pixels.top, pixels.bottom):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import BLOCK, CELL
 from wildscav_engine.kernel import array_kernel, inlined_kernel
 from wildscav_engine.rendering.tracing.bodies import paint_solid
-from wildscav_engine.rendering.tracing.canvas import Canvas, fill, is_open, of_triangle
+from wildscav_engine.rendering.tracing.canvas import Canvas, end_at_edges, fill, is_open, of_triangle
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, may_show, pixels_of_block
 from wildscav_engine.rendering.tracing.packing import Blocks, Shapes
 from wildscav_engine.rendering.tracing.terrain import (
@@ -80,6 +80,9 @@ def look(
             fill(canvas, 0.0, of_triangle(2 * (row * blocks.columns + column) + half))
             return
         _look_around(blocks, solids, row // BLOCK, column // BLOCK, camera, image, with_water, desk, canvas)
+        if blocks.overhangs:
+            west, south = blocks.edges[0], blocks.edges[1]
+            end_at_edges(canvas, camera, west, south, blocks.columns * CELL, blocks.rows * CELL)
     _note_shown(moving.boxes, 0, moving.boxes.shape[0], camera, desk.solids)
     for solid in range(moving.boxes.shape[0]):
         if desk.solids[solid] and moving.names[solid] != viewer:

@@ -51,6 +51,7 @@ class Blocks(NamedTuple):
     members: NDArray[np.int64]  # (M,) solids
     rows: int  # of cells
     columns: int
+    overhangs: bool  # whether a solid reaches beyond the map
 
 
 def pack_shapes(shapes: Shapes) -> Packed:
@@ -67,7 +68,7 @@ def pack_scene(blocks: Blocks, shapes: Shapes) -> Packed:
     """Lay the solids of a world and its blocks end to end."""
     solids = pack_shapes(shapes)
     counts = [len(blocks.balls), len(blocks.members), blocks.rows, blocks.columns]
-    solids.indices[4:8] = counts
+    solids.indices[3], solids.indices[4:8] = blocks.overhangs, counts
     numbers = (blocks.heights, blocks.water, blocks.balls, blocks.edges)
     return Packed(
         np.concatenate([solids.numbers, *(array.ravel() for array in numbers)]),
@@ -110,4 +111,5 @@ def unpack_blocks(packed: Packed) -> Blocks:
         indices[blocks + 1 : blocks + 1 + members],
         packed.indices[6],
         packed.indices[7],
+        packed.indices[3] != 0,
     )

@@ -43,8 +43,16 @@ def scene_of(world: World) -> Scene:
         place[members],
         world.water.shape[0],
         world.water.shape[1],
+        _overhangs(world),
     )
     return Scene(world, solids, pack_scene(blocks, shapes))
+
+
+def _overhangs(world: World) -> bool:
+    """Return whether a solid reaches beyond the map."""
+    size = CELL * np.array(world.water.shape[::-1])
+    low, high = world.solid_low[:, ::2] - world.corner, world.solid_high[:, ::2] - world.corner
+    return bool((low < 0.0).any() or (high > size).any())
 
 
 def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[np.float64]:
@@ -59,7 +67,9 @@ def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[
 
 def _balls_of_blocks(world: World, spans: NDArray[np.float64]) -> NDArray[np.float64]:
     columns = world.block_top.shape[1]
+    surface = _in_blocks(world, world.water, BLOCK).max(axis=1)  # -inf where all is dry
     low, high = np.minimum(spans[:, 0], spans[:, 2]), np.maximum(spans[:, 1], spans[:, 3])
+    high = np.maximum(high, surface)
     side, block = BLOCK * CELL, np.arange(len(spans))
     x = world.corner[0] + (block % columns + 0.5) * side
     z = world.corner[1] + (block // columns + 0.5) * side

@@ -26,7 +26,7 @@ NARROW = 8  # columns; up to so many, ray after ray is faster than row after row
 NEAR = 1.0  # m; a cell that is nearer ahead is placed more precisely than in the sketch
 ROUNDED = 2e-5  # of the tangent of what is farther, the most by which rounding changes it in the sketch
 CELLS = 80  # of which 72 count; more make the loops over them even
-OVERLAP = 1e-6  # m that a triangle reaches beyond its edges, so that no ray slips through between two
+OVERLAP = 1e-8  # m that a triangle reaches beyond its edges, so that no ray slips through between two
 
 
 class Sketch(NamedTuple):
