@@ -5,23 +5,12 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 from PIL import Image
-from rich.console import Console
-
-from wildscav.cli.main import main
+from tests.platform.command import Done, command_here
 
 SMALL = ("--seed", 3, "--size", 60, "--houses", 2)
-
-
-class Done(NamedTuple):
-    """What the command said, and its exit code."""
-
-    returncode: int
-    stdout: str
-    stderr: str
 
 
 @pytest.fixture
@@ -29,17 +18,7 @@ def wildscav_map(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., Done]:
     """Runs the command in this process, which has the engine loaded, with the temporary folder as its own."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("wildscav.console.console", Console(width=200))
-    monkeypatch.setattr("wildscav.console.error_console", Console(width=200, stderr=True))
-
-    def run(*arguments: object) -> Done:
-        monkeypatch.setattr(sys, "argv", ["wildscav", "map", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return Done(int(ended.value.code or 0), *capsys.readouterr())
-
-    return run
+    return command_here("map", tmp_path, monkeypatch, capsys)
 
 
 def test_the_command_draws_in_a_process_of_its_own(tmp_path: Path) -> None:

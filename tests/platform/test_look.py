@@ -5,15 +5,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from rich.console import Console
+from tests.platform.command import Done, command_here
 
-from wildscav.cli.main import main
 from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
@@ -31,30 +29,12 @@ TINY = ("--width", 32, "--height", 18)
 IMAGES = [name for name, kind in SENSORS.items() if issubclass(kind, OpticalSensor)]
 
 
-class Done(NamedTuple):
-    """What the command said, and its exit code."""
-
-    returncode: int
-    stdout: str
-    stderr: str
-
-
 @pytest.fixture
 def look(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., Done]:
     """Runs the command in this process, which has the engine loaded, with the temporary folder as its own."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("wildscav.console.console", Console(width=200))
-    monkeypatch.setattr("wildscav.console.error_console", Console(width=200, stderr=True))
-
-    def run(*arguments: object) -> Done:
-        monkeypatch.setattr(sys, "argv", ["wildscav", "look", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return Done(int(ended.value.code or 0), *capsys.readouterr())
-
-    return run
+    return command_here("look", tmp_path, monkeypatch, capsys)
 
 
 def pixels(path: Path) -> NDArray[np.uint8]:

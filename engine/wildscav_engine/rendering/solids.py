@@ -68,32 +68,22 @@ def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.intege
         order: (N,) those that are wanted, in which order.
         names: (N,) whole numbers that go with them.
     """
-    faces, face_start = _picked(solids.faces, solids.face_start, order)
-    boxes = np.empty((len(order), 9))
     corners, corner_start = _picked(solids.corners, solids.corner_start, order)
-    _box_in(faces, face_start, corners, corner_start, boxes)
-    return Shapes(
-        boxes,
-        face_start,
-        faces,
-        np.asarray(names, np.int64),
-        solids.face_start[order],
-        int(np.diff(face_start).max(initial=0)),
-    )
+    faces, face_start = _picked(solids.faces, solids.face_start, order)
+    picked = solids._replace(faces=faces, face_start=face_start, corners=corners, corner_start=corner_start)
+    return _as_shapes(picked, np.asarray(names, np.int64), solids.face_start[order])
 
 
 def all_shapes_of(solids: Solids) -> Shapes:
     """Return all of some solids as kernels take them, named by their owners."""
-    boxes = np.empty((len(solids.kind), 9))
+    return _as_shapes(solids, solids.owner.astype(np.int64), solids.face_start[:-1])
+
+
+def _as_shapes(solids: Solids, names: NDArray[np.int64], face_names: NDArray[np.int64]) -> Shapes:
+    boxes = np.empty((len(names), 9))
     _box_in(solids.faces, solids.face_start, solids.corners, solids.corner_start, boxes)
-    return Shapes(
-        boxes,
-        solids.face_start,
-        solids.faces,
-        solids.owner.astype(np.int64),
-        solids.face_start[:-1],
-        int(np.diff(solids.face_start).max(initial=0)),
-    )
+    most_faces = int(np.diff(solids.face_start).max(initial=0))
+    return Shapes(boxes, solids.face_start, solids.faces, names, face_names, most_faces)
 
 
 @kernel

@@ -42,11 +42,6 @@ OF_KIND: dict[int, tuple[int, int, int]] = {
 GOLDEN = 0.6180339887498949  # of a turn from one hue to the next, so that none comes twice
 
 
-def is_image(sensor: object) -> bool:
-    """Return whether what a sensor reads can be shown as an image."""
-    return isinstance(sensor, OpticalSensor)
-
-
 def colors_of(sensor: OpticalSensor, reading: NDArray[Any]) -> Colors:
     """Return one reading of a sensor as a picture; what it is follows from its type and shape.
 
