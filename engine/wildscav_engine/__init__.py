@@ -4,4 +4,7 @@ from importlib.metadata import version
 
 ENGINE_VERSION = version("wildscav")
 
-__all__ = ["ENGINE_VERSION"]
+# Rises whenever the same spec and actions give another match: a record can be played again by its own only.
+SIMULATION_VERSION = 2
+
+__all__ = ["ENGINE_VERSION", "SIMULATION_VERSION"]

@@ -47,7 +47,8 @@ class Batch:
         )
         seats = max(len(spec.seats) for spec in self.specs)
         slots = max(setup.slots for setup in self.setups)
-        self.state = allocate_state(len(self.specs), seats, slots)
+        phases = max(len(setup.zone) for setup in self.setups)
+        self.state = allocate_state(len(self.specs), seats, slots, phases)
         self.seen = allocate_seen(len(self.specs), seats)
         worlds = {id(game_map): game_map.world for game_map in self.maps}
         places = {key: index for index, key in enumerate(worlds)}
@@ -153,8 +154,11 @@ def agents_of(agents: Agents, match: int, seats: int) -> Agents:
         agents.in_water[match][:seats],
         agents.walked[match][:seats],
         agents.reached[match][:seats],
+        agents.knows_target[match][:seats],
         agents.health[match][:seats],
         agents.respawn_left[match][:seats],
+        agents.eliminated[match][:seats],
+        agents.placement[match][:seats],
         agents.invincible_left[match][:seats],
         agents.clip[match][:seats],
         agents.spare_ammo[match][:seats],

@@ -80,9 +80,9 @@ def digest_step(
         digest = _mix_counts(digest, counts)
     for counts in (agents.kills, agents.deaths, agents.shots, agents.hits):
         digest = _mix_counts(digest, counts)
-    for counts in (agents.hit_seat, agents.hit_by_seat, agents.gained):
+    for counts in (agents.hit_seat, agents.hit_by_seat, agents.gained, agents.placement):
         digest = _mix_counts(digest, counts)
-    for flags in (agents.on_ground, agents.in_water, agents.reached, agents.fired):
+    for flags in (agents.on_ground, agents.in_water, agents.reached, agents.knows_target, agents.fired):
         digest = _mix_flags(digest, flags)
     # Where boxes lie follows from the spec and from where agents died, so it need not be read each step.
     digest = _mix_counts(digest, supplies.quantity)

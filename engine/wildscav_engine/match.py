@@ -13,7 +13,7 @@ from wildscav_engine.result import MatchResult, SeatResult
 from wildscav_engine.sensors.visibility import Seen
 from wildscav_engine.set_up import MatchSetupError, WaveInfo, seed_of_seat
 from wildscav_engine.spec import SUBMISSION, MatchSpec
-from wildscav_engine.state import State
+from wildscav_engine.state import Ending, State
 from wildscav_engine.tracks import Track
 
 __all__ = ["Match", "MatchSetupError", "StartInfo", "WaveInfo"]
@@ -102,9 +102,11 @@ class Match:
         if not 0 <= seat < self.seats:
             raise ValueError(f"there is no seat {seat}; the seats are 0 to {self.seats - 1}")
         setup = self._batch.setups[0]
-        target = None if setup.target is None else _triple(setup.target)
+        known = setup.target is not None and not self.track.hides_target
+        target = _triple(setup.target) if known else None
         seed = seed_of_seat(self.spec, seat)
-        return StartInfo(_triple(setup.starts[seat]), target, seat, seed, setup.waves)
+        team = self.spec.team_of_seats[seat]
+        return StartInfo(_triple(setup.starts[seat]), target, team, seed, setup.waves)
 
     def step(self, actions: ArrayLike | None = None) -> None:
         """Play one step; nothing happens once the match is over.
@@ -132,6 +134,7 @@ class Match:
             track=self.track.name,
             frames=self.frame,
             steps=self.step_number,
+            ending=Ending(self.state.matches.ending[0]).name.lower(),
             seats=tuple(self._seat_result(seat) for seat in range(self.seats)),
         )
 

@@ -24,4 +24,5 @@ class MatchResult(Spec):
     track: str
     frames: int
     steps: int
+    ending: str = "none"  # the name of an Ending: "none", "time_up", "goal" or "last_standing"
     seats: tuple[SeatResult, ...]

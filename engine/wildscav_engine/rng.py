@@ -41,6 +41,7 @@ class Stream(IntEnum):
     BOX_SERIAL = 19
     SUITE = 20
     CATALOGUE = 21
+    ZONE = 22
 
 
 @kernel

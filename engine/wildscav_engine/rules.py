@@ -35,6 +35,7 @@ class Rules(NamedTuple):
     supply_loss: Annotated[float, Field(ge=0, le=1)] = 0.5  # share dropped at death
     # What is seen
     supply_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, no occlusion
+    target_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, at which a hidden target is found
     view_angle: Annotated[float, Field(gt=0, lt=180)] = 90.0  # degrees wide, 9/16 of it high
     # Goals
     target_distance: Annotated[float, Field(gt=0, le=20)] = 1.0  # m, from the soles to the target

@@ -20,6 +20,7 @@ from wildscav_engine.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
 from wildscav_engine.state import State
 from wildscav_engine.systems.motion import Bodies, move
 from wildscav_engine.systems.supplies import choose_indoor, choose_outdoor, fill_boxes
+from wildscav_engine.systems.zone import plan_zone
 from wildscav_engine.tracks import TRACKS
 
 LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
@@ -59,6 +60,7 @@ class Setup(NamedTuple):
     target: NDArray[np.float64] | None  # (3,) m
     boxes: tuple[Boxes, ...]
     waves: tuple[WaveInfo, ...]
+    zone: NDArray[np.float64]  # (Z, 9) as in Matches.zone
 
     @property
     def slots(self) -> int:
@@ -81,7 +83,8 @@ def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
     _check_ways(spec, game_map, starts[0], target)
     config = track.supplies(spec)
     boxes, waves = _choose_boxes(spec, game_map, config) if config else ((), ())
-    return Setup(spec, starts, target, boxes, waves)
+    zone = plan_zone(track.zone(spec), game_map.config.size, spec.seed)
+    return Setup(spec, starts, target, boxes, waves, zone)
 
 
 def _choose_starts(spec: MatchSpec, game_map: GameMap) -> NDArray[np.float64]:
@@ -207,7 +210,7 @@ def _center_of(spec: MatchSpec, game_map: GameMap, wave: SupplyWave, number: int
 def place_match(state: State, match: int, setup: Setup) -> None:
     """Write a match's first state into its row of a batch; the agents are yet to be equipped."""
     agents, supplies, matches = state
-    spec = setup.spec
+    spec, track = setup.spec, TRACKS[setup.spec.track]
     matches.seats[match] = len(spec.seats)
     matches.slots[match] = setup.slots
     matches.seed[match] = spec.seed
@@ -216,9 +219,17 @@ def place_match(state: State, match: int, setup: Setup) -> None:
     if setup.target is not None:
         matches.has_target[match] = True
         matches.target[match] = setup.target
+    matches.respawns[match] = track.respawns
+    matches.supply_goal[match] = spec.supply_goal or 0
+    matches.phases[match] = len(setup.zone)
+    matches.zone[match, : len(setup.zone)] = setup.zone
+    teams = spec.team_of_seats
+    agents.team[match, : len(teams)] = teams
+    matches.teams[match] = matches.teams_left[match] = max(teams) + 1
+    matches.members_left[match, : len(teams)] = np.bincount(teams, minlength=len(teams))
     for seat, filled_by in enumerate(spec.seats):
         agents.present[match, seat] = True
-        agents.team[match, seat] = seat
+        agents.knows_target[match, seat] = track.has_target and not track.hides_target
         agents.robot[match, seat] = 0 if filled_by == SUBMISSION else ROBOTS[filled_by].number
         agents.position[match, seat] = setup.starts[seat]
     first = 0

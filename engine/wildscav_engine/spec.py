@@ -60,6 +60,21 @@ class SupplyConfig(Spec):
         return self
 
 
+class ZonePhase(Spec):
+    """One shrinking of the safe zone: it waits, then draws in to a smaller circle inside itself."""
+
+    wait: Annotated[float, Field(ge=0, le=86_400)]  # s before it begins to shrink
+    shrink: Annotated[float, Field(gt=0, le=86_400)]  # s from then until it has its new radius
+    share: Annotated[float, Field(ge=0, le=1)]  # the new radius over the old one
+    damage: Annotated[int, Field(ge=0, le=10_000)]  # hp a second outside, from the start of the phase
+
+
+class ZoneConfig(Spec):
+    """The schedule of the safe zone, which begins as the circle around the whole map."""
+
+    phases: Annotated[tuple[ZonePhase, ...], Field(max_length=16)] = ()
+
+
 class Placement(Spec):
     """Something that is put at one place of a map by hand."""
 
@@ -113,11 +128,16 @@ class MatchSpec(Spec):
     seed: Seed = 0
     # Who fills each seat: "submission" or a robot's name.
     seats: Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)] = (SUBMISSION,)
+    # The team of each seat, counted from 0; None: the track's own (each seat alone, or all together).
+    teams: tuple[Annotated[int, Field(ge=0, lt=1000)], ...] | None = None
     time_limit: Annotated[float, Field(gt=0, le=86_400)] = 120.0  # s of game time
     frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5
     start: tuple[float, float, float] | None = None  # m; None: a random outdoor location a seat
     target: tuple[float, float, float] | None = None  # m; None: a random outdoor location (navigation)
     supplies: SupplyConfig | None = None  # None: the track's default
+    # Gathering: how many supplies a team has to carry to end the match; None: the time ends it.
+    supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    zone: ZoneConfig | None = None  # royale; None: the track's default
     rules: RulesField = Rules()
 
     @property
@@ -130,6 +150,13 @@ class MatchSpec(Spec):
         """Steps after which the match is over at the latest."""
         return -(-self.frame_limit // self.frames_per_action)
 
+    @property
+    def team_of_seats(self) -> tuple[int, ...]:
+        """The team of each seat."""
+        from wildscav_engine.tracks import TRACKS
+
+        return self.teams if self.teams is not None else TRACKS[self.track].teams(len(self.seats))
+
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
         from wildscav_engine.robots import ROBOTS
@@ -138,12 +165,27 @@ class MatchSpec(Spec):
         if self.track not in TRACKS:
             raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(TRACKS)}")
         track = TRACKS[self.track]
-        if self.target is not None and not track.has_target:
-            raise ValueError(f"target is given, but {self.track} has no target")
-        if self.supplies is not None and not track.has_supplies:
-            raise ValueError(f"supplies are given, but {self.track} has no supplies")
+        for field, allowed in (
+            ("target", track.has_target),
+            ("supplies", track.has_supplies),
+            ("supply_goal", track.has_supply_goal),
+            ("zone", track.has_zone),
+        ):
+            if getattr(self, field) is not None and not allowed:
+                raise ValueError(f"{field} is given, but {self.track} has no {field.replace('_', ' ')}")
         for seat, name in enumerate(self.seats):
             if name != SUBMISSION and name not in ROBOTS:
                 allowed = ", ".join([SUBMISSION, *ROBOTS])
                 raise ValueError(f"seat {seat} is filled by {name!r}; allowed are {allowed}")
+        return self
+
+    @model_validator(mode="after")
+    def _teams_fit(self) -> Self:
+        if self.teams is None:
+            return self
+        if len(self.teams) != len(self.seats):
+            raise ValueError(f"{len(self.teams)} teams are given for {len(self.seats)} seats")
+        missing = sorted(set(range(max(self.teams))) - set(self.teams))
+        if missing:
+            raise ValueError(f"nobody is in team {missing[0]}; teams are counted from 0 without a gap")
         return self

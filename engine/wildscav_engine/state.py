@@ -4,13 +4,24 @@ B matches, A seats in the largest of them, S slots for supply boxes in the large
 match's slices, which have the same names and no B axis.
 """
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 NOBODY = -1  # in place of a seat
+NOT_OUT = -1  # in place of the frame of an elimination
 MEMORY = 8  # numbers that a robot can remember
+
+
+class Ending(IntEnum):
+    """Why a match is over."""
+
+    NONE = 0  # it is not
+    TIME_UP = 1
+    GOAL = 2  # the target is reached, or enough supplies are collected
+    LAST_STANDING = 3  # no more than one team is left
 
 
 class Agents(NamedTuple):
@@ -28,8 +39,11 @@ class Agents(NamedTuple):
     in_water: NDArray[np.bool_]  # (B, A)
     walked: NDArray[np.float64]  # (B, A) m, horizontal way so far
     reached: NDArray[np.bool_]  # (B, A) whether it is at the target
+    knows_target: NDArray[np.bool_]  # (B, A) whether it has been told the target, or its team has found it
     health: NDArray[np.int32]  # (B, A) hp, 0 = dead
-    respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent comes back
+    respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent comes back, 0 if it never does
+    eliminated: NDArray[np.int32]  # (B, A) the frame in which it died for good, or NOT_OUT
+    placement: NDArray[np.int32]  # (B, A) of its team, 1 = best, 0 as long as the team is in the match
     invincible_left: NDArray[np.int32]  # (B, A) frames
     clip: NDArray[np.int32]  # (B, A) rounds in the weapon
     spare_ammo: NDArray[np.int32]  # (B, A) rounds carried besides
@@ -70,10 +84,19 @@ class Matches(NamedTuple):
     frame_limit: NDArray[np.int64]  # (B,)
     step: NDArray[np.int64]  # (B,) steps played
     over: NDArray[np.bool_]  # (B,)
+    ending: NDArray[np.int64]  # (B,) why it is over, an Ending
+    respawns: NDArray[np.bool_]  # (B,) whether the dead come back
+    teams: NDArray[np.int64]  # (B,) how many teams there are
+    teams_left: NDArray[np.int64]  # (B,) how many of them have someone who is not out
+    members_left: NDArray[np.int32]  # (B, A) of each team, those who are not out
+    supply_goal: NDArray[np.int64]  # (B,) what a team must carry to end the match, 0 = no goal
     target: NDArray[np.float64]  # (B, 3) m
     has_target: NDArray[np.bool_]  # (B,) whether reaching the target ends the match
     reached_by: NDArray[np.int64]  # (B,) a seat that reached it, or NOBODY
     next_serial: NDArray[np.int64]  # (B,) for the next box dropped
+    zone: NDArray[np.float64]  # (B, Z, 9) phases of the safe zone: frames in which shrinking starts and ends,
+    # then x, z and radius before, x, z and radius after it in m, and hp a second outside
+    phases: NDArray[np.int64]  # (B,) how many phases this match has; the rest of the Z are padding
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
 
 
@@ -85,7 +108,7 @@ class State(NamedTuple):
     matches: Matches
 
 
-def allocate_state(matches: int, seats: int, slots: int) -> State:
+def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> State:
     """Return a state with everything zero, nobody present and no boxes."""
     b, a, s = matches, seats, slots
     agents = Agents(
@@ -101,6 +124,9 @@ def allocate_state(matches: int, seats: int, slots: int) -> State:
         in_water=np.zeros((b, a), np.bool_),
         walked=np.zeros((b, a)),
         reached=np.zeros((b, a), np.bool_),
+        knows_target=np.zeros((b, a), np.bool_),
+        eliminated=np.full((b, a), NOT_OUT, np.int32),
+        placement=np.zeros((b, a), np.int32),
         **{name: np.zeros((b, a), np.int32) for name in _COUNTS},
         fired=np.zeros((b, a), np.bool_),
         shot_end=np.zeros((b, a, 3)),
@@ -115,7 +141,7 @@ def allocate_state(matches: int, seats: int, slots: int) -> State:
         appears=np.zeros((b, s), np.int32),
         serial=np.zeros((b, s), np.int32),
     )
-    return State(agents, supplies, _allocate_matches(b))
+    return State(agents, supplies, _allocate_matches(b, a, phases))
 
 
 _COUNTS = (
@@ -124,7 +150,7 @@ _COUNTS = (
 )
 
 
-def _allocate_matches(b: int) -> Matches:
+def _allocate_matches(b: int, a: int, phases: int) -> Matches:
     return Matches(
         map_index=np.zeros(b, np.int64),
         seats=np.zeros(b, np.int64),
@@ -134,9 +160,17 @@ def _allocate_matches(b: int) -> Matches:
         frame_limit=np.zeros(b, np.int64),
         step=np.zeros(b, np.int64),
         over=np.zeros(b, np.bool_),
+        ending=np.zeros(b, np.int64),
+        respawns=np.ones(b, np.bool_),
+        teams=np.zeros(b, np.int64),
+        teams_left=np.zeros(b, np.int64),
+        members_left=np.zeros((b, a), np.int32),
+        supply_goal=np.zeros(b, np.int64),
         target=np.zeros((b, 3)),
         has_target=np.zeros(b, np.bool_),
         reached_by=np.full(b, NOBODY, np.int64),
         next_serial=np.zeros(b, np.int64),
+        zone=np.zeros((b, phases, 9)),
+        phases=np.zeros(b, np.int64),
         digest=np.zeros(b, np.uint64),
     )

@@ -14,10 +14,18 @@ from wildscav_engine.rules import FRAME, Rules
 from wildscav_engine.sensors.visibility import Seen, look_around
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.systems.damage import apply_damage, bring_back, equip
+from wildscav_engine.systems.elimination import rank_teams
+from wildscav_engine.systems.endings import (
+    end_at_last_standing,
+    end_at_supply_goal,
+    end_at_target,
+    end_at_time_limit,
+)
 from wildscav_engine.systems.motion import Bodies, move
 from wildscav_engine.systems.supplies import pick_up
-from wildscav_engine.systems.turns import Turns, draw_turns, seat_at
+from wildscav_engine.systems.turns import draw_turns, seat_at
 from wildscav_engine.systems.weapons import handle_weapon, shoot
+from wildscav_engine.systems.zone import hurt_outside
 from wildscav_engine.trig import wrap
 
 
@@ -88,17 +96,21 @@ def play_frame(
         _turn_and_move(world, agents, seat_at(turns, turn), actions, rules)
     matches.frame[match] += 1
     # The target is tested every frame, so that nobody runs through it between two steps.
-    _test_target(agents, matches, match, turns, rules)
+    end_at_target(agents, matches, match, turns, rules)
     pick_up(agents, supplies, actions, turns, matches.frame[match], rules)
+    end_at_supply_goal(agents, matches, match)
     for seat in range(seats):
         if agents.health[seat] > 0:
             handle_weapon(agents, seat, actions[seat, Field.RELOAD] != 0.0, rules)
     # Everyone has moved before anyone shoots, so no agent gains by coming first.
     shoot(world, agents, actions, turns, rules)
     # Damage lands after the last shot: two agents can kill each other in one frame.
+    hurt_outside(agents, matches, match)
     apply_damage(agents, supplies, matches, match, rules)
-    if matches.frame[match] >= matches.frame_limit[match]:
-        matches.over[match] = True
+    # After all deaths of the frame: teams that go out together share their placement.
+    rank_teams(agents, matches, match)
+    end_at_last_standing(matches, match)
+    end_at_time_limit(matches, match)
 
 
 @kernel
@@ -171,22 +183,3 @@ def _turn_and_move(
     place[0], place[1], place[2] = moved.x, moved.y, moved.z
     agents.on_ground[seat] = moved.on_ground
     agents.in_water[seat] = moved.y < water_at(world, moved.x, moved.z)
-
-
-@kernel
-def _test_target(agents: Agents, matches: Matches, match: int, turns: Turns, rules: Rules) -> None:
-    """End the match when agents are at the target (3D, from the soles): all of them have reached it."""
-    if not matches.has_target[match]:
-        return
-    target, reach = matches.target[match], rules.target_distance
-    for turn in range(turns.seats):
-        seat = seat_at(turns, turn)
-        dx = agents.position[seat, 0] - target[0]
-        dy = agents.position[seat, 1] - target[1]
-        dz = agents.position[seat, 2] - target[2]
-        near = dx * dx + dy * dy + dz * dz <= reach * reach
-        if near and agents.health[seat] > 0:
-            agents.reached[seat] = True
-            matches.over[match] = True
-            if matches.reached_by[match] == NOBODY:
-                matches.reached_by[match] = seat

@@ -10,14 +10,17 @@ from wildscav_engine.spec import MapConfig, MatchSpec, SupplyConfig, one_line
 @pytest.mark.parametrize(
     ("fields", "said"),
     [
-        ({"track": "racing"}, "track is 'racing'; the tracks are navigation, gathering, battle"),
+        (
+            {"track": "racing"},
+            "track is 'racing'; the tracks are navigation, gathering, capture, battle, royale",
+        ),
         (
             {"track": "battle", "seats": ["wizard"]},
             "seat 0 is filled by 'wizard'; allowed are submission",
         ),
         ({"track": "battle", "seats": []}, "seats"),
         ({"track": "battle", "target": [0, 0, 0]}, "target is given, but battle has no target"),
-        ({"track": "navigation", "supplies": {}}, "supplies are given, but navigation has no supplies"),
+        ({"track": "navigation", "supplies": {}}, "supplies is given, but navigation has no supplies"),
         ({"track": "battle", "time_limit": 0}, "time_limit: Input should be greater than 0, not 0"),
         ({"track": "battle", "seed": -1}, "seed"),
         ({"track": "battle", "rules": {"gravity": 1}}, "no rule is called gravity"),

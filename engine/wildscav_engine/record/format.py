@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from wildscav_engine import ENGINE_VERSION
+from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.actions import FIELDS
 from wildscav_engine.container import ContainerError, Layout, decompress, pack, unpack
 from wildscav_engine.files import write_whole
@@ -26,7 +26,10 @@ from wildscav_engine.spec import MatchSpec, one_line
 
 LAYOUT = Layout(b"WILDSCAV", 2, "a record of a match")
 ARRAYS_LIMIT = 1 << 30  # bytes, unpacked: no record makes its reader run out of memory
-HEADER_KEYS = {"spec", "map_digest", "generator_version", "engine_version", "names", "result", "steps"}
+HEADER_KEYS = {
+    *("spec", "map_digest", "generator_version", "simulation_version", "engine_version"),
+    *("names", "result", "steps"),
+}
 SUFFIX = ".wsr"
 
 
@@ -41,6 +44,7 @@ class Record:
     spec: MatchSpec
     map_digest: str
     generator_version: int  # of the maps
+    simulation_version: int  # of the rules
     engine_version: str
     names: tuple[str, ...]  # what the seats are called, one for each
     result: MatchResult
@@ -64,6 +68,7 @@ def record_of(match: Match, names: Sequence[str]) -> Record:
         spec=match.spec,
         map_digest=match.game_map.digest,
         generator_version=GENERATOR_VERSION,
+        simulation_version=SIMULATION_VERSION,
         engine_version=ENGINE_VERSION,
         names=tuple(names),
         result=match.result(),
@@ -96,6 +101,7 @@ def encode(record: Record) -> bytes:
         "spec": record.spec.model_dump(mode="json"),
         "map_digest": record.map_digest,
         "generator_version": record.generator_version,
+        "simulation_version": record.simulation_version,
         "engine_version": record.engine_version,
         "names": list(record.names),
         "result": record.result.model_dump(mode="json"),
@@ -139,6 +145,7 @@ def decode(data: bytes) -> Record:
 
 def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
     """Build a record from its parts, checking that they fit each other."""
+    header.setdefault("simulation_version", 1)  # the first had no number
     if set(header) != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     spec = MatchSpec.model_validate(header["spec"])
@@ -158,6 +165,7 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         spec=spec,
         map_digest=str(header["map_digest"]),
         generator_version=int(header["generator_version"]),
+        simulation_version=int(header["simulation_version"]),
         engine_version=str(header["engine_version"]),
         names=names,
         result=MatchResult.model_validate(header["result"]),

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from wildscav_engine import ENGINE_VERSION
+from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION, MapError, map_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match, MatchSetupError
@@ -32,6 +32,11 @@ def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Matc
         RecordError: The match cannot be set up, or its map is not the one it was played on.
     """
     # Before the map is made, which may take long or fail in ways that say little.
+    if record.simulation_version != SIMULATION_VERSION:
+        raise RecordError(
+            f"played by the rules of simulation version {record.simulation_version}, but this engine has "
+            f"version {SIMULATION_VERSION}: play it with the engine that made it ({record.engine_version})"
+        )
     if record.generator_version != GENERATOR_VERSION:
         raise RecordError(
             f"played on a map of generator version {record.generator_version}, but this engine makes those "

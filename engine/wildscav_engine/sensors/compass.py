@@ -1,8 +1,9 @@
 """The compass: where the target of the match lies, seen from the agent.
 
-Five numbers: 1 where the track has a target; the sine and the cosine of its bearing, the angle from the
+Five numbers: 1 where the agent knows a target; the sine and the cosine of its bearing, the angle from the
 agent's yaw, clockwise (0 and 1 straight ahead, 1 and 0 to the right; both 0 right above or below it); its
-level distance in m; and how much higher than the soles it lies, in m. All are 0 where the track has none.
+level distance in m; and how much higher than the soles it lies, in m. All are 0 where the track has none, or
+as long as it is hidden from the agent's team.
 
 The sine and cosine have no jump where the target is behind, as an angle has.
 """
@@ -47,8 +48,10 @@ class Compass(Sensor):
         rows = rows_of(match, seats)
         readings = np.zeros((len(rows), 5), np.float32)
         agents, matches = match.state.agents, match.state.matches
-        if matches.has_target[0]:
-            _point(agents.position[0, rows], agents.yaw[0, rows], matches.target[0], readings)
+        known = np.flatnonzero(agents.knows_target[0, rows])
+        pointed = readings[known]
+        _point(agents.position[0, rows[known]], agents.yaw[0, rows[known]], matches.target[0], pointed)
+        readings[known] = pointed
         return readings
 
 

@@ -6,6 +6,7 @@ from wildscav_engine.kernel import kernel
 from wildscav_engine.rng import Stream, Word, integer_in
 from wildscav_engine.rules import Rules, frames
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
+from wildscav_engine.systems.elimination import eliminate
 from wildscav_engine.systems.supplies import drop_supplies
 
 RESPAWN_TRIES = 16  # places looked at before one beside another agent is taken
@@ -14,7 +15,9 @@ RESPAWN_DISTANCE = 4.0 * BODY_RADIUS  # m kept from other agents
 
 @kernel
 def apply_damage(agents: Agents, supplies: Supplies, matches: Matches, match: int, rules: Rules) -> None:
-    """Take health away; who has none left dies, drops a share of its supplies and waits to come back.
+    """Take health away; who has none left dies and drops a share of its supplies.
+
+    It waits to come back, or is out for good where nobody comes back.
 
     Args:
         agents: The agents of the match.
@@ -34,7 +37,10 @@ def apply_damage(agents: Agents, supplies: Supplies, matches: Matches, match: in
                 agents.kills[agents.hit_by_seat[seat]] += 1
             agents.velocity[seat] = 0.0
             agents.reload_left[seat] = 0
-            agents.respawn_left[seat] = frames(rules.respawn_time)
+            if matches.respawns[match]:
+                agents.respawn_left[seat] = frames(rules.respawn_time)
+            else:
+                eliminate(agents, matches, match, seat)
             drop_supplies(agents, supplies, matches, match, seat, rules.supply_loss)
 
 

@@ -1,10 +1,11 @@
-"""What every track is: its action set, how it is set up, and what it measures."""
+"""What every track is: its action set, its teams and goals, what it rewards, and what it measures."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from wildscav_engine.actions import Field
-from wildscav_engine.spec import MatchSpec, SupplyConfig
+from wildscav_engine.spec import MatchSpec, SupplyConfig, ZoneConfig
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -21,43 +22,41 @@ class Metric(NamedTuple):
     lower_is_better: bool
 
 
-class Track(Protocol):
+class Track(ABC):
     """A kind of match."""
 
-    @property
-    def name(self) -> str:
-        """The word for it in specs, commands and files."""
-        ...
+    name: ClassVar[str]  # the word for it in specs, commands and files
+    title: ClassVar[str]  # what a person reads
+    fields: ClassVar[frozenset[Field]]  # the action set; other fields of an action are ignored
+    metrics: ClassVar[tuple[Metric, ...]]  # what is measured; the first is the score
+    rewards: ClassVar[Mapping[str, float]]  # weights of the reward terms that learners get by default
+    robot: ClassVar[str]  # who fills the other seats of an environment by default
+    has_target: ClassVar[bool] = False  # whether reaching the target ends the match
+    hides_target: ClassVar[bool] = False  # whether the target has to be found first
+    has_supplies: ClassVar[bool] = False  # whether there are supply boxes
+    has_supply_goal: ClassVar[bool] = False  # whether a spec may ask for a number of supplies
+    has_zone: ClassVar[bool] = False  # whether there is a safe zone
+    respawns: ClassVar[bool] = True  # whether the dead come back
 
-    @property
-    def title(self) -> str:
-        """What a person reads."""
-        ...
+    def teams(self, seats: int) -> tuple[int, ...]:
+        """Return the team of each seat where the spec does not say: every seat has its own."""
+        return tuple(range(seats))
 
-    @property
-    def fields(self) -> frozenset[Field]:
-        """The action set; other fields of an action are ignored."""
-        ...
-
-    @property
-    def metrics(self) -> tuple[Metric, ...]:
-        """What is measured; the first is the score."""
-        ...
-
-    @property
-    def has_target(self) -> bool:
-        """Whether reaching the target ends the match."""
-        ...
-
-    @property
-    def has_supplies(self) -> bool:
-        """Whether there are supply boxes."""
-        ...
-
-    def supplies(self, spec: MatchSpec) -> SupplyConfig | None:
+    def supplies(self, spec: MatchSpec) -> SupplyConfig | None:  # noqa: ARG002
         """Return where supplies lie, None for a track without any."""
-        ...
+        return None
 
+    def zone(self, spec: MatchSpec) -> ZoneConfig:  # noqa: ARG002
+        """Return the schedule of the safe zone, one without phases for a track without any."""
+        return ZoneConfig()
+
+    @abstractmethod
     def measure(self, match: "Match", seat: int) -> Mapping[str, float]:
         """Return a seat's value of every metric, for a match that is over (or as it stands)."""
-        ...
+
+
+def carried_by_team(match: "Match", seat: int) -> float:
+    """Return the supplies that a seat's team carries."""
+    agents = match.state.agents
+    of_team = agents.team[0] == agents.team[0, seat]
+    return float(agents.supplies[0, of_team].sum())

@@ -1,23 +1,24 @@
 """Supply battle: gather in competition with others, who can be shot for what they carry."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.actions import Field
 from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.tracks.base import Metric
+from wildscav_engine.tracks.base import Metric, Track, carried_by_team
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 
-class Battle:
-    """The supplies that a seat carries at the end; the dead come back after a while."""
+class Battle(Track):
+    """The supplies that a seat's team carries at the end; the dead come back after a while."""
 
-    name = "battle"
-    title = "Supply battle"
+    name: ClassVar[str] = "battle"
+    title: ClassVar[str] = "Supply battle"
     fields = frozenset(Field)
-    has_target = False
-    has_supplies = True
+    has_supplies: ClassVar[bool] = True
+    rewards: ClassVar[dict[str, float]] = {"supply_found": 1.0, "kill": 1.0, "death": -1.0}
+    robot: ClassVar[str] = "fighter"
     metrics = (
         Metric("supplies", "supplies", "", lower_is_better=False),
         Metric("kills", "kills", "", lower_is_better=False),
@@ -33,10 +34,10 @@ class Battle:
         )
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
-        """Return the supplies carried, kills and deaths."""
+        """Return the supplies that the team carries, and the seat's kills and deaths."""
         agents = match.state.agents
         return {
-            "supplies": float(agents.supplies[0, seat]),
+            "supplies": carried_by_team(match, seat),
             "kills": float(agents.kills[0, seat]),
             "deaths": float(agents.deaths[0, seat]),
         }

@@ -1,24 +1,34 @@
-"""Supply gathering: collect as many supplies as possible within the time limit."""
+"""Supply gathering: collect as many supplies as possible within the time limit, or enough of them soon."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.actions import Field
+from wildscav_engine.rules import FRAME
 from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.tracks.base import MOVES, Metric
+from wildscav_engine.tracks.base import MOVES, Metric, Track, carried_by_team
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 
-class Gathering:
-    """The supplies that a seat carries at the end."""
+class Gathering(Track):
+    """The supplies that a seat's team carries at the end; alone, as a team, or teams against each other.
 
-    name = "gathering"
-    title = "Supply gathering"
+    With a supply goal in the spec, the first team that carries so many ends the match: then the time counts.
+    """
+
+    name: ClassVar[str] = "gathering"
+    title: ClassVar[str] = "Supply gathering"
     fields = MOVES | {Field.PICK_UP}
-    has_target = False
-    has_supplies = True
-    metrics = (Metric("supplies", "supplies", "", lower_is_better=False),)
+    has_supplies: ClassVar[bool] = True
+    has_supply_goal: ClassVar[bool] = True
+    rewards: ClassVar[dict[str, float]] = {"supply_found": 1.0}
+    robot: ClassVar[str] = "gatherer"
+    metrics = (
+        Metric("supplies", "supplies", "", lower_is_better=False),
+        Metric("own_supplies", "own supplies", "", lower_is_better=False),
+        Metric("time", "time", "s", lower_is_better=True),
+    )
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
         """Return the spec's supplies, or the map's, or one wave around the middle of the map."""
@@ -32,5 +42,9 @@ class Gathering:
         )
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
-        """Return the supplies carried."""
-        return {"supplies": float(match.state.agents.supplies[0, seat])}
+        """Return the supplies that the team and the seat carry, and the time of the match."""
+        return {
+            "supplies": carried_by_team(match, seat),
+            "own_supplies": float(match.state.agents.supplies[0, seat]),
+            "time": match.frame * FRAME,
+        }

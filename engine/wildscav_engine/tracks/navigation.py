@@ -1,12 +1,11 @@
 """Navigation: walk from a random start to a random target as fast as possible."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from wildscav_engine.rules import FRAME
-from wildscav_engine.spec import MatchSpec
-from wildscav_engine.tracks.base import MOVES, Metric
+from wildscav_engine.tracks.base import MOVES, Metric, Track
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -14,18 +13,19 @@ if TYPE_CHECKING:
 PUNISHED_SPEED = 10.0  # m/s: a target not reached costs twice the time that the way left takes at this speed
 
 
-class Navigation:
+class Navigation(Track):
     """The target reached within the time limit: used time. Not reached: plus 2 · distance left / 10 s.
 
-    With several agents it is a race: the first at the target ends the match for all. Whoever is there in the
+    With several teams it is a race: the first at the target ends the match for all. Whoever is there in the
     same frame has reached it, too.
     """
 
-    name = "navigation"
-    title = "Navigation"
+    name: ClassVar[str] = "navigation"
+    title: ClassVar[str] = "Navigation"
     fields = MOVES
-    has_target = True
-    has_supplies = False
+    has_target: ClassVar[bool] = True
+    rewards: ClassVar[dict[str, float]] = {"target_reached": 1.0}
+    robot: ClassVar[str] = "walker"
     metrics = (
         Metric("time", "used + punish time", "s", lower_is_better=True),
         Metric("used_time", "used time", "s", lower_is_better=True),
@@ -33,19 +33,22 @@ class Navigation:
         Metric("success", "success rate", "", lower_is_better=False),
     )
 
-    def supplies(self, spec: MatchSpec) -> None:
-        """Return None: there are no supplies."""
-
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
         """Return used and punish time, their sum, and whether this seat reached the target."""
-        reached = bool(match.state.agents.reached[0, seat])
-        used = match.frame * FRAME
-        way = match.state.matches.target[0] - match.state.agents.position[0, seat]
-        distance = float(np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]))
-        punish = 0.0 if reached else 2.0 * distance / PUNISHED_SPEED
-        return {
-            "time": used + punish,
-            "used_time": used,
-            "punish_time": punish,
-            "success": float(reached),
-        }
+        return time_to_target(match, [seat])
+
+
+def time_to_target(match: "Match", seats: list[int]) -> dict[str, float]:
+    """Return used and punish time, their sum, and success, of whichever of some seats did best."""
+    agents = match.state.agents
+    reached = bool(agents.reached[0, seats].any())
+    used = match.frame * FRAME
+    ways = match.state.matches.target[0] - agents.position[0, seats]
+    distance = min(float(np.sqrt(x * x + y * y + z * z)) for x, y, z in ways)
+    punish = 0.0 if reached else 2.0 * distance / PUNISHED_SPEED
+    return {
+        "time": used + punish,
+        "used_time": used,
+        "punish_time": punish,
+        "success": float(reached),
+    }

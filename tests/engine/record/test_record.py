@@ -16,7 +16,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wildscav_engine.container import PREAMBLE, canonical
+from wildscav_engine import SIMULATION_VERSION
+from wildscav_engine.container import PREAMBLE, canonical, pack, unpack
 from wildscav_engine.maps import GENERATOR_VERSION, generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
@@ -54,8 +55,16 @@ def test_a_record_reads_back_as_it_was_written(record: Record, tmp_path: Path) -
     path = tmp_path / "match.wsr"
     save(record, path)
     again = read_record(path)
-    for field in ("spec", "map_digest", "generator_version", "engine_version", "names", "result"):
+    for field in (
+        "spec",
+        "map_digest",
+        "generator_version",
+        "engine_version",
+        "names",
+        "result",
+    ):
         assert getattr(again, field) == getattr(record, field)
+    assert again.simulation_version == SIMULATION_VERSION
     assert (again.actions == record.actions).all()
     assert (again.digests == record.digests).all()
     assert [file.name for file in tmp_path.iterdir()] == ["match.wsr"]
@@ -121,6 +130,25 @@ def test_a_map_of_another_generator_is_named_before_it_is_made(
         "played on a map of generator version 1, but this engine makes those of version "
         f"{GENERATOR_VERSION}: play it with the engine that made it (0.0.9)"
     )
+
+
+def test_a_record_of_other_rules_says_so(record: Record) -> None:
+    old = dataclasses.replace(record, simulation_version=1, engine_version="0.0.9")
+    verification = verify_record(decode(encode(old)))
+    assert not verification.holds
+    assert verification.message == (
+        f"played by the rules of simulation version 1, but this engine has version {SIMULATION_VERSION}: "
+        "play it with the engine that made it (0.0.9)"
+    )
+
+
+def test_a_record_from_before_the_rules_were_numbered_is_of_version_1(record: Record) -> None:
+    raw = encode(record)
+    header, payload = unpack(LAYOUT, raw)
+    del header["simulation_version"]
+    del header["result"]["ending"]
+    old = decode(pack(LAYOUT, header, bytes(payload)))
+    assert old.simulation_version == 1
 
 
 @settings(max_examples=40)

@@ -130,3 +130,37 @@ def test_a_place_given_in_the_spec_is_put_onto_the_ground() -> None:
     match = navigate((10, -5, 0))
     place(match, 0, (0, 0, 0))
     assert match.start_info(0).target == (10, 0, 0)
+
+
+def test_a_team_of_gatherers_is_scored_by_what_all_of_it_carry() -> None:
+    match = make_match("gathering", seats=4, teams=(0, 0, 1, 1))
+    match.state.agents.supplies[0] = [3, 4, 0, 9]
+    assert [seat.metrics["supplies"] for seat in match.result().seats] == [7, 7, 9, 9]
+    assert [seat.metrics["own_supplies"] for seat in match.result().seats] == [3, 4, 0, 9]
+
+
+def test_a_supply_goal_ends_gathering_when_a_team_carries_enough() -> None:
+    match = make_match("gathering", seats=3, teams=(0, 1, 1), supply_goal=12)
+    supplies, agents = match.state.supplies, match.state.agents
+    agents.supplies[0] = [11, 5, 0]
+    act(match, 1)
+    assert not match.over
+    supplies.position[0, 0] = agents.position[0, 2]
+    supplies.quantity[0, 0], supplies.appears[0, 0] = 7, 0
+    act(match, 1, seat_2={"pick_up": 1})
+    assert match.over
+    assert match.result().ending == "goal"
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ({"teams": (0, 1)}, "2 teams are given for 3 seats"),
+        ({"teams": (0, 2, 2)}, "nobody is in team 1"),
+        ({"supply_goal": 5}, "supply_goal is given, but battle has no supply goal"),
+        ({"zone": {"phases": ()}}, "zone is given, but battle has no zone"),
+    ],
+)
+def test_teams_and_goals_that_do_not_fit_are_refused(spec: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        make_match("battle", seats=3, **spec)

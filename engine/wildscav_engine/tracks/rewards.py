@@ -1,0 +1,186 @@
+"""Rewards as named terms: what a learner is paid for a step, from what is different after it.
+
+The facts of all agents are read before and after the step; a term is a function of both. ``RewardSum``
+weights and adds them up, so that each can be logged, replaced and mixed by name.
+"""
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.kernel import kernel
+from wildscav_engine.state import Agents, Matches, State
+
+
+class Fact(IntEnum):
+    """The columns of facts, float32."""
+
+    REACHED = 0  # 1 at the target
+    TARGET_DISTANCE = 1  # m, 0 without a target
+    SUPPLIES = 2  # carried
+    PICKED_UP = 3  # supplies picked up in all
+    TEAM_PICKED_UP = 4  # by the whole team
+    KILLS = 5
+    DEATHS = 6
+    HITS = 7
+    HEALTH = 8  # hp
+    OUTLIVED = 9  # by placement, that of the teams left: 0 as the last team, 1 as the first
+    STEPS = 10  # played, the dead and the eliminated included
+    WALKED = 11  # m
+    PICKED_UP_BY_NUMBER = 12  # by the team whose number is that of the row
+
+
+FACTS = len(Fact)
+Facts = NDArray[np.float32]  # (…, FACTS)
+Values = NDArray[np.float32]  # (…)
+
+
+class Term(NamedTuple):
+    """One way to be paid."""
+
+    title: str
+    value: Callable[[Facts, Facts], Values]  # of the facts before and after a step
+
+
+def _more(fact: Fact) -> Callable[[Facts, Facts], Values]:
+    """Return a term that pays by how much a fact has grown."""
+    return lambda before, after: after[..., fact] - before[..., fact]
+
+
+def _less(fact: Fact) -> Callable[[Facts, Facts], Values]:
+    """Return a term that pays by how much a fact has shrunk."""
+    return lambda before, after: before[..., fact] - after[..., fact]
+
+
+def _has_more(fact: Fact) -> Callable[[Facts, Facts], Values]:
+    """Return a term that pays 1 where a fact has grown at all."""
+    return lambda before, after: (after[..., fact] > before[..., fact]).astype(np.float32)
+
+
+def _lost(fact: Fact) -> Callable[[Facts, Facts], Values]:
+    """Return a term that pays by how much a fact has shrunk, and nothing where it has grown."""
+    return lambda before, after: np.maximum(before[..., fact] - after[..., fact], np.float32(0.0))
+
+
+# The first two are the paper's (appendix, "Reward Configuration").
+REWARD_TERMS: dict[str, Term] = {
+    "target_reached": Term("1 in the step that reaches the target", _has_more(Fact.REACHED)),
+    "supply_found": Term("1 in a step that picks up supplies", _has_more(Fact.PICKED_UP)),
+    "supplies": Term("supplies picked up", _more(Fact.PICKED_UP)),
+    "team_supplies": Term("supplies picked up by the team", _more(Fact.TEAM_PICKED_UP)),
+    "supplies_lost": Term("supplies dropped at death", _lost(Fact.SUPPLIES)),
+    "approach": Term("m that the target is nearer", _less(Fact.TARGET_DISTANCE)),
+    "walked": Term("m walked", _more(Fact.WALKED)),
+    "kill": Term("enemies killed", _more(Fact.KILLS)),
+    "death": Term("own deaths", _more(Fact.DEATHS)),
+    "hit": Term("hits on enemies", _more(Fact.HITS)),
+    "damage_taken": Term("hp lost", _lost(Fact.HEALTH)),
+    "outlived": Term("places won as other teams go out, 1 from the last to the first", _more(Fact.OUTLIVED)),
+    "step": Term("1 in every step", _more(Fact.STEPS)),
+}
+
+
+class RewardSum:
+    """A weighted sum of reward terms."""
+
+    def __init__(self, weights: Mapping[str, float]) -> None:
+        """Choose terms and their weights.
+
+        Args:
+            weights: By the names of ``REWARD_TERMS``.
+
+        Raises:
+            ValueError: There is no such term, or a weight is no finite number.
+        """
+        for name, weight in weights.items():
+            if name not in REWARD_TERMS:
+                raise ValueError(f"there is no reward term {name!r}; the terms are {', '.join(REWARD_TERMS)}")
+            if isinstance(weight, bool) or not np.isfinite(weight):
+                raise ValueError(f"the weight of reward term {name!r} is {weight!r}, must be a finite number")
+        self.weights = {name: float(weight) for name, weight in weights.items()}
+
+    def terms(self, before: Facts, after: Facts) -> dict[str, Values]:
+        """Return what each term pays, weighted.
+
+        Args:
+            before: (…, FACTS) facts before a step.
+            after: (…, FACTS) after it.
+
+        Returns:
+            (…) float32 by the names of terms.
+        """
+        return {
+            name: REWARD_TERMS[name].value(before, after) * np.float32(weight)
+            for name, weight in self.weights.items()
+        }
+
+    def total(self, before: Facts, after: Facts) -> Values:
+        """Return (…) float32, the sum of what all terms pay, in the order in which they were named."""
+        total = np.zeros(after.shape[:-1], np.float32)
+        for values in self.terms(before, after).values():
+            total += values
+        return total
+
+
+def read_facts(state: State, facts: Facts) -> None:
+    """Write the facts of all agents of a batch.
+
+    Args:
+        state: The batch.
+        facts: (B, A, FACTS), written.
+    """
+    _read_facts(state.agents, state.matches, facts)
+
+
+@kernel
+def _read_facts(agents: Agents, matches: Matches, facts: Facts) -> None:
+    for match in range(facts.shape[0]):
+        for seat in range(matches.seats[match]):
+            row = facts[match, seat]
+            row[Fact.REACHED] = agents.reached[match, seat]
+            row[Fact.TARGET_DISTANCE] = _target_distance(agents, matches, match, seat)
+            row[Fact.SUPPLIES] = agents.supplies[match, seat]
+            row[Fact.PICKED_UP] = agents.picked_up[match, seat]
+            row[Fact.KILLS] = agents.kills[match, seat]
+            row[Fact.DEATHS] = agents.deaths[match, seat]
+            row[Fact.HITS] = agents.hits[match, seat]
+            row[Fact.HEALTH] = agents.health[match, seat]
+            row[Fact.OUTLIVED] = _outlived(agents, matches, match, seat)
+            row[Fact.STEPS] = matches.step[match]
+            row[Fact.WALKED] = agents.walked[match, seat]
+        _add_up_teams(agents, match, facts[match, : matches.seats[match]])
+
+
+@kernel
+def _target_distance(agents: Agents, matches: Matches, match: int, seat: int) -> float:
+    if not matches.has_target[match]:
+        return 0.0
+    dx = agents.position[match, seat, 0] - matches.target[match, 0]
+    dy = agents.position[match, seat, 1] - matches.target[match, 1]
+    dz = agents.position[match, seat, 2] - matches.target[match, 2]
+    return np.sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@kernel
+def _outlived(agents: Agents, matches: Matches, match: int, seat: int) -> float:
+    """Return how far a seat's team has come from the last place, 0, to the first, 1; 0 where it is alone."""
+    others = matches.teams[match] - 1
+    if others == 0:
+        return 0.0
+    placement = agents.placement[match, seat]
+    if placement == 0:
+        placement = max(1, matches.teams_left[match])
+    return (others + 1 - placement) / others
+
+
+@kernel
+def _add_up_teams(agents: Agents, match: int, facts: Facts) -> None:
+    """Write what the teams of a match have picked up, by their numbers and then for each of their seats."""
+    facts[:, Fact.PICKED_UP_BY_NUMBER] = 0.0
+    for seat in range(facts.shape[0]):
+        facts[agents.team[match, seat], Fact.PICKED_UP_BY_NUMBER] += facts[seat, Fact.PICKED_UP]
+    for seat in range(facts.shape[0]):
+        facts[seat, Fact.TEAM_PICKED_UP] = facts[agents.team[match, seat], Fact.PICKED_UP_BY_NUMBER]

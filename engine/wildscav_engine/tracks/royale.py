@@ -1,0 +1,70 @@
+"""Royale: nobody comes back, the safe zone shrinks, and the last seat or team standing wins."""
+
+from typing import TYPE_CHECKING, ClassVar
+
+from wildscav_engine.actions import Field
+from wildscav_engine.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
+from wildscav_engine.tracks.base import Metric, Track, carried_by_team
+from wildscav_engine.tracks.battle import Battle
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+
+WIN = 100.0  # points for the first place
+SHARES = (0.6, 0.5, 0.5, 0.4, 0.0)  # of the zone's radius that each phase leaves
+DAMAGES = (1, 2, 4, 8, 16)  # hp a second outside, in each phase
+WAIT, SHRINK = 0.1, 0.08  # of the time limit, in each phase: the zone is gone after nine tenths
+
+
+class Royale(Track):
+    """Points: 100 for the first place down to 0 for the last, evenly, and one for each supply carried.
+
+    Teams that go out in the same frame share their placement, as do those that are left when the time is up.
+    """
+
+    name: ClassVar[str] = "royale"
+    title: ClassVar[str] = "Royale"
+    fields = frozenset(Field)
+    has_supplies: ClassVar[bool] = True
+    has_zone: ClassVar[bool] = True
+    respawns: ClassVar[bool] = False
+    rewards: ClassVar[dict[str, float]] = {"outlived": 1.0, "kill": 0.1, "supply_found": 0.1}
+    robot: ClassVar[str] = "fighter"
+    metrics = (
+        Metric("points", "points", "", lower_is_better=False),
+        Metric("placement", "placement", "", lower_is_better=True),
+        Metric("supplies", "supplies", "", lower_is_better=False),
+        Metric("kills", "kills", "", lower_is_better=False),
+    )
+
+    def supplies(self, spec: MatchSpec) -> SupplyConfig:
+        """Return what a battle has."""
+        return Battle().supplies(spec)
+
+    def zone(self, spec: MatchSpec) -> ZoneConfig:
+        """Return the spec's schedule, or one of five phases that fills nine tenths of the time limit."""
+        return spec.zone or ZoneConfig(
+            phases=tuple(
+                ZonePhase(
+                    wait=spec.time_limit * WAIT,
+                    shrink=spec.time_limit * SHRINK,
+                    share=share,
+                    damage=damage,
+                )
+                for share, damage in zip(SHARES, DAMAGES, strict=True)
+            )
+        )
+
+    def measure(self, match: "Match", seat: int) -> dict[str, float]:
+        """Return points, the team's placement and supplies, and the seat's kills."""
+        agents, matches = match.state.agents, match.state.matches
+        placement = int(agents.placement[0, seat]) or 1
+        others = int(matches.teams[0]) - 1
+        outlived = (others + 1 - placement) / others if others else 0.0
+        supplies = carried_by_team(match, seat)
+        return {
+            "points": WIN * outlived + supplies,
+            "placement": float(placement),
+            "supplies": supplies,
+            "kills": float(agents.kills[0, seat]),
+        }

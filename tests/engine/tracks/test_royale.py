@@ -1,0 +1,116 @@
+"""Rulings on the safe zone and on who outlives whom."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from builders import act, flat_world, make_match, place
+from wildscav_engine.match import Match
+from wildscav_engine.spec import ZoneConfig, ZonePhase
+from wildscav_engine.systems.zone import plan_zone, zone_at
+
+NO_ZONE = ZoneConfig()
+
+
+def royale(seats: int, **spec: object) -> Match:
+    match = make_match("royale", world=flat_world(size=120), seats=seats, **{"zone": NO_ZONE, **spec})
+    for seat in range(seats):
+        place(match, seat, (-20 + 10 * seat, 0, 0))
+    return match
+
+
+def kill(match: Match, *seats: int) -> None:
+    """Let some agents die in the coming frame, by nobody's hand."""
+    for seat in seats:
+        match.state.agents.damage[0, seat] = 1000
+
+
+def test_the_dead_do_not_come_back() -> None:
+    match = royale(3, time_limit=60)
+    kill(match, 0)
+    act(match, 200)
+    assert match.state.agents.health[0].tolist() == [0, 100, 100]
+    assert match.state.agents.eliminated[0].tolist() == [1, -1, -1]
+
+
+def test_the_last_one_standing_wins() -> None:
+    match = royale(3)
+    kill(match, 2)
+    act(match, 1)
+    kill(match, 0)
+    act(match, 1)
+    result = match.result()
+    assert match.over
+    assert result.ending == "last_standing"
+    assert [seat.metrics["placement"] for seat in result.seats] == [2, 1, 3]
+    assert [seat.metrics["points"] for seat in result.seats] == [50, 100, 0]
+
+
+def test_teams_that_go_out_in_one_frame_share_their_placement() -> None:
+    match = royale(3)
+    kill(match, 0, 2)
+    act(match, 1)
+    assert [seat.metrics["placement"] for seat in match.result().seats] == [2, 1, 2]
+
+
+def test_when_all_die_together_all_are_first() -> None:
+    match = royale(2)
+    kill(match, 0, 1)
+    act(match, 1)
+    assert match.over
+    assert [seat.metrics["placement"] for seat in match.result().seats] == [1, 1]
+
+
+def test_a_team_is_in_as_long_as_one_of_it_lives() -> None:
+    match = royale(4, teams=(0, 0, 1, 1))
+    kill(match, 0)
+    act(match, 1)
+    assert not match.over
+    kill(match, 2, 3)
+    act(match, 1)
+    assert match.over
+    assert [seat.metrics["placement"] for seat in match.result().seats] == [1, 1, 2, 2]
+
+
+def test_one_team_alone_plays_until_it_is_out() -> None:
+    match = royale(2, teams=(0, 0))
+    kill(match, 0)
+    act(match, 1)
+    assert not match.over
+    kill(match, 1)
+    act(match, 1)
+    assert match.over
+
+
+def test_outside_the_zone_health_is_lost_once_a_second() -> None:
+    phase = ZonePhase(wait=0, shrink=1, share=0, damage=7)
+    match = royale(2, teams=(0, 0), zone=ZoneConfig(phases=(phase,)))
+    act(match, 9)
+    assert match.state.agents.health[0].tolist() == [100, 100]
+    act(match, 1)
+    assert match.state.agents.health[0].tolist() == [93, 93]
+    act(match, 10)
+    assert match.state.agents.health[0].tolist() == [86, 86]
+
+
+def test_the_default_zone_leaves_no_room_before_the_time_is_up() -> None:
+    match = make_match("royale", seats=2, time_limit=100)
+    zone = zone_at(match.state.matches, 0, 90 * 50)
+    assert zone.radius == 0
+    assert zone_at(match.state.matches, 0, 0).radius == pytest.approx(20 * np.sqrt(2))
+    act(match, 1000)
+    assert match.result().ending == "last_standing"
+
+
+@given(st.integers(0, 2**64 - 1), st.lists(st.floats(0, 1), max_size=6))
+def test_every_circle_lies_inside_the_one_before_with_its_middle_on_the_map(
+    seed: int, shares: list[float]
+) -> None:
+    config = ZoneConfig(phases=tuple(ZonePhase(wait=1, shrink=2, share=share, damage=1) for share in shares))
+    for row in plan_zone(config, 200.0, seed):
+        x, z, radius = row[5] - row[2], row[6] - row[3], row[7]
+        assert np.hypot(x, z) + radius <= row[4] + 1e-9
+        assert max(abs(row[5]), abs(row[6])) <= 100
+    same = plan_zone(config, 200.0, seed)
+    assert same.tobytes() == plan_zone(config, 200.0, seed).tobytes()
