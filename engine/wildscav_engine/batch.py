@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.actions import FIELDS, Field, no_actions
 from wildscav_engine.kernel import array_kernel, parallel_kernel
 from wildscav_engine.maps import MapError, map_of
-from wildscav_engine.maps.bank import MapBank, build_bank, world_of
+from wildscav_engine.maps.bank import GrowingBank, MapBank, world_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rules import Rules
-from wildscav_engine.sensors.visibility import Seen, allocate_seen
-from wildscav_engine.set_up import MatchSetupError, Setup, place_match, plan_match
+from wildscav_engine.sensors.visibility import Seen, allocate_seen, clear_seen
+from wildscav_engine.set_up import MatchSetupError, place_match, plan_match
 from wildscav_engine.spec import MatchSpec
-from wildscav_engine.state import Agents, Matches, Supplies, allocate_state
+from wildscav_engine.state import Agents, Matches, Supplies, allocate_state, clear_row, with_room
 from wildscav_engine.step import play_step
 from wildscav_engine.tracks import TRACKS
 
@@ -23,41 +23,40 @@ from wildscav_engine.tracks import TRACKS
 class Batch:
     """Matches of one track under the same rules; their maps, seeds, targets and time limits may differ."""
 
-    def __init__(self, specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None) -> None:
+    def __init__(
+        self,
+        specs: Sequence[MatchSpec],
+        maps: Sequence[GameMap] | None = None,
+        *,
+        pool: Sequence[GameMap] = (),
+    ) -> None:
         """Set the matches up.
 
         Args:
             specs: One for each match.
             maps: One for each match, where they are at hand; else they are made.
+            pool: Maps that matches will be restarted on later.
 
         Raises:
             MatchSetupError: A match cannot be set up, or the specs cannot share a batch.
         """
-        self.specs = tuple(specs)
-        self.maps = tuple(maps) if maps is not None else _make_maps(self.specs)
-        if len(self.maps) != len(self.specs):
-            raise MatchSetupError(f"{len(self.maps)} maps are given for {len(self.specs)} matches")
+        self.specs = list(specs)
+        self.maps = _maps_for(self.specs, maps)
         first = _shared(self.specs)
         self.track = TRACKS[first.track]
         self.rules = first.rules
         self.frames_per_action = first.frames_per_action
         self.allowed = np.array([field in self.track.fields for field in Field])
-        self.setups: tuple[Setup, ...] = tuple(
-            plan_match(spec, game_map) for spec, game_map in zip(self.specs, self.maps, strict=True)
-        )
+        self.setups = [plan_match(*pair) for pair in zip(self.specs, self.maps, strict=True)]
         seats = max(len(spec.seats) for spec in self.specs)
         slots = max(setup.slots for setup in self.setups)
         phases = max(len(setup.zone) for setup in self.setups)
         self.state = allocate_state(len(self.specs), seats, slots, phases)
         self.seen = allocate_seen(len(self.specs), seats)
-        worlds = {id(game_map): game_map.world for game_map in self.maps}
-        places = {key: index for index, key in enumerate(worlds)}
-        self.bank = build_bank(tuple(worlds.values()))
-        for index, setup in enumerate(self.setups):
-            self.state.matches.map_index[index] = places[id(self.maps[index])]
-            place_match(self.state, index, setup)
-        nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
-        self._play(play_batch, nothing, opening=True)
+        self._bank = GrowingBank([*self.maps, *pool])
+        self._rows = np.arange(len(self.specs))
+        self._nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
+        self._open(self._rows)
 
     def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
         """Play one step of every match that is not over.
@@ -80,15 +79,83 @@ class Batch:
         if threads != 1:
             numba.set_num_threads(threads)
             play = play_batch_in_threads
-        return self._play(play, rows, opening=False)
+        self._play(play, self._rows, rows, opening=False)
+        return rows
+
+    def restart(
+        self, rows: Sequence[int], specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None
+    ) -> None:
+        """Put new matches into some rows; they are as in a new batch, and the other rows are left alone.
+
+        A match with more boxes or phases of the zone than any before gets the batch larger arrays for those:
+        take ``state`` from the batch again after this.
+
+        Args:
+            rows: Which rows, each once.
+            specs: One for each of them. They have the track, the rules and the frames per action of the
+                batch, and no more seats than its largest match had at first.
+            maps: One for each of them, where they are at hand; else they are made.
+
+        Raises:
+            MatchSetupError: A match cannot be set up, or cannot be in this batch; no row has changed then.
+            ValueError: There is no such row, or one comes twice.
+        """
+        _check_rows(rows, len(self.specs))
+        if not rows:
+            return
+        given = _maps_for(specs, maps, len(rows))
+        _shared([self.specs[0], *specs])
+        _check_seats(specs, self.state.agents.present.shape[1])
+        setups = [plan_match(*pair) for pair in zip(specs, given, strict=True)]
+        for row, spec, game_map, setup in zip(rows, specs, given, setups, strict=True):
+            self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
+        slots, phases = max(setup.slots for setup in setups), max(len(setup.zone) for setup in setups)
+        self.state = with_room(self.state, slots, phases)
+        for row in rows:
+            clear_row(self.state, row)
+            clear_seen(self.seen, row)
+        self._bank.add(given, in_use=self.maps)
+        self._open(np.array(rows, np.int64))
+
+    def _open(self, rows: NDArray[np.int64]) -> None:
+        """Write the first state of matches into their rows, which are clear."""
+        for row in rows:
+            place_match(self.state, row, self.setups[row])
+        # Maps may have moved in the bank, for rows that were not restarted, too.
+        self.state.matches.map_index[:] = [self._bank.index_of(game_map) for game_map in self.maps]
+        self._play(play_batch, rows, self._nothing, opening=True)
 
     def _play(
-        self, play: Callable[..., None], actions: NDArray[np.float32], *, opening: bool
-    ) -> NDArray[np.float32]:
-        """Open the matches or play one step, and return the actions as played."""
+        self,
+        play: Callable[..., None],
+        rows: NDArray[np.int64],
+        actions: NDArray[np.float32],
+        *,
+        opening: bool,
+    ) -> None:
         held = self.frames_per_action
-        play(self.bank, *self.state, self.seen, actions, self.allowed, held, self.rules, opening)
-        return actions
+        play(self._bank.bank, *self.state, self.seen, rows, actions, self.allowed, held, self.rules, opening)
+
+
+def _check_rows(rows: Sequence[int], matches: int) -> None:
+    """Refuse rows that a batch does not have, or one that comes twice.
+
+    Raises:
+        ValueError: It does.
+    """
+    if len(set(rows)) != len(rows) or not all(0 <= row < matches for row in rows):
+        raise ValueError(f"rows are {list(rows)}, must be different and of 0 to {matches - 1}")
+
+
+def _check_seats(specs: Sequence[MatchSpec], seats: int) -> None:
+    """Refuse matches that are too large for their batch.
+
+    Raises:
+        MatchSetupError: One is.
+    """
+    most = max(len(spec.seats) for spec in specs)
+    if most > seats:
+        raise MatchSetupError(f"a match has {most} seats, but those of this batch have at most {seats}")
 
 
 def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
@@ -111,14 +178,23 @@ def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.floa
         return np.array(rows, np.float32, order="C")
 
 
-def _make_maps(specs: Sequence[MatchSpec]) -> tuple[GameMap, ...]:
-    """Return the map of every match.
+def _maps_for(
+    specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None, matches: int | None = None
+) -> list[GameMap]:
+    """Return the map of every match: as given, or made.
 
     Raises:
-        MatchSetupError: One cannot be made.
+        MatchSetupError: One cannot be made, or there is another number of maps or specs than of matches.
     """
+    count = len(specs) if matches is None else matches
+    if len(specs) != count:
+        raise MatchSetupError(f"{len(specs)} specs are given for {count} matches")
+    if maps is not None:
+        if len(maps) != count:
+            raise MatchSetupError(f"{len(maps)} maps are given for {count} matches")
+        return list(maps)
     try:
-        return tuple(map_of(spec.map) for spec in specs)
+        return [map_of(spec.map) for spec in specs]
     except MapError as error:
         raise MatchSetupError(str(error)) from error
 
@@ -210,17 +286,19 @@ def _play_batch(
     supplies: Supplies,
     matches: Matches,
     seen: Seen,
+    rows: NDArray[np.int64],
     actions: NDArray[np.float32],
     allowed: NDArray[np.bool_],
     frames_per_action: int,
     rules: Rules,
     opening: bool,
 ) -> None:
-    """Open every match, or play one step of those not over; the actions become what was played.
+    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
 
     Both are in one kernel, because they share most of what there is to compile.
     """
-    for match in numba.prange(actions.shape[0]):
+    for index in numba.prange(rows.shape[0]):
+        match = rows[index]
         if not matches.over[match]:
             play_step(
                 world_of(bank, matches.map_index[match]),

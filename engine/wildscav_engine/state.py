@@ -5,7 +5,7 @@ match's slices, which have the same names and no B axis.
 """
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,3 +174,34 @@ def _allocate_matches(b: int, a: int, phases: int) -> Matches:
         phases=np.zeros(b, np.int64),
         digest=np.zeros(b, np.uint64),
     )
+
+
+def clear_row(state: State, row: int) -> None:
+    """Make one match's row what ``allocate_state`` gives."""
+    matches = state.matches
+    seats, slots = state.agents.present.shape[1], state.supplies.serial.shape[1]
+    clear = allocate_state(1, seats, slots, matches.zone.shape[1])
+    for part, clear_part in zip(state, clear, strict=True):
+        for array, clear_array in zip(part, clear_part, strict=True):
+            array[row] = clear_array[0]
+
+
+def with_room(state: State, slots: int, phases: int) -> State:
+    """Return a state with room for so many boxes and phases in each match: the same one if it has that.
+
+    What changes are only the arrays that need more room; they get a quarter more than asked for, so that this
+    is seldom.
+    """
+    supplies, matches = state.supplies, state.matches
+    if slots > supplies.quantity.shape[1]:
+        supplies = Supplies(*(_widened(array, slots + slots // 4) for array in supplies))
+    if phases > matches.zone.shape[1]:
+        matches = matches._replace(zone=_widened(matches.zone, phases))
+    return State(state.agents, supplies, matches)
+
+
+def _widened(array: NDArray[Any], room: int) -> NDArray[Any]:
+    """Return a copy of an array whose second axis is longer, with zeros at its end."""
+    wide = np.zeros((array.shape[0], room, *array.shape[2:]), array.dtype)
+    wide[:, : array.shape[1]] = array
+    return wide

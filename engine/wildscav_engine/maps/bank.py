@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import array_kernel
+from wildscav_engine.maps.game_map import GameMap
+
+LIMIT = 128  # maps in a bank before those that no match is played on are dropped
 
 
 class MapBank(NamedTuple):
@@ -39,6 +42,41 @@ def build_bank(worlds: Sequence[World]) -> MapBank:
     shape = np.array([[*world.water.shape, *world.block_top.shape] for world in worlds], np.int64)
     flat = [np.concatenate([row[index].reshape(-1) for row in parts]) for index in range(lengths.shape[1])]
     return MapBank(shape, start, *flat)
+
+
+class GrowingBank:
+    """A bank that takes maps in as matches are played on them, and drops old ones when it has too many."""
+
+    def __init__(self, maps: Sequence[GameMap], limit: int = LIMIT) -> None:
+        """Put some maps into the bank."""
+        self._limit = limit
+        self._maps: dict[int, GameMap] = {id(game_map): game_map for game_map in maps}
+        self._rebuild()
+
+    def add(self, maps: Sequence[GameMap], in_use: Sequence[GameMap]) -> None:
+        """Take in those of some maps that are not here; drop the oldest not in use if there are too many.
+
+        The numbers of all maps may change.
+        """
+        new = {id(game_map): game_map for game_map in maps if id(game_map) not in self._maps}
+        if not new:
+            return
+        self._maps.update(new)
+        used = {id(game_map) for game_map in in_use}
+        for key in list(self._maps):
+            if len(self._maps) <= self._limit:
+                break
+            if key not in used:
+                del self._maps[key]
+        self._rebuild()
+
+    def index_of(self, game_map: GameMap) -> int:
+        """Return the number of a map that is here."""
+        return self._places[id(game_map)]
+
+    def _rebuild(self) -> None:
+        self._places = {key: index for index, key in enumerate(self._maps)}
+        self.bank = build_bank([game_map.world for game_map in self._maps.values()])
 
 
 def _parts(world: World) -> list[NDArray[np.generic]]:
