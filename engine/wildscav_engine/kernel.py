@@ -31,8 +31,8 @@ config: Any = numba.config
 njit: Any = numba.njit
 
 PACKAGE = Path(__file__).parent
-# As many folders are kept as a few versions of the engine need, so that going back and forth stays fast.
-KEPT_FOLDERS = 200
+# As many folders are kept as several versions of the engine need, so that going back and forth stays fast.
+KEPT_FOLDERS = 1000
 
 
 class Kernel:

@@ -102,8 +102,7 @@ class Match:
         if not 0 <= seat < self.seats:
             raise ValueError(f"there is no seat {seat}; the seats are 0 to {self.seats - 1}")
         setup = self._batch.setups[0]
-        known = setup.target is not None and not self.track.hides_target
-        target = _triple(setup.target) if known else None
+        target = None if setup.target is None or self.track.hides_target else _triple(setup.target)
         seed = seed_of_seat(self.spec, seat)
         team = self.spec.team_of_seats[seat]
         return StartInfo(_triple(setup.starts[seat]), target, team, seed, setup.waves)

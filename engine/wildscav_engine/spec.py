@@ -165,13 +165,13 @@ class MatchSpec(Spec):
         if self.track not in TRACKS:
             raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(TRACKS)}")
         track = TRACKS[self.track]
-        for field, allowed in (
+        for field, has in (
             ("target", track.has_target),
             ("supplies", track.has_supplies),
             ("supply_goal", track.has_supply_goal),
             ("zone", track.has_zone),
         ):
-            if getattr(self, field) is not None and not allowed:
+            if getattr(self, field) is not None and not has:
                 raise ValueError(f"{field} is given, but {self.track} has no {field.replace('_', ' ')}")
         for seat, name in enumerate(self.seats):
             if name != SUBMISSION and name not in ROBOTS:

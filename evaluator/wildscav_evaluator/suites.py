@@ -12,7 +12,7 @@ from hashlib import blake2b
 from typing import NamedTuple, TypeVar
 
 from wildscav_engine.rng import Dice, Stream
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
 from wildscav_evaluator.seating import battle_seats
 
 Choice = TypeVar("Choice")
@@ -135,6 +135,27 @@ def battle(
     return draw
 
 
+def capture(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+    """A hidden target, looked for by one submission and robots that wander, as one team.
+
+    Args:
+        time_limit: Seconds of game time.
+        robots: Teammates.
+    """
+    seats = (SUBMISSION, *("walker",) * robots)
+    return lambda _: MatchSpec(track="capture", time_limit=time_limit, seats=seats)
+
+
+def royale(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+    """One submission against robots, each alone; supplies and safe zone are the track's own.
+
+    Args:
+        time_limit: Seconds of game time.
+        robots: Opponents.
+    """
+    return lambda dice: MatchSpec(track="royale", time_limit=time_limit, seats=battle_seats(dice, robots))
+
+
 def _small_map(dice: Dice) -> MapConfig:
     size = choose(dice, (60, 80, 100))
     return MapConfig(
@@ -174,7 +195,9 @@ SUITES: dict[str, Suite] = {
         courses={
             "navigation": Course(maps=5, episodes=1, draw=navigation(60.0)),
             "gathering": Course(maps=4, episodes=1, draw=gathering(60.0, 10.0, (10.0, 30.0), (5.0, 10.0))),
+            "capture": Course(maps=3, episodes=1, draw=capture(60.0, 3)),
             "battle": Course(maps=3, episodes=1, draw=battle(60.0, 5, 40.0, 40.0, (10.0, 20.0))),
+            "royale": Course(maps=3, episodes=1, draw=royale(60.0, 5)),
         },
     ),
     # Counts, limits and supplies of the original competition.
@@ -189,6 +212,9 @@ SUITES: dict[str, Suite] = {
                 draw=gathering(600.0, 20.0, (10.0, 30.0, 50.0, 70.0), (5.0, 10.0, 15.0, 20.0)),
             ),
             "battle": Course(maps=10, episodes=1, draw=battle(900.0, 9, 100.0, 600.0, (30.0, 50.0, 70.0))),
+            # Not in the original competition; as long as its nearest kin there.
+            "capture": Course(maps=10, episodes=10, draw=capture(300.0, 3)),
+            "royale": Course(maps=10, episodes=1, draw=royale(900.0, 9)),
         },
     ),
 }

@@ -10,7 +10,7 @@ def warm() -> None:
     process that comes later only loads it.
     """
     from wildscav.server.warm import warm_map
-    from wildscav_engine.actions import no_actions
+    from wildscav_engine.actions import Field, no_actions
     from wildscav_engine.maps.mesh import solids_mesh
     from wildscav_engine.match import Match
     from wildscav_engine.robots import ROBOTS
@@ -20,7 +20,7 @@ def warm() -> None:
 
     game_map = warm_map()
     for track in TRACKS:
-        seats = (SUBMISSION, *ROBOTS) if track == "battle" else (SUBMISSION,)
+        seats = (SUBMISSION, *ROBOTS) if TRACKS[track].fields >= {Field.SHOOT} else (SUBMISSION,)
         spec = MatchSpec(track=track, map=game_map.spec, seats=seats, time_limit=0.5)
         match = Match(spec, game_map)
         while not match.over:

@@ -35,6 +35,6 @@ class Homing(Agent):
 
     def goal(self, observation: Observation) -> Vector:
         """Return where to go now."""
-        if self.match.target is not None:
-            return self.match.target
+        if observation.target is not None:
+            return observation.target
         return self.boxes.choose(observation) or self.search.next_place(observation)

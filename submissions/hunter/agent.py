@@ -45,8 +45,8 @@ class Hunter(Agent):
 
     def goal(self, observation: Observation, enemy: VisibleAgent | None) -> Vector:
         """Return where to go: the target, a box, an enemy near by, or on with the search."""
-        if self.match.target is not None:
-            return self.match.target
+        if observation.target is not None:
+            return observation.target
         box = self.boxes.choose(observation)
         if box is not None:
             return box

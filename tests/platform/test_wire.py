@@ -135,6 +135,7 @@ def snapshot(**changes: Any) -> Snapshot:
         "can_pick_up": [True, False],
         "supplies": [12, 0],
         "gained": [5, 0],
+        "target": [None, [1.5, 2.0, -3.0]],
         "agent_count": [1, 0],
         "agents": [[1, -1], [-1, -1]],
         "box_count": [1, 0],
@@ -160,6 +161,7 @@ def test_an_observation_arrives() -> None:
     assert (seen.clip, seen.spare_ammo, seen.reloading, seen.fired) == (15, 60, False, True)
     assert (seen.hit_seat, seen.hit_by_seat, seen.invincible, seen.respawn_in) == (1, None, False, 0)
     assert (seen.can_pick_up, seen.supplies, seen.gained) == (True, 12, 5)
+    assert seen.target is None
     (other,) = seen.agents
     assert (other.seat, other.team, other.position, other.health) == (1, 1, (4, 5, 6), 100)
     assert (other.yaw, other.velocity, other.invincible) == (45, (0, 0, 0), True)
@@ -182,6 +184,7 @@ def test_the_other_seat_sees_its_own_side_of_it() -> None:
     seen = observe(1)
     assert (seen.agents, seen.supply_boxes) == ((), ())
     assert (seen.hit_seat, seen.hit_by_seat, seen.reloading, seen.invincible) == (None, 0, True, True)
+    assert seen.target == (1.5, 2.0, -3.0)
 
 
 def test_the_dead_know_when_they_come_back() -> None:

@@ -9,7 +9,9 @@ from wildscav_engine.sensors.depth import DepthCamera
 from wildscav_engine.sensors.lidar import Lidar
 from wildscav_engine.sensors.nearby_supplies import NearbySupplies
 from wildscav_engine.sensors.normals import NormalCamera
+from wildscav_engine.sensors.safe_zone import SafeZone
 from wildscav_engine.sensors.segmentation import SegmentationCamera
+from wildscav_engine.sensors.teammates import Teammates
 from wildscav_engine.sensors.visible_agents import VisibleAgents
 
 SENSORS: dict[str, type[Sensor]] = {
@@ -19,8 +21,10 @@ SENSORS: dict[str, type[Sensor]] = {
     "segmentation": SegmentationCamera,
     "normals": NormalCamera,
     "visible_agents": VisibleAgents,
+    "teammates": Teammates,
     "nearby_supplies": NearbySupplies,
     "compass": Compass,
+    "zone": SafeZone,
 }
 
 __all__ = [
@@ -31,8 +35,10 @@ __all__ = [
     "Lidar",
     "NearbySupplies",
     "NormalCamera",
+    "SafeZone",
     "SegmentationCamera",
     "Sensor",
+    "Teammates",
     "VisibleAgents",
     "parse_sensor",
     "parse_sensors",

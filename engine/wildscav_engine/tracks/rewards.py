@@ -161,7 +161,7 @@ def _target_distance(agents: Agents, matches: Matches, match: int, seat: int) ->
     dx = agents.position[match, seat, 0] - matches.target[match, 0]
     dy = agents.position[match, seat, 1] - matches.target[match, 1]
     dz = agents.position[match, seat, 2] - matches.target[match, 2]
-    return np.sqrt(dx * dx + dy * dy + dz * dz)
+    return float(np.sqrt(dx * dx + dy * dy + dz * dz))
 
 
 @kernel
@@ -173,7 +173,7 @@ def _outlived(agents: Agents, matches: Matches, match: int, seat: int) -> float:
     placement = agents.placement[match, seat]
     if placement == 0:
         placement = max(1, matches.teams_left[match])
-    return (others + 1 - placement) / others
+    return float((others + 1 - placement) / others)
 
 
 @kernel

@@ -70,7 +70,7 @@ class Vector(_message.Message):
     def __init__(self, x: _Optional[float] = ..., y: _Optional[float] = ..., z: _Optional[float] = ...) -> None: ...
 
 class MatchInfo(_message.Message):
-    __slots__ = ("protocol_version", "track", "seat", "seats", "team", "time_limit", "frames_per_action", "frames_per_second", "map_size", "start", "target", "supply_waves", "seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight", "clip_size", "start_health")
+    __slots__ = ("protocol_version", "track", "seat", "seats", "team", "time_limit", "frames_per_action", "frames_per_second", "map_size", "start", "target", "supply_waves", "seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight", "clip_size", "start_health", "respawns", "supply_goal")
     PROTOCOL_VERSION_FIELD_NUMBER: _ClassVar[int]
     TRACK_FIELD_NUMBER: _ClassVar[int]
     SEAT_FIELD_NUMBER: _ClassVar[int]
@@ -91,6 +91,8 @@ class MatchInfo(_message.Message):
     SUPPLY_SIGHT_FIELD_NUMBER: _ClassVar[int]
     CLIP_SIZE_FIELD_NUMBER: _ClassVar[int]
     START_HEALTH_FIELD_NUMBER: _ClassVar[int]
+    RESPAWNS_FIELD_NUMBER: _ClassVar[int]
+    SUPPLY_GOAL_FIELD_NUMBER: _ClassVar[int]
     protocol_version: int
     track: str
     seat: int
@@ -111,7 +113,9 @@ class MatchInfo(_message.Message):
     supply_sight: float
     clip_size: int
     start_health: int
-    def __init__(self, protocol_version: _Optional[int] = ..., track: _Optional[str] = ..., seat: _Optional[int] = ..., seats: _Optional[int] = ..., team: _Optional[int] = ..., time_limit: _Optional[float] = ..., frames_per_action: _Optional[int] = ..., frames_per_second: _Optional[int] = ..., map_size: _Optional[float] = ..., start: _Optional[_Union[Vector, _Mapping]] = ..., target: _Optional[_Union[Vector, _Mapping]] = ..., supply_waves: _Optional[_Iterable[_Union[SupplyWave, _Mapping]]] = ..., seed: _Optional[int] = ..., step_budget: _Optional[float] = ..., time_bank: _Optional[float] = ..., target_distance: _Optional[float] = ..., pick_up_distance: _Optional[float] = ..., supply_sight: _Optional[float] = ..., clip_size: _Optional[int] = ..., start_health: _Optional[int] = ...) -> None: ...
+    respawns: bool
+    supply_goal: int
+    def __init__(self, protocol_version: _Optional[int] = ..., track: _Optional[str] = ..., seat: _Optional[int] = ..., seats: _Optional[int] = ..., team: _Optional[int] = ..., time_limit: _Optional[float] = ..., frames_per_action: _Optional[int] = ..., frames_per_second: _Optional[int] = ..., map_size: _Optional[float] = ..., start: _Optional[_Union[Vector, _Mapping]] = ..., target: _Optional[_Union[Vector, _Mapping]] = ..., supply_waves: _Optional[_Iterable[_Union[SupplyWave, _Mapping]]] = ..., seed: _Optional[int] = ..., step_budget: _Optional[float] = ..., time_bank: _Optional[float] = ..., target_distance: _Optional[float] = ..., pick_up_distance: _Optional[float] = ..., supply_sight: _Optional[float] = ..., clip_size: _Optional[int] = ..., start_health: _Optional[int] = ..., respawns: _Optional[bool] = ..., supply_goal: _Optional[int] = ...) -> None: ...
 
 class SupplyWave(_message.Message):
     __slots__ = ("time", "center_x", "center_z", "radius")
@@ -126,7 +130,7 @@ class SupplyWave(_message.Message):
     def __init__(self, time: _Optional[float] = ..., center_x: _Optional[float] = ..., center_z: _Optional[float] = ..., radius: _Optional[float] = ...) -> None: ...
 
 class Observation(_message.Message):
-    __slots__ = ("step", "frame", "time_bank", "position", "velocity", "yaw", "pitch", "on_ground", "in_water", "health", "clip", "spare_ammo", "reloading", "fired", "hit_seat", "hit_by_seat", "invincible", "respawn_in", "can_pick_up", "supplies", "gained", "agents", "supply_boxes", "tensors")
+    __slots__ = ("step", "frame", "time_bank", "position", "velocity", "yaw", "pitch", "on_ground", "in_water", "health", "clip", "spare_ammo", "reloading", "fired", "hit_seat", "hit_by_seat", "invincible", "respawn_in", "can_pick_up", "supplies", "gained", "agents", "supply_boxes", "tensors", "target")
     STEP_FIELD_NUMBER: _ClassVar[int]
     FRAME_FIELD_NUMBER: _ClassVar[int]
     TIME_BANK_FIELD_NUMBER: _ClassVar[int]
@@ -151,6 +155,7 @@ class Observation(_message.Message):
     AGENTS_FIELD_NUMBER: _ClassVar[int]
     SUPPLY_BOXES_FIELD_NUMBER: _ClassVar[int]
     TENSORS_FIELD_NUMBER: _ClassVar[int]
+    TARGET_FIELD_NUMBER: _ClassVar[int]
     step: int
     frame: int
     time_bank: float
@@ -175,7 +180,8 @@ class Observation(_message.Message):
     agents: _containers.RepeatedCompositeFieldContainer[VisibleAgent]
     supply_boxes: _containers.RepeatedCompositeFieldContainer[SupplyBox]
     tensors: _containers.RepeatedCompositeFieldContainer[Tensor]
-    def __init__(self, step: _Optional[int] = ..., frame: _Optional[int] = ..., time_bank: _Optional[float] = ..., position: _Optional[_Union[Vector, _Mapping]] = ..., velocity: _Optional[_Union[Vector, _Mapping]] = ..., yaw: _Optional[float] = ..., pitch: _Optional[float] = ..., on_ground: _Optional[bool] = ..., in_water: _Optional[bool] = ..., health: _Optional[int] = ..., clip: _Optional[int] = ..., spare_ammo: _Optional[int] = ..., reloading: _Optional[bool] = ..., fired: _Optional[bool] = ..., hit_seat: _Optional[int] = ..., hit_by_seat: _Optional[int] = ..., invincible: _Optional[bool] = ..., respawn_in: _Optional[float] = ..., can_pick_up: _Optional[bool] = ..., supplies: _Optional[int] = ..., gained: _Optional[int] = ..., agents: _Optional[_Iterable[_Union[VisibleAgent, _Mapping]]] = ..., supply_boxes: _Optional[_Iterable[_Union[SupplyBox, _Mapping]]] = ..., tensors: _Optional[_Iterable[_Union[Tensor, _Mapping]]] = ...) -> None: ...
+    target: Vector
+    def __init__(self, step: _Optional[int] = ..., frame: _Optional[int] = ..., time_bank: _Optional[float] = ..., position: _Optional[_Union[Vector, _Mapping]] = ..., velocity: _Optional[_Union[Vector, _Mapping]] = ..., yaw: _Optional[float] = ..., pitch: _Optional[float] = ..., on_ground: _Optional[bool] = ..., in_water: _Optional[bool] = ..., health: _Optional[int] = ..., clip: _Optional[int] = ..., spare_ammo: _Optional[int] = ..., reloading: _Optional[bool] = ..., fired: _Optional[bool] = ..., hit_seat: _Optional[int] = ..., hit_by_seat: _Optional[int] = ..., invincible: _Optional[bool] = ..., respawn_in: _Optional[float] = ..., can_pick_up: _Optional[bool] = ..., supplies: _Optional[int] = ..., gained: _Optional[int] = ..., agents: _Optional[_Iterable[_Union[VisibleAgent, _Mapping]]] = ..., supply_boxes: _Optional[_Iterable[_Union[SupplyBox, _Mapping]]] = ..., tensors: _Optional[_Iterable[_Union[Tensor, _Mapping]]] = ..., target: _Optional[_Union[Vector, _Mapping]] = ...) -> None: ...
 
 class VisibleAgent(_message.Message):
     __slots__ = ("seat", "team", "position", "velocity", "yaw", "health", "invincible")

@@ -86,7 +86,7 @@ class SupplyWave:
 class MatchInfo:
     """What an agent is told before the first step."""
 
-    track: str  # "navigation", "gathering" or "battle"
+    track: str  # "navigation", "gathering", "capture", "battle" or "royale"
     seat: int  # own, 0 to seats - 1
     seats: int
     team: int
@@ -94,7 +94,7 @@ class MatchInfo:
     frames_per_action: int  # frames in a step
     map_size: float  # m, of each side; x and z are within half of it
     start: Vector  # m, soles of the feet
-    target: Vector | None  # m, the place to reach (navigation)
+    target: Vector | None  # m, the place to reach (navigation); None if it has to be found (capture)
     supply_waves: tuple[SupplyWave, ...]  # by time; () in navigation
     seed: int  # private random seed of this seat: the same match has the same one
     step_budget: float  # s to answer an observation that cost nothing
@@ -104,6 +104,8 @@ class MatchInfo:
     supply_sight: float  # m, how near a box must be to be seen
     clip_size: int  # rounds
     start_health: int  # hp
+    respawns: bool = True  # whether the dead come back; if not, they are out of the match (royale)
+    supply_goal: int = 0  # what a team must carry to end the match, 0 for no goal (gathering)
     frames_per_second: int = 50  # of game time
 
     @property
@@ -159,6 +161,7 @@ class Observation:
     can_pick_up: bool  # a supply box is within reach
     supplies: int  # carried
     gained: int  # supplies picked up in the last step
+    target: Vector | None = None  # m, the place to reach, as soon as the agent's team knows it
     agents: tuple[VisibleAgent, ...] = ()  # in sight, nearest first, 16 at most
     supply_boxes: tuple[SupplyBox, ...] = ()  # within supply_sight, nearest first, 32 at most
     tensors: Mapping[str, NDArray[Any]] = field(default_factory=dict)  # sensor readings by name, read-only

@@ -14,11 +14,13 @@ def take_snapshot(match: "Match") -> Snapshot:
     """Return a match's present state; each array is converted once, not element by element."""
     agents, boxes, seen = match.state.agents, match.state.supplies, match.seen
     own = {name: getattr(agents, name)[0].tolist() for name in _OWN}
+    target = match.state.matches.target[0].tolist()
     # Of the boxes, only those that somebody sees: a match can have thousands.
     slots = seen.supplies[0, :, : seen.supply_count[0].max()]
     return Snapshot(
         step=match.step_number,
         frame=match.frame,
+        target=[target if knows else None for knows in agents.knows_target[0].tolist()],
         can_pick_up=seen.can_pick_up[0].tolist(),
         agent_count=seen.agent_count[0].tolist(),
         agents=seen.agents[0].tolist(),
@@ -63,4 +65,6 @@ def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
         supply_sight=spec.rules.supply_sight,
         clip_size=spec.rules.clip_size,
         start_health=spec.rules.start_health,
+        respawns=match.track.respawns,
+        supply_goal=spec.supply_goal or 0,
     )

@@ -39,6 +39,7 @@ def encode_match_info(info: MatchInfo) -> ServerMessage:
 _SAME = (
     *("track", "seat", "seats", "team", "time_limit", "frames_per_action", "frames_per_second", "map_size"),
     *("seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight"),
+    *("respawns", "supply_goal"),
     *("clip_size", "start_health"),
 )
 

@@ -41,6 +41,7 @@ class Snapshot(NamedTuple):
     can_pick_up: list[bool]
     supplies: list[int]
     gained: list[int]
+    target: list[list[float] | None]  # m, None as long as the seat does not know it
     # What a seat sees, nearest first; what lies past the count means nothing.
     agent_count: list[int]
     agents: list[list[int]]  # their seats
@@ -104,6 +105,9 @@ def _fill_self(observation: ObservationMessage, at: Snapshot, seat: int, seconds
     observation.can_pick_up = at.can_pick_up[seat]
     observation.supplies = at.supplies[seat]
     observation.gained = at.gained[seat]
+    target = at.target[seat]
+    if target is not None:
+        _fill_vector(observation.target, target)
 
 
 def _fill_seen(observation: ObservationMessage, at: Snapshot, seat: int) -> None:
@@ -161,6 +165,7 @@ def decode_observation(message: ObservationMessage, frames_per_second: int) -> O
         can_pick_up=message.can_pick_up,
         supplies=message.supplies,
         gained=message.gained,
+        target=decode_vector(message.target) if message.HasField("target") else None,
         agents=tuple(map(_decode_agent, message.agents)),
         supply_boxes=tuple(map(_decode_box, message.supply_boxes)),
         tensors={tensor.name: decode_tensor(tensor) for tensor in message.tensors},

@@ -32,6 +32,7 @@ ODD: dict[str, list[dict[str, object]]] = {
         {"width": 5, "height": 9, "label": "kind"},
     ],
     "visible_agents": [{"limit": 1}, {"limit": 3}],
+    "teammates": [{"limit": 1}, {"limit": 64}],
     "nearby_supplies": [{"range": 3.3, "limit": 2}, {"range": 200.0}],
 }
 CASES = [
@@ -43,9 +44,8 @@ CASES = [
 
 def played(track: str) -> Match:
     """A match in the middle of it: agents that fight, walk and fall, and boxes around them."""
-    seats = (
-        ("submission", "fighter", "fighter", "gatherer", "walker") if track == "battle" else ("submission",)
-    )
+    armed = track in ("battle", "royale")
+    seats = ("submission", *(("fighter", "fighter", "gatherer", "walker") if armed else ()))
     match = Match(MatchSpec(track=track, map=COUNTRY.spec, seed=1, seats=seats), COUNTRY)
     actions = no_actions(match.seats)
     actions[:, Field.WALK_SPEED], actions[:, Field.TURN], actions[:, Field.LOOK] = 4.0, 3.0, 1.0
@@ -54,7 +54,7 @@ def played(track: str) -> Match:
     return match
 
 
-@pytest.fixture(scope="module", params=["navigation", "gathering", "battle"])
+@pytest.fixture(scope="module", params=["navigation", "gathering", "battle", "royale"])
 def match(request: pytest.FixtureRequest) -> Match:
     return played(request.param)
 
@@ -192,7 +192,7 @@ def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
 
         match = make_match("gathering")
         match.step()
-        for name in ("visible_agents", "nearby_supplies", "compass"):
+        for name in ("visible_agents", "teammates", "nearby_supplies", "compass", "zone"):
             SENSORS[name]().read(match, [0])
         print("scene" in vars(match.game_map))
         SENSORS["depth"]().read(match, [0])

@@ -1,4 +1,4 @@
-"""An agent to start from. It plays all three tracks: change `act` and see what comes of it."""
+"""An agent to start from. It plays the competition's three tracks: change `act` and see what comes of it."""
 
 import random
 
@@ -39,8 +39,8 @@ class MyAgent(Agent):
 
     def choose_goal(self, observation: Observation) -> Vector:
         """The target if there is one; else the nearest supplies; else somewhere they may be."""
-        if self.match.target is not None:
-            return self.match.target
+        if observation.target is not None:
+            return observation.target
         if observation.supply_boxes:
             return observation.supply_boxes[0].position
         if flat_distance(observation.position, self.goal) < 3.0 or self.detour == 1:

@@ -1,0 +1,72 @@
+"""The safe zone of a royale: where it is, where it will be, and how long until then.
+
+Eleven numbers: 1 where the match has a zone; how far inside its edge the agent is (m, negative outside);
+where its middle lies from the agent (x east and z north, m) and its radius (m); the same three of the circle
+that it draws in to; the time until it begins to (s, 0 while it does) and until it has (s); and the damage
+outside (hp a second). All are 0 where the match has none. Once the last phase is over, the two circles are
+the same.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.rules import FRAME
+from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.systems.zone import zone_at
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
+    from wildscav_engine.match import Match
+
+INF = np.inf
+LOW = (0, -INF, -INF, -INF, 0, -INF, -INF, 0, 0, 0, 0)
+HIGH = (1, INF, INF, INF, INF, INF, INF, INF, INF, INF, 10_000)
+
+
+@sensor
+class SafeZone(Sensor):
+    """The safe zone and its next circle."""
+
+    name: ClassVar[str] = "zone"
+    title: ClassVar[str] = (
+        "the safe zone: present, m inside its edge, its middle from the agent, m, and radius, m; the next "
+        "middle and radius, m; s until it shrinks and until it has; hp a second outside"
+    )
+
+    @property
+    def space(self) -> "Box":
+        """(11,)."""
+        from gymnasium.spaces import Box
+
+        return Box(np.array(LOW, np.float32), np.array(HIGH, np.float32), dtype=np.float32)
+
+    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+        """Return (len(seats), 11).
+
+        Raises:
+            ValueError: The match has no such seat.
+        """
+        rows = rows_of(match, seats)
+        readings = np.zeros((len(rows), len(HIGH)), np.float32)
+        matches, frame = match.state.matches, match.frame
+        phases = int(matches.phases[0])
+        if phases == 0:
+            return readings
+        zone = zone_at(matches, 0, frame)
+        ends = matches.zone[0, :phases, 1]
+        phase = min(int(np.searchsorted(ends, frame, side="right")), phases - 1)
+        start, end, *_, next_x, next_z, next_radius, _ = matches.zone[0, phase]
+        x, z = match.state.agents.position[0, rows][:, [0, 2]].T
+        to_x, to_z = zone.x - x, zone.z - z
+        readings[:, 0] = 1.0
+        readings[:, 1] = zone.radius - np.sqrt(to_x * to_x + to_z * to_z)
+        readings[:, 2], readings[:, 3], readings[:, 4] = to_x, to_z, zone.radius
+        readings[:, 5], readings[:, 6], readings[:, 7] = next_x - x, next_z - z, next_radius
+        readings[:, 8] = max(0.0, start - frame) * FRAME
+        readings[:, 9] = max(0.0, end - frame) * FRAME
+        readings[:, 10] = zone.damage
+        return readings
