@@ -7,15 +7,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, Field, no_actions
-from wildscav_engine.kernel import array_kernel, parallel_kernel
+from wildscav_engine.handles import Addresses, Handle, number_reader, reader, row_reader
+from wildscav_engine.kernel import kernel, parallel_kernel
 from wildscav_engine.maps import MapError, map_of
-from wildscav_engine.maps.bank import GrowingBank, MapBank, world_of
+from wildscav_engine.maps.bank import MapBank, world_at
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rules import Rules
-from wildscav_engine.sensors.visibility import Seen, allocate_seen, clear_seen
+from wildscav_engine.sensors.visibility import allocate_seen, clear_seen
 from wildscav_engine.set_up import MatchSetupError, place_match, plan_match
 from wildscav_engine.spec import MatchSpec
-from wildscav_engine.state import Agents, Matches, Supplies, allocate_state, clear_row, with_room
+from wildscav_engine.state import State, allocate_state, clear_row, with_room
 from wildscav_engine.step import play_step
 from wildscav_engine.tracks import TRACKS
 
@@ -51,9 +52,10 @@ class Batch:
         seats = max(len(spec.seats) for spec in self.specs)
         slots = max(setup.slots for setup in self.setups)
         phases = max(len(setup.zone) for setup in self.setups)
-        self.state = allocate_state(len(self.specs), seats, slots, phases)
         self.seen = allocate_seen(len(self.specs), seats)
-        self._bank = GrowingBank([*self.maps, *pool])
+        self._keep(allocate_state(len(self.specs), seats, slots, phases))
+        self._numbers = np.array(self.rules, np.float64)
+        self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
         self._nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
         self._open(self._rows)
@@ -110,7 +112,7 @@ class Batch:
         for row, spec, game_map, setup in zip(rows, specs, given, setups, strict=True):
             self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
         slots, phases = max(setup.slots for setup in setups), max(len(setup.zone) for setup in setups)
-        self.state = with_room(self.state, slots, phases)
+        self._keep(with_room(self.state, slots, phases))
         for row in rows:
             clear_row(self.state, row)
             clear_seen(self.seen, row)
@@ -133,8 +135,22 @@ class Batch:
         *,
         opening: bool,
     ) -> None:
-        held = self.frames_per_action
-        play(self._bank.bank, *self.state, self.seen, rows, actions, self.allowed, held, self.rules, opening)
+        play(
+            self._bank.addresses,
+            *self._tables,
+            rows,
+            actions,
+            self.allowed,
+            self.frames_per_action,
+            self._numbers,
+            opening,
+        )
+
+    def _keep(self, state: State) -> None:
+        """Make a state the batch's own."""
+        self.state = state
+        self._handles = [Handle(part) for part in (*state, self.seen)]
+        self._tables = [handle.addresses for handle in self._handles]
 
 
 def _check_rows(rows: Sequence[int], matches: int) -> None:
@@ -174,6 +190,8 @@ def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.floa
         raise ValueError(
             f"actions are {rows.dtype} of shape {rows.shape}, must be real numbers of shape {wanted}"
         )
+    if rows.dtype == np.float32:
+        return rows.copy()
     with np.errstate(over="ignore"):  # too large for 32 bits becomes infinite, which is no action
         return np.array(rows, np.float32, order="C")
 
@@ -214,83 +232,26 @@ def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
     return specs[0]
 
 
-@array_kernel
-def agents_of(agents: Agents, match: int, seats: int) -> Agents:
-    """Return one match's agents as views, without the padding."""
-    return Agents(
-        agents.present[match][:seats],
-        agents.team[match][:seats],
-        agents.robot[match][:seats],
-        agents.memory[match][:seats],
-        agents.position[match][:seats],
-        agents.velocity[match][:seats],
-        agents.yaw[match][:seats],
-        agents.pitch[match][:seats],
-        agents.on_ground[match][:seats],
-        agents.in_water[match][:seats],
-        agents.walked[match][:seats],
-        agents.reached[match][:seats],
-        agents.knows_target[match][:seats],
-        agents.health[match][:seats],
-        agents.respawn_left[match][:seats],
-        agents.eliminated[match][:seats],
-        agents.placement[match][:seats],
-        agents.invincible_left[match][:seats],
-        agents.clip[match][:seats],
-        agents.spare_ammo[match][:seats],
-        agents.reload_left[match][:seats],
-        agents.fire_left[match][:seats],
-        agents.supplies[match][:seats],
-        agents.picked_up[match][:seats],
-        agents.kills[match][:seats],
-        agents.deaths[match][:seats],
-        agents.shots[match][:seats],
-        agents.hits[match][:seats],
-        agents.fired[match][:seats],
-        agents.shot_end[match][:seats],
-        agents.hit_seat[match][:seats],
-        agents.hit_by_seat[match][:seats],
-        agents.damage[match][:seats],
-        agents.gained[match][:seats],
-    )
-
-
-@array_kernel
-def supplies_of(supplies: Supplies, match: int, slots: int) -> Supplies:
-    """Return one match's boxes as views, without the padding."""
-    return Supplies(
-        supplies.position[match][:slots],
-        supplies.quantity[match][:slots],
-        supplies.appears[match][:slots],
-        supplies.serial[match][:slots],
-    )
-
-
-@array_kernel
-def seen_of(seen: Seen, match: int, seats: int) -> Seen:
-    """Return what one match's agents see as views, without the padding."""
-    return Seen(
-        seen.agents[match][:seats],
-        seen.agent_count[match][:seats],
-        seen.agent_distance[match][:seats],
-        seen.supplies[match][:seats],
-        seen.supply_count[match][:seats],
-        seen.supply_distance[match][:seats],
-        seen.can_pick_up[match][:seats],
-    )
+_EXAMPLE = allocate_state(1, 1, 1, 1)
+# Kernels: they take the arrays of one match, or those of all matches, out of their tables.
+agents_of = row_reader(_EXAMPLE.agents)
+supplies_of = row_reader(_EXAMPLE.supplies)
+seen_of = row_reader(allocate_seen(1, 1))
+matches_at = reader(_EXAMPLE.matches)
+rules_from = number_reader(Rules())
 
 
 def _play_batch(
-    bank: MapBank,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    seen: Seen,
+    bank: NDArray[np.int64],
+    agents: Addresses,
+    supplies: Addresses,
+    every: Addresses,
+    seen: Addresses,
     rows: NDArray[np.int64],
     actions: NDArray[np.float32],
     allowed: NDArray[np.bool_],
     frames_per_action: int,
-    rules: Rules,
+    rules: NDArray[np.float64],
     opening: bool,
 ) -> None:
     """Open the matches in some rows, or play one step of those not over; the actions become what was played.
@@ -299,21 +260,23 @@ def _play_batch(
     """
     for index in numba.prange(rows.shape[0]):
         match = rows[index]
+        matches = matches_at(every)
         if not matches.over[match]:
+            seats = matches.seats[match]
             play_step(
-                world_of(bank, matches.map_index[match]),
-                agents_of(agents, match, matches.seats[match]),
+                world_at(bank[matches.map_index[match]]),
+                agents_of(agents, match, seats),
                 supplies_of(supplies, match, matches.slots[match]),
                 matches,
                 match,
-                seen_of(seen, match, matches.seats[match]),
-                actions[match][: matches.seats[match]],
+                seen_of(seen, match, seats),
+                actions[match][:seats],
                 allowed,
                 frames_per_action,
-                rules,
+                rules_from(rules),
                 opening,
             )
 
 
-play_batch = array_kernel(_play_batch)
+play_batch = kernel(_play_batch)
 play_batch_in_threads = parallel_kernel(_play_batch)

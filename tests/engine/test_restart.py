@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from builders import box, flat_world, map_from
 from wildscav_engine.actions import FIELDS
 from wildscav_engine.batch import Batch
-from wildscav_engine.maps.bank import GrowingBank
+from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.set_up import MatchSetupError
 from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
 
@@ -111,7 +111,7 @@ def test_a_match_that_cannot_be_set_up_leaves_all_as_it_is() -> None:
 
 def test_a_bank_drops_maps_that_nobody_plays_on_when_it_has_too_many() -> None:
     first, second, third, fourth = maps = [map_from(flat_world()) for _ in range(4)]
-    bank = GrowingBank([first, second], limit=3)
+    bank = MapBank([first, second], limit=3)
     bank.add([second, third, fourth], in_use=[second, third, fourth])
     assert sorted(bank.index_of(game_map) for game_map in maps[1:]) == [0, 1, 2]
     with pytest.raises(KeyError):

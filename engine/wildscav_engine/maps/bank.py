@@ -1,124 +1,66 @@
-"""The map bank: worlds of several maps as flat arrays, so that matches on different maps share a batch."""
+"""The map bank: where the worlds of several maps lie, so that matches on different maps share a batch."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import array_kernel
+from wildscav_engine.geometry.world import World, build_world
+from wildscav_engine.handles import Handle, reader
 from wildscav_engine.maps.game_map import GameMap
 
 LIMIT = 128  # maps in a bank before those that no match is played on are dropped
 
-
-class MapBank(NamedTuple):
-    """The worlds of M maps end to end; ``world_of`` takes one out without copying."""
-
-    shape: NDArray[np.int64]  # (M, 4) rows and columns of cells, rows and columns of blocks
-    start: NDArray[np.int64]  # (M + 1, 13) where each map's part of each flat array below starts
-    corner: NDArray[np.float64]  # this and the following: as in World, flattened
-    heights: NDArray[np.float64]
-    water: NDArray[np.float64]
-    cell_top: NDArray[np.float64]
-    block_top: NDArray[np.float64]
-    cell_start: NDArray[np.int64]
-    cell_solids: NDArray[np.int64]
-    solid_box: NDArray[np.float64]  # low, then high corners
-    solid_start: NDArray[np.int64]
-    faces: NDArray[np.float64]
-    face_reach: NDArray[np.float64]
-    solid_kind: NDArray[np.int8]
-    spawns: NDArray[np.float64]
+_EXAMPLE = build_world((0.0, 0.0), np.zeros((2, 2)), np.zeros((1, 1)), [], np.zeros((1, 3)))
+# A kernel: takes a world out of its table, without copying.
+world_at = reader(_EXAMPLE)
 
 
-def build_bank(worlds: Sequence[World]) -> MapBank:
-    """Lay worlds end to end."""
-    parts = [_parts(world) for world in worlds]
-    lengths = np.array([[part.size for part in row] for row in parts], np.int64)
-    start = np.zeros((len(worlds) + 1, lengths.shape[1]), np.int64)
-    start[1:] = np.cumsum(lengths, axis=0)
-    shape = np.array([[*world.water.shape, *world.block_top.shape] for world in worlds], np.int64)
-    flat = [np.concatenate([row[index].reshape(-1) for row in parts]) for index in range(lengths.shape[1])]
-    return MapBank(shape, start, *flat)
+class MapBank:
+    """Maps by their numbers in a batch. It takes more in as they are needed; nothing of them is copied.
 
+    Attributes:
+        addresses: (M, F, 6) the table of the world of each map, for ``world_at``.
+    """
 
-class GrowingBank:
-    """A bank that takes maps in as matches are played on them, and drops old ones when it has too many."""
-
-    def __init__(self, maps: Sequence[GameMap], limit: int = LIMIT) -> None:
-        """Put some maps into the bank."""
+    def __init__(self, maps: Sequence[GameMap] = (), limit: int = LIMIT) -> None:
+        """Take some maps in."""
         self._limit = limit
-        self._maps: dict[int, GameMap] = {id(game_map): game_map for game_map in maps}
-        self._rebuild()
+        self._maps: dict[int, GameMap] = {}
+        self._worlds: dict[int, Handle] = {}
+        self.add(maps, in_use=maps)
 
-    def add(self, maps: Sequence[GameMap], in_use: Sequence[GameMap]) -> None:
+    def add(self, maps: Sequence[GameMap], in_use: Sequence[GameMap]) -> bool:
         """Take in those of some maps that are not here; drop the oldest not in use if there are too many.
 
-        The numbers of all maps may change.
+        Returns:
+            Whether any map was new; then the numbers of all maps may have changed.
         """
         new = {id(game_map): game_map for game_map in maps if id(game_map) not in self._maps}
         if not new:
-            return
+            return False
         self._maps.update(new)
+        self._worlds.update((key, _handle_of(game_map)) for key, game_map in new.items())
         used = {id(game_map) for game_map in in_use}
-        for key in list(self._maps):
-            if len(self._maps) <= self._limit:
-                break
-            if key not in used:
-                del self._maps[key]
-        self._rebuild()
+        for key in [key for key in self._maps if key not in used][: max(0, len(self._maps) - self._limit)]:
+            del self._maps[key], self._worlds[key]
+        self._number()
+        return True
 
     def index_of(self, game_map: GameMap) -> int:
         """Return the number of a map that is here."""
-        return self._places[id(game_map)]
+        return self._numbers[id(game_map)]
 
-    def _rebuild(self) -> None:
-        self._places = {key: index for index, key in enumerate(self._maps)}
-        self.bank = build_bank([game_map.world for game_map in self._maps.values()])
+    def _number(self) -> None:
+        self._numbers = {key: number for number, key in enumerate(self._maps)}
+        self.addresses = np.array([world.addresses for world in self._worlds.values()], np.int64)
 
-
-def _parts(world: World) -> list[NDArray[np.generic]]:
-    """Return a world's arrays in the order of the bank."""
-    return [
-        world.corner,
-        world.heights,
-        world.water,
-        world.cell_top,
-        world.block_top,
-        world.cell_start,
-        world.cell_solids,
-        np.stack([world.solid_low, world.solid_high]),
-        world.solid_start,
-        world.faces,
-        world.face_reach,
-        world.solid_kind,
-        world.spawns,
-    ]
+    def __reduce__(self) -> tuple[type["MapBank"], tuple[list[GameMap], int]]:
+        """Copies and pickles are of the maps, which then lie elsewhere."""
+        return MapBank, (list(self._maps.values()), self._limit)
 
 
-@array_kernel
-def world_of(bank: MapBank, index: int) -> World:
-    """Return one map's world as views of the bank."""
-    rows, columns = bank.shape[index, 0], bank.shape[index, 1]
-    block_rows, block_columns = bank.shape[index, 2], bank.shape[index, 3]
-    first, last = bank.start[index], bank.start[index + 1]
-    box = bank.solid_box[first[7] : last[7]]
-    half = box.shape[0] // 2
-    return World(
-        bank.corner[first[0] : last[0]],
-        bank.heights[first[1] : last[1]].reshape((rows + 1, columns + 1)),
-        bank.water[first[2] : last[2]].reshape((rows, columns)),
-        bank.cell_top[first[3] : last[3]].reshape((rows, columns)),
-        bank.block_top[first[4] : last[4]].reshape((block_rows, block_columns)),
-        bank.cell_start[first[5] : last[5]],
-        bank.cell_solids[first[6] : last[6]],
-        box[:half].reshape((half // 3, 3)),
-        box[half:].reshape((half // 3, 3)),
-        bank.solid_start[first[8] : last[8]],
-        bank.faces[first[9] : last[9]].reshape(((last[9] - first[9]) // 4, 4)),
-        bank.face_reach[first[10] : last[10]],
-        bank.solid_kind[first[11] : last[11]],
-        bank.spawns[first[12] : last[12]].reshape(((last[12] - first[12]) // 3, 3)),
-    )
+def _handle_of(game_map: GameMap) -> Handle:
+    arrays: list[Any] = list(game_map.world)
+    dtypes = [array.dtype for array in list[Any](_EXAMPLE)]
+    return Handle(World(*(np.ascontiguousarray(*pair) for pair in zip(arrays, dtypes, strict=True))))
