@@ -10,6 +10,7 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel
 from wildscav_engine.robots.base import Situation
 from wildscav_engine.robots.decide import decide
+from wildscav_engine.robots.skill import skill_of
 from wildscav_engine.rules import FRAME, Rules
 from wildscav_engine.sensors.visibility import Seen, look_around
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
@@ -138,7 +139,11 @@ def _settle_action(
         action[:] = 0.0
         if agents.health[seat] > 0:
             frame, seed = matches.frame[match], matches.seed[match]
-            decide(Situation(agents, supplies, seen, seat, seed, frame, frames_per_action), action)
+            skill = skill_of(agents.robot[seat])
+            now = Situation(
+                agents, supplies, seen, seat, seed, frame, frames_per_action, matches, match, skill
+            )
+            decide(now, action)
     valid = agents.present[seat]
     for field in range(FIELDS):
         if not allowed[field]:

@@ -136,13 +136,13 @@ def battle(
 
 
 def capture(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
-    """A hidden target, looked for by one submission and robots that wander, as one team.
+    """A hidden target, looked for by one submission and seekers, as one team.
 
     Args:
         time_limit: Seconds of game time.
         robots: Teammates.
     """
-    seats = (SUBMISSION, *("walker",) * robots)
+    seats = (SUBMISSION, *("seeker",) * robots)
     return lambda _: MatchSpec(track="capture", time_limit=time_limit, seats=seats)
 
 

@@ -13,14 +13,13 @@ def warm() -> None:
     from wildscav_engine.actions import Field, no_actions
     from wildscav_engine.maps.mesh import solids_mesh
     from wildscav_engine.match import Match
-    from wildscav_engine.robots import ROBOTS
     from wildscav_engine.sensors import SENSORS
     from wildscav_engine.spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS
 
     game_map = warm_map()
     for track in TRACKS:
-        seats = (SUBMISSION, *ROBOTS) if TRACKS[track].fields >= {Field.SHOOT} else (SUBMISSION,)
+        seats = (SUBMISSION, "fighter") if TRACKS[track].fields >= {Field.SHOOT} else (SUBMISSION,)
         spec = MatchSpec(track=track, map=game_map.spec, seats=seats, time_limit=0.5)
         match = Match(spec, game_map)
         while not match.over:

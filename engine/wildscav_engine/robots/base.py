@@ -13,14 +13,17 @@ from numpy.typing import NDArray
 from wildscav_engine.actions import Field
 from wildscav_engine.kernel import kernel
 from wildscav_engine.rng import Stream, uniform_in
+from wildscav_engine.robots.skill import LEVELS, Skill
+from wildscav_engine.rules import FRAME
 from wildscav_engine.sensors.visibility import Seen
-from wildscav_engine.state import Agents, Supplies
+from wildscav_engine.state import Agents, Matches, Supplies
+from wildscav_engine.systems.zone import zone_at
 from wildscav_engine.trig import arctangent, wrap
 
 STUCK_SPEED = 0.3  # of the speed wanted; slower is stuck
 PATIENCE = 3.0  # steps stuck before a way round is tried
-DETOUR = 12.0  # steps that a way round is kept
-FETCHING = 60.0  # steps without a box after which the one in sight counts as out of reach
+DETOUR = 6.0  # m of a way round
+SAFE_MARGIN = 5.0  # m inside the edge of the safe zone that a robot keeps
 
 
 class Memory(IntEnum):
@@ -46,6 +49,9 @@ class Situation(NamedTuple):
     seed: int
     frame: int
     frames_per_action: int
+    matches: Matches
+    match: int
+    skill: Skill
 
 
 class Robot(NamedTuple):
@@ -53,7 +59,21 @@ class Robot(NamedTuple):
 
     name: str
     title: str
-    number: int  # in Agents.robot; never changes, because records name it through the spec
+    number: int  # in Agents.robot: tens for the kind, ones for the level; those of records never change
+
+
+def levels_of(name: str, title: str, kind: int) -> tuple[Robot, ...]:
+    """Return a kind of robot in its three levels, the normal one under the plain name.
+
+    Args:
+        name: Of the kind.
+        title: What it does.
+        kind: Its number.
+    """
+    return tuple(
+        Robot(name if level == "normal" else f"{name}-{level}", title, 10 * kind + number)
+        for number, level in enumerate(LEVELS)
+    )
 
 
 @kernel
@@ -84,7 +104,8 @@ def walk_toward(now: Situation, heading: float, speed: float, action: NDArray[np
         memory[Memory.STUCK] = 0.0
     if memory[Memory.STUCK] > PATIENCE:
         memory[Memory.STUCK] = 0.0
-        memory[Memory.DETOUR_LEFT] = DETOUR
+        step_time = now.frames_per_action * FRAME
+        memory[Memory.DETOUR_LEFT] = max(1.0, DETOUR / (max(speed, 1.0) * step_time))
         memory[Memory.DETOUR_HEADING] = heading + random_in(now, 60.0, 300.0, 1)
     if memory[Memory.DETOUR_LEFT] > 0.0:
         memory[Memory.DETOUR_LEFT] -= 1.0
@@ -103,8 +124,8 @@ def wander(now: Situation, action: NDArray[np.float32]) -> None:
         memory[Memory.WANDER_LEFT] = random_in(now, 20.0, 80.0, 2)
         memory[Memory.HEADING] = random_in(now, 0.0, 360.0, 3)
     heading = memory[Memory.HEADING]
-    walk_toward(now, heading, 6.0, action)
-    turn_toward(now, heading, 0.0, 30.0, action)
+    walk_toward(now, heading, now.skill.wander_speed, action)
+    turn_toward(now, heading, 0.0, now.skill.turn_limit, action)
 
 
 @kernel
@@ -114,11 +135,41 @@ def gather(now: Situation, action: NDArray[np.float32]) -> bool:
     if now.seen.supply_count[now.seat] == 0 or _gives_up(now):
         return False
     box = now.supplies.position[now.seen.supplies[now.seat, 0]]
-    here = now.agents.position[now.seat]
-    heading = arctangent(box[0] - here[0], box[2] - here[2])
-    walk_toward(now, heading, 8.0, action)
-    turn_toward(now, heading, 0.0, 30.0, action)
+    _go(now, box[0], box[2], action)
     return True
+
+
+@kernel
+def seek(now: Situation, action: NDArray[np.float32]) -> bool:
+    """Walk to the target; return False if there is none, or the robot's team has yet to find it."""
+    if not now.agents.knows_target[now.seat]:
+        return False
+    target = now.matches.target[now.match]
+    _go(now, target[0], target[2], action)
+    return True
+
+
+@kernel
+def keep_safe(now: Situation, action: NDArray[np.float32]) -> bool:
+    """Walk to the middle of the safe zone; return False if well inside it."""
+    zone = zone_at(now.matches, now.match, now.frame)
+    if zone.damage == 0.0:
+        return False
+    here = now.agents.position[now.seat]
+    dx, dz = zone.x - here[0], zone.z - here[2]
+    if np.sqrt(dx * dx + dz * dz) < zone.radius - SAFE_MARGIN:
+        return False
+    _go(now, zone.x, zone.z, action)
+    return True
+
+
+@kernel
+def _go(now: Situation, x: float, z: float, action: NDArray[np.float32]) -> None:
+    """Walk to a place, looking ahead."""
+    here = now.agents.position[now.seat]
+    heading = arctangent(x - here[0], z - here[2])
+    walk_toward(now, heading, now.skill.speed, action)
+    turn_toward(now, heading, 0.0, now.skill.turn_limit, action)
 
 
 @kernel
@@ -131,7 +182,7 @@ def _gives_up(now: Situation) -> bool:
     memory[Memory.FETCHING] += 1.0
     if now.agents.gained[now.seat] > 0:
         memory[Memory.FETCHING] = 0.0
-    elif memory[Memory.FETCHING] > FETCHING:
+    elif memory[Memory.FETCHING] > now.skill.patience:
         memory[Memory.FETCHING] = 0.0
         memory[Memory.DISTRACTED_LEFT] = random_in(now, 20.0, 80.0, 6)
     return False

@@ -4,23 +4,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
-from wildscav_engine.robots.base import Situation
-from wildscav_engine.robots.fighter import FIGHTER, fight
-from wildscav_engine.robots.gatherer import GATHERER, collect
-from wildscav_engine.robots.walker import WALKER, walk
+from wildscav_engine.robots.base import Situation, keep_safe
+from wildscav_engine.robots.fighter import FIGHTERS, fight
+from wildscav_engine.robots.gatherer import GATHERERS, collect
+from wildscav_engine.robots.seeker import SEEKERS, find
+from wildscav_engine.robots.walker import WALKERS, walk
 
-ROBOTS = {robot.name: robot for robot in (WALKER, GATHERER, FIGHTER)}
+ROBOTS = {robot.name: robot for robot in (*WALKERS, *GATHERERS, *FIGHTERS, *SEEKERS)}
 
-_WALKER, _GATHERER, _FIGHTER = WALKER.number, GATHERER.number, FIGHTER.number
+_WALKER, _GATHERER, _FIGHTER, _SEEKER = (
+    kind[0].number // 10 for kind in (WALKERS, GATHERERS, FIGHTERS, SEEKERS)
+)
 
 
 @kernel
 def decide(now: Situation, action: NDArray[np.float32]) -> None:
     """Write what the robot in a seat does in the coming step; the row holds zeros before."""
-    robot = now.agents.robot[now.seat]
-    if robot == _WALKER:
-        walk(now, action)
-    elif robot == _GATHERER:
-        collect(now, action)
-    elif robot == _FIGHTER:
+    kind = now.agents.robot[now.seat] // 10
+    if kind == _FIGHTER:
         fight(now, action)
+    elif keep_safe(now, action):
+        return
+    elif kind == _WALKER:
+        walk(now, action)
+    elif kind == _GATHERER:
+        collect(now, action)
+    elif kind == _SEEKER:
+        find(now, action)

@@ -6,16 +6,23 @@ from numpy.typing import NDArray
 from wildscav_engine.actions import Field
 from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.kernel import kernel
-from wildscav_engine.robots.base import Robot, Situation, gather, random_in, turn_toward, walk_toward, wander
+from wildscav_engine.robots.base import (
+    Situation,
+    gather,
+    keep_safe,
+    levels_of,
+    random_in,
+    turn_toward,
+    walk_toward,
+    wander,
+)
 from wildscav_engine.state import NOBODY
 from wildscav_engine.trig import arctangent, wrap
 
-FIGHTER = Robot("fighter", "shoots at the nearest enemy, gathers in between", 3)
+FIGHTERS = levels_of("fighter", "shoots at the nearest enemy, gathers in between", 3)
 
 AIM_HEIGHT = 1.0  # m above the enemy's soles
-AIM_ERROR = 3.0  # degrees, at most
-AIMED = 4.0  # degrees off the enemy at which it fires
-TURN_LIMIT = 25.0  # degrees a step
+PITCH_ERROR = 1 / 3  # of the skill's aim error
 LOW_CLIP = 5  # rounds; with fewer and nobody in sight it reloads
 
 
@@ -26,7 +33,7 @@ def fight(now: Situation, action: NDArray[np.float32]) -> None:
     if enemy == NOBODY:
         if now.agents.clip[now.seat] < LOW_CLIP:
             action[Field.RELOAD] = 1.0
-        if not gather(now, action):
+        if not keep_safe(now, action) and not gather(now, action):
             wander(now, action)
         return
     _aim_and_fire(now, enemy, action)
@@ -47,17 +54,20 @@ def nearest_enemy(now: Situation) -> int:
 @kernel
 def _aim_and_fire(now: Situation, enemy: int, action: NDArray[np.float32]) -> None:
     here, there = now.agents.position[now.seat], now.agents.position[enemy]
-    dx, dz = there[0] - here[0], there[2] - here[2]
+    own, velocity = now.agents.velocity[now.seat], now.agents.velocity[enemy]
+    dx = there[0] - here[0] + (velocity[0] - own[0]) * now.skill.foresight
+    dz = there[2] - here[2] + (velocity[2] - own[2]) * now.skill.foresight
     drop = here[1] + EYE_HEIGHT - there[1] - AIM_HEIGHT
     yaw = arctangent(dx, dz)
     pitch = arctangent(drop, np.sqrt(dx * dx + dz * dz))
     off = abs(wrap(yaw - now.agents.yaw[now.seat]))
-    error_yaw, error_pitch = random_in(now, -AIM_ERROR, AIM_ERROR, 4), random_in(now, -1.0, 1.0, 5)
-    turn_toward(now, yaw + error_yaw, pitch + error_pitch, TURN_LIMIT, action)
+    error = now.skill.aim_error
+    error_yaw, error_pitch = random_in(now, -error, error, 4), random_in(now, -error, error, 5) * PITCH_ERROR
+    turn_toward(now, yaw + error_yaw, pitch + error_pitch, now.skill.turn_limit, action)
     if now.agents.clip[now.seat] == 0:
         action[Field.RELOAD] = 1.0
-    elif off < AIMED:
+    elif off < now.skill.aimed:
         action[Field.SHOOT] = 1.0
     # It circles, so that it is harder to hit.
     side = 80.0 if (now.frame // 100 + now.seat) % 2 == 0 else -80.0
-    walk_toward(now, yaw + side, 5.0, action)
+    walk_toward(now, yaw + side, now.skill.wander_speed, action)

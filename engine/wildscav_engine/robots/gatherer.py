@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
-from wildscav_engine.robots.base import Robot, Situation, gather, wander
+from wildscav_engine.robots.base import Situation, gather, levels_of, wander
 
-GATHERER = Robot("gatherer", "collects the supplies it sees", 2)
+GATHERERS = levels_of("gatherer", "collects the supplies it sees", 2)
 
 
 @kernel

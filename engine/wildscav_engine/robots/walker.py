@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
-from wildscav_engine.robots.base import Robot, Situation, wander
+from wildscav_engine.robots.base import Situation, levels_of, wander
 
-WALKER = Robot("walker", "wanders about", 1)
+WALKERS = levels_of("walker", "wanders about", 1)
 
 
 @kernel

@@ -22,7 +22,7 @@ class Capture(Track):
     has_target: ClassVar[bool] = True
     hides_target: ClassVar[bool] = True
     rewards: ClassVar[dict[str, float]] = {"target_reached": 1.0}
-    robot: ClassVar[str] = "walker"
+    robot: ClassVar[str] = "seeker"
     metrics = Navigation.metrics
 
     def teams(self, seats: int) -> tuple[int, ...]:

@@ -25,7 +25,7 @@ class Navigation(Track):
     fields = MOVES
     has_target: ClassVar[bool] = True
     rewards: ClassVar[dict[str, float]] = {"target_reached": 1.0}
-    robot: ClassVar[str] = "walker"
+    robot: ClassVar[str] = "seeker"
     metrics = (
         Metric("time", "used + punish time", "s", lower_is_better=True),
         Metric("used_time", "used time", "s", lower_is_better=True),
