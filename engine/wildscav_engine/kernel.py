@@ -14,7 +14,8 @@ import functools
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
@@ -23,6 +24,8 @@ import numba
 import numpy as np
 from numba.extending import typeof_impl
 
+from wildscav_engine.linking import PartCompiler, keep
+
 Params = ParamSpec("Params")
 Returned = TypeVar("Returned")
 
@@ -30,6 +33,7 @@ Returned = TypeVar("Returned")
 config: Any = numba.config
 njit: Any = numba.njit
 
+EXACTLY = {"fastmath": False, "nogil": True, "error_model": "numpy"}
 PACKAGE = Path(__file__).parent
 # As many folders are kept as several versions of the engine need, so that going back and forth stays fast.
 KEPT_FOLDERS = 1000
@@ -38,12 +42,12 @@ KEPT_FOLDERS = 1000
 class Kernel:
     """A compiled function, compiled apart for calls from kernels and for calls from Python.
 
-    Most kernels are only ever called by others. What converts their arguments from Python takes longer to
-    compile than many of them, so it is left out until Python calls.
+    Most kernels are only ever called by others. Machine code of them alone, and what converts their arguments
+    from Python, would take longer to compile than they do, so both are left out until Python calls.
     """
 
     def __init__(self, function: Callable[..., Any], **options: bool) -> None:
-        self.inner = _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
+        self.inner = _compile_part(function, **options)
         self._outer = _compile(function, no_cfunc_wrapper=True, **options)
         functools.update_wrapper(self, function)
 
@@ -91,14 +95,28 @@ def parallel_kernel(function: Callable[Params, Returned]) -> Callable[Params, Re
     return cast(Callable[Params, Returned], _compile(function, parallel=True))
 
 
-def _compile(function: Callable[..., Any], **options: bool) -> Any:
+def _compile(function: Callable[..., Any], **options: Any) -> Any:
+    with _caching_in(function, "-".join(sorted(options)) or "plain"):
+        return njit(cache=True, **EXACTLY, **options)(function)
+
+
+def _compile_part(function: Callable[..., Any], **options: bool) -> Any:
+    """Compile a function for calls from kernels alone."""
+    part = njit(
+        pipeline_class=PartCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **EXACTLY, **options
+    )(function)
+    with _caching_in(function, "-".join(["part", *sorted(options)])):
+        return keep(part)
+
+
+@contextmanager
+def _caching_in(function: Callable[..., Any], name: str) -> Iterator[None]:
     # Numba chooses a function's cache folder while decorating it, from its global configuration. It does not
     # tell apart what was compiled with other options: each set of options has a folder of its own.
     before = config.CACHE_DIR
-    folder = cache_folder(Path(function.__code__.co_filename))
-    config.CACHE_DIR = str(folder / ("-".join(sorted(options)) or "plain"))
+    config.CACHE_DIR = str(cache_folder(Path(function.__code__.co_filename)) / name)
     try:
-        return njit(cache=True, fastmath=False, nogil=True, error_model="numpy", **options)(function)
+        yield
     finally:
         config.CACHE_DIR = before
 

@@ -1,0 +1,167 @@
+"""How kernels that only other kernels call are compiled: up to LLVM's code, but not to machine code.
+
+Numba makes machine code of every function, with all that it calls linked in and optimized anew, so that what
+lies deep is compiled again for each level above it. A part is optimized by itself only; a kernel that Python
+calls links the parts below it, optimizes them together and makes machine code, once.
+
+This builds on the insides of Numba's compiler, whose versions ``pyproject.toml`` bounds for that reason.
+"""
+
+from typing import Any
+
+from llvmlite import binding as llvm
+from numba.core import caching, codegen, compiler, compiler_machinery, typed_passes
+
+# Typed here, because Numba comes without types.
+Library: Any = codegen.JITCodeLibrary
+Compiler: Any = compiler.CompilerBase
+Pass: Any = compiler_machinery.LoweringPass
+CacheEntries: Any = caching.CompileResultCacheImpl
+Cache: Any = caching.FunctionCache
+register_pass: Any = compiler_machinery.register_pass
+compile_result: Any = compiler.compile_result
+
+
+class Part(Library):  # type: ignore[misc]
+    """The code of one kernel, to be linked into others."""
+
+    _shared_module: Any
+
+    @property
+    def codegen(self) -> "Unplaced":
+        """What made the code."""
+        return Unplaced(self._codegen)
+
+    def finalize(self) -> None:
+        """Close the part; what it calls is linked by those that run it."""
+        self._raise_if_finalized()
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:  # noqa: ARG002
+        """Return null: there is no machine code."""
+        self._ensure_finalized()
+        return 0
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code with all that it calls, directly or not."""
+        self._ensure_finalized()
+        if self._shared_module is None:
+            module = self._final_module.clone()
+            for library in _below(self):
+                code = library._final_module if type(library) is Part else library._get_module_for_linking()
+                module.link_in(code, preserve=True)
+            for function in module.functions:
+                if not function.is_declaration and function.linkage == llvm.Linkage.external:
+                    function.linkage = "linkonce_odr"
+            self._shared_module = module
+        return self._shared_module
+
+    @classmethod
+    def restore(cls, codegen: Any, name: str, bitcode: bytes) -> "Part":
+        """Return a part as it was kept, with all that it calls."""
+        part = cls(codegen, name)
+        part._final_module = part._shared_module = llvm.parse_bitcode(bitcode)
+        part._finalized = True
+        return part
+
+
+class Unplaced:
+    """The generator of code that lies nowhere in memory, so it has no environment to set."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing. Kernels use no Python objects, which is what an environment holds."""
+
+
+def _below(part: Part) -> list[Any]:
+    """Return the libraries that a part calls, directly or not."""
+    found: dict[Any, None] = {}
+    waiting = list(part._linking_libraries)
+    while waiting:
+        library = waiting.pop()
+        if library not in found and library is not part:
+            found[library] = None
+            waiting.extend(library._linking_libraries)
+    return list(found)
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class MakePart(Pass):  # type: ignore[misc]
+    """Give a function a part to be compiled into."""
+
+    _name = "make_part"
+
+    def __init__(self) -> None:
+        Pass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        """Do it; the function itself stays as it is."""
+        state.library = Part(state.targetctx.codegen(), state.func_id.func_qualname)
+        return False
+
+
+class PartCompiler(Compiler):  # type: ignore[misc]
+    """Numba's compiler, making parts."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Return the passes to run."""
+        builder: Any = compiler.DefaultPassBuilder
+        passes = builder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(MakePart, typed_passes.AnnotateTypes)
+        passes.finalize()
+        return [passes]
+
+
+class PartEntries(CacheEntries):  # type: ignore[misc]
+    """What the disk cache keeps of a compiled part."""
+
+    def reduce(self, result: Any) -> tuple[Any, ...]:
+        """Return what is kept."""
+        library, function = result.library, result.fndesc
+        function.typemap = function.calltypes = None  # large, and not for pickling
+        bitcode = library._get_module_for_linking().as_bitcode()
+        return library.name, bitcode, function, result.environment, result.signature, result.reload_init
+
+    def rebuild(self, target_context: Any, kept: tuple[Any, ...]) -> Any:
+        """Return a compiled part from what was kept."""
+        name, bitcode, function, environment, signature, reload_init = kept
+        for load in reload_init:
+            load()
+        library = Part.restore(target_context.codegen(), name, bitcode)
+        return compile_result(
+            typing_context=target_context.typing_context,
+            target_context=target_context,
+            library=library,
+            environment=environment,
+            entry_point=target_context.get_executable(library, function, environment),
+            fndesc=function,
+            type_annotation="",
+            signature=signature,
+            objectmode=False,
+            lifted=(),
+            typing_error=None,
+            call_helper=None,
+            metadata=None,
+            reload_init=reload_init,
+            referenced_envs=(),
+        )
+
+
+class PartCache(Cache):  # type: ignore[misc]
+    """The disk cache of one kernel's parts."""
+
+    _impl_class = PartEntries
+
+
+def keep(dispatcher: Any) -> Any:
+    """Keep a function's parts on disk, in Numba's cache folder of this moment; return the function."""
+    dispatcher._cache = PartCache(dispatcher.py_func)
+    return dispatcher

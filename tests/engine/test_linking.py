@@ -1,0 +1,80 @@
+"""Kernels that only kernels call are parts: linked into those that Python calls, and kept on disk."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import types
+
+from wildscav_engine import kernel as kernels
+from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.linking import Part
+
+pytestmark = pytest.mark.skipif(kernels.config.DISABLE_JIT, reason="nothing is compiled")
+
+
+def half(x):
+    return 0.5 * x
+
+
+_half = kernel(half)
+
+
+def quarter(x):
+    return _half(_half(x))
+
+
+_quarter = kernel(quarter)
+
+
+def sum_of_quarters(numbers):
+    total = 0.0
+    for number in numbers:
+        total += _quarter(number)
+    return total
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernels, "cache_folder", lambda file: tmp_path)
+    define(monkeypatch)
+
+
+def define(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make the kernels anew, as a new process would."""
+    monkeypatch.setitem(globals(), "_half", kernel(half))
+    monkeypatch.setitem(globals(), "_quarter", kernel(quarter))
+
+
+def hits(compiled: Any) -> int:
+    return sum(compiled.inner.stats.cache_hits.values())
+
+
+def test_a_kernel_runs_with_all_parts_below_it() -> None:
+    assert kernel(sum_of_quarters)(np.array([4.0, 8.0])) == 3.0
+    assert kernel(quarter)(8.0) == 2.0
+
+
+def test_parts_are_not_made_machine_code() -> None:
+    kernel(sum_of_quarters)(np.array([4.0, 8.0]))
+    for part in (_half, _quarter):
+        (result,) = part.inner.overloads.values()
+        assert isinstance(result.library, Part)
+        assert result.library.get_pointer_to_function(result.fndesc.llvm_func_name) == 0
+
+
+def test_kept_parts_are_compiled_no_second_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    array_kernel(sum_of_quarters)(np.array([4.0, 8.0]))
+    define(monkeypatch)
+
+    assert kernel(sum_of_quarters)(np.array([4.0, 8.0])) == 3.0
+
+    assert hits(_quarter) == 1
+    assert hits(_half) == 0  # came with the quarter
+
+
+def test_a_part_is_compiled_for_each_kind_of_argument() -> None:
+    assert kernel(quarter)(8) == 2.0
+    assert kernel(quarter)(8.0) == 2.0
+    assert set(_half.inner.overloads) == {(types.int64,), (types.float64,)}
