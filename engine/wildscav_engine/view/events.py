@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import rerun as rr
 
-from wildscav_engine.state import NOBODY
+from wildscav_engine.state import NOBODY, NOT_OUT
 from wildscav_engine.view import colors
 from wildscav_engine.view.columns import Columns
 from wildscav_engine.view.history import History, seats_where
@@ -63,12 +63,11 @@ def _deaths(history: History, names: Sequence[str]) -> Iterator[Event]:
     died = np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0
     for row, seat in seats_where(died):
         by = int(agents.hit_by_seat[row, seat])
-        yield Event(
-            row,
-            "DEATH",
-            f"{names[seat]} dies{'' if by == NOBODY else f', shot by {names[by]}'}",
-            colors.DEATH,
+        out = agents.eliminated[row, seat] != NOT_OUT
+        text = (
+            f"{names[seat]} {'is out' if out else 'dies'}{'' if by == NOBODY else f', shot by {names[by]}'}"
         )
+        yield Event(row, "OUT" if out else "DEATH", text, colors.DEATH)
 
 
 def _respawns(history: History, names: Sequence[str]) -> Iterator[Event]:

@@ -10,6 +10,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
 from wildscav_engine.sensors import ColorCamera, DepthCamera
 from wildscav_engine.state import Agents
+from wildscav_engine.systems.zone import zone_at
 from wildscav_engine.view import cameras
 
 DEPTH_CAMERA = DepthCamera(width=64, height=36, far=200.0)
@@ -44,6 +45,7 @@ class History(NamedTuple):
     boxes: tuple[Boxes, ...]  # one for each change, the first for row 0
     first_dropped: int  # serial of the first box that was not there by plan
     target: NDArray[np.float64] | None  # (3,) m, what ends the match when reached
+    zone: NDArray[np.float64] | None  # (T + 1, 6) m, x, z and radius of the safe zone and of its next circle
     depth: Film | None
     color: Film | None
 
@@ -90,9 +92,21 @@ def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tupl
         tuple(boxes),
         first_dropped,
         target,
+        _zone(match, frames[:rows]),
         None if images_of is None else _depth_maps(match.game_map, kept, images_of),
         None if images_of is None else Film(np.array([*pictures]), np.array([*pictures.values()])),
     )
+
+
+def _zone(match: Match, frames: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """Return the safe zone in some frames, and the circle that it draws in to then, if there is one."""
+    matches = match.state.matches
+    phases = int(matches.phases[0])
+    if phases == 0:
+        return None
+    now = [zone_at(matches, 0, int(frame))[:3] for frame in frames]
+    phase = np.searchsorted(matches.zone[0, :phases, 1], frames, side="right")
+    return np.hstack([now, matches.zone[0, np.minimum(phase, phases - 1), 5:8]])
 
 
 def _depth_maps(game_map: GameMap, agents: Agents, seat: int) -> Film:

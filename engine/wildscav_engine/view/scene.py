@@ -9,7 +9,7 @@ from wildscav_engine.actions import Field
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.record import Record
 from wildscav_engine.tracks import TRACKS
-from wildscav_engine.view import actors, follow, scenery, things
+from wildscav_engine.view import actors, follow, scenery, things, zone
 from wildscav_engine.view.blueprint import Layout, blueprint
 from wildscav_engine.view.columns import send
 from wildscav_engine.view.events import event_columns, events_of
@@ -36,6 +36,7 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
     statics = (
         *scenery.static_scene(game_map),
         *things.static_things(history, record.spec.rules.target_distance),
+        *zone.static_zone(history),
         *actors.static_agents(history, names),
         *follow.static_cameras(history),
     )
@@ -44,6 +45,7 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
     for columns in (
         *actors.moving_agents(history, names),
         *things.changing_things(history, game_map),
+        *zone.moving_zone(history, game_map),
         *follow.moving_cameras(game_map, history, seat),
         event_columns(events_of(history, names)),
     ):

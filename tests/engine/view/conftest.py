@@ -12,6 +12,7 @@ ROBOTS = {
     "battle": ("submission", "fighter", "fighter"),
     "gathering": ("gatherer",),
     "navigation": ("walker",),
+    "royale": ("fighter", "fighter"),
 }
 
 
