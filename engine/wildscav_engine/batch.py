@@ -12,11 +12,12 @@ from wildscav_engine.kernel import kernel, parallel_kernel
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank, world_at
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rows import clear_rows, fills_of
 from wildscav_engine.rules import Rules
-from wildscav_engine.sensors.visibility import allocate_seen, clear_seen
+from wildscav_engine.sensors.visibility import allocate_seen
 from wildscav_engine.set_up import MatchSetupError, place_match, plan_match
 from wildscav_engine.spec import MatchSpec
-from wildscav_engine.state import State, allocate_state, clear_row, with_room
+from wildscav_engine.state import State, allocate_state, with_room
 from wildscav_engine.step import play_step
 from wildscav_engine.tracks import TRACKS
 
@@ -113,19 +114,22 @@ class Batch:
             self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
         slots, phases = max(setup.slots for setup in setups), max(len(setup.zone) for setup in setups)
         self._keep(with_room(self.state, slots, phases))
-        for row in rows:
-            clear_row(self.state, row)
-            clear_seen(self.seen, row)
-        self._bank.add(given, in_use=self.maps)
+        for table, fills in zip(self._tables, _FILLS, strict=True):
+            clear_rows(table, fills, np.array(rows, np.int64))
+        if self._bank.add(given, in_use=self.maps):
+            self._number_maps(self._rows)  # of the other rows, too: they may have moved in the bank
         self._open(np.array(rows, np.int64))
 
     def _open(self, rows: NDArray[np.int64]) -> None:
         """Write the first state of matches into their rows, which are clear."""
-        for row in rows:
+        for row in rows.tolist():
             place_match(self.state, row, self.setups[row])
-        # Maps may have moved in the bank, for rows that were not restarted, too.
-        self.state.matches.map_index[:] = [self._bank.index_of(game_map) for game_map in self.maps]
+        self._number_maps(rows)
         self._play(play_batch, rows, self._nothing, opening=True)
+
+    def _number_maps(self, rows: NDArray[np.int64]) -> None:
+        for row in rows.tolist():
+            self.state.matches.map_index[row] = self._bank.index_of(self.maps[row])
 
     def _play(
         self,
@@ -225,14 +229,20 @@ def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
     """
     if not specs:
         raise MatchSetupError("a batch needs at least one match")
+    first = specs[0]
     for field in ("track", "rules", "frames_per_action"):
-        values = {getattr(spec, field) for spec in specs}
-        if len(values) > 1:
-            raise MatchSetupError(f"the matches of a batch must have the same {field}, not {values}")
-    return specs[0]
+        wanted = getattr(first, field)
+        for spec in specs:
+            value = getattr(spec, field)
+            if value is not wanted and value != wanted:
+                raise MatchSetupError(
+                    f"the matches of a batch must have the same {field}, not {wanted} and {value}"
+                )
+    return first
 
 
 _EXAMPLE = allocate_state(1, 1, 1, 1)
+_FILLS = [fills_of(part) for part in (*_EXAMPLE, allocate_seen(1, 1))]
 # Kernels: they take the arrays of one match, or those of all matches, out of their tables.
 agents_of = row_reader(_EXAMPLE.agents)
 supplies_of = row_reader(_EXAMPLE.supplies)

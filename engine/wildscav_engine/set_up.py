@@ -1,39 +1,28 @@
 """Setting a match up: from its spec and its map to the state before the first step."""
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import EDGE_MARGIN
-from wildscav_engine.geometry.clearance import is_clear
-from wildscav_engine.geometry.sweep import SKIN
-from wildscav_engine.geometry.terrain import ground_at
-from wildscav_engine.geometry.world import World
+from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.locations import keep_apart
-from wildscav_engine.maps.walk import is_reached, leads_out
-from wildscav_engine.rng import Dice, Stream, philox
+from wildscav_engine.rng import Dice, Stream, Word, philox
 from wildscav_engine.robots import ROBOTS
 from wildscav_engine.rules import FRAMES_PER_SECOND
 from wildscav_engine.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.starts import MatchSetupError, choose_starts
 from wildscav_engine.state import State
-from wildscav_engine.systems.motion import Bodies, move
 from wildscav_engine.systems.supplies import choose_indoor, choose_outdoor, fill_boxes
+from wildscav_engine.systems.zone import COLUMNS as ZONE_COLUMNS
 from wildscav_engine.systems.zone import plan_zone
 from wildscav_engine.tracks import TRACKS
 
-LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
+__all__ = ["Boxes", "MatchSetupError", "Setup", "WaveInfo", "place_match", "plan_match", "seed_of_seat"]
+
 SPARE_SLOTS = 4  # a seat: free slots for boxes dropped at deaths, beside those of boxes already taken
-LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
-START_TRIES = 64  # draws for starts apart from each other before any place will do
-START_DISTANCE = 3.0  # m between two starts, where the map has room
-INDOOR_SPACING = 5.0  # m at least between the indoor points of supplies, so that they are few
-TARGET_DISTANCE = 10.0  # m at least from start to target, where the map has room
-
-
-class MatchSetupError(ValueError):
-    """A match cannot be set up from its spec; the message says what, and what is allowed."""
+NO_ZONE = np.zeros((0, ZONE_COLUMNS))
 
 
 class Boxes(NamedTuple):
@@ -78,105 +67,11 @@ def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
             start, or none to the target.
     """
     track = TRACKS[spec.track]
-    starts = _choose_starts(spec, game_map)
-    target = _choose_target(spec, game_map, starts[0]) if track.has_target else None
-    _check_ways(spec, game_map, starts[0], target)
+    starts, target = choose_starts(spec, game_map, has_target=track.has_target)
     config = track.supplies(spec)
     boxes, waves = _choose_boxes(spec, game_map, config) if config else ((), ())
-    zone = plan_zone(track.zone(spec), game_map.config.size, spec.seed)
+    zone = plan_zone(track.zone(spec), game_map.config.size, spec.seed) if track.has_zone else NO_ZONE
     return Setup(spec, starts, target, boxes, waves, zone)
-
-
-def _choose_starts(spec: MatchSpec, game_map: GameMap) -> NDArray[np.float64]:
-    """Return (A, 3) m: random spawns apart from each other, the spec's start for the first seat."""
-    dice = Dice(spec.seed, Stream.STARTS)
-    spawns = game_map.world.spawns
-    starts = np.empty((len(spec.seats), 3))
-    for seat in range(len(spec.seats)):
-        if seat == 0 and spec.start is not None:
-            starts[seat] = _standing_place(spec.start, game_map, "start")
-            starts[seat, 1] += LIFT
-            continue
-        for _ in range(START_TRIES):
-            starts[seat] = spawns[dice.integer(0, len(spawns) - 1)]
-            if all(_apart(starts[seat], other) >= START_DISTANCE for other in starts[:seat]):
-                break
-    return starts
-
-
-def _choose_target(spec: MatchSpec, game_map: GameMap, start: NDArray[np.float64]) -> NDArray[np.float64]:
-    if spec.target is not None:
-        return _standing_place(spec.target, game_map, "target")
-    dice = Dice(spec.seed, Stream.TARGET)
-    spawns = game_map.world.spawns
-    target: NDArray[np.float64] = start
-    for _ in range(START_TRIES):
-        target = spawns[dice.integer(0, len(spawns) - 1)]
-        if _apart(start, target) >= TARGET_DISTANCE:
-            break
-    return target
-
-
-def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    dx, dz = one[0] - other[0], one[2] - other[2]
-    return float(np.sqrt(dx * dx + dz * dz))
-
-
-def _standing_place(place: tuple[float, float, float], game_map: GameMap, name: str) -> NDArray[np.float64]:
-    """Return a place of the spec, lifted onto the ground.
-
-    Raises:
-        MatchSetupError: It is outside the map, or inside something.
-    """
-    x, y, z = place
-    limit = game_map.config.size / 2 - EDGE_MARGIN
-    if max(abs(x), abs(z)) > limit:
-        raise MatchSetupError(f"{name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
-    standing = max(y, ground_at(game_map.world, x, z).height)
-    if not is_clear(game_map.world, x, standing + LIFT, z):
-        raise MatchSetupError(f"{name} is at {_named(place)}: inside something")
-    return np.array([x, standing, z])
-
-
-def _check_ways(
-    spec: MatchSpec, game_map: GameMap, start: NDArray[np.float64], target: NDArray[np.float64] | None
-) -> None:
-    """Refuse a start and a target of the spec's own that would make the match impossible.
-
-    Places that are chosen at random need no check: a map's places can all be reached from each other.
-
-    Raises:
-        MatchSetupError: One does not get away from the start, or not to the target.
-    """
-    if spec.start is not None and not leads_out(game_map.graph, _come_to_rest(game_map.world, start)):
-        raise MatchSetupError(
-            f"start is at {_named(spec.start)}: there is no way from there to the rest of the map"
-        )
-    if spec.target is None or target is None:
-        return
-    if not is_reached(game_map.graph, target, spec.rules.target_distance):
-        raise MatchSetupError(
-            f"target is at {_named(spec.target)}: there is no way to it from the rest of the map"
-        )
-
-
-def _come_to_rest(world: World, start: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (3,) m where a body comes to stand that starts in the air or on a steep slope."""
-    body = Bodies(start[np.newaxis].copy(), np.ones(1, np.int32), 0)
-    place: NDArray[np.float64] = body.position[0]
-    rise, on_ground = 0.0, False
-    for _ in range(LONGEST_FALL):
-        moved = move(world, body, rise, on_ground, 0.0, 0.0, False, 1.0)
-        rests = moved.on_ground and (moved.x, moved.y, moved.z) == tuple(place)
-        place[:] = moved.x, moved.y, moved.z
-        rise, on_ground = moved.rise, moved.on_ground
-        if rests:
-            break
-    return place
-
-
-def _named(place: tuple[float, float, float]) -> str:
-    return f"x = {place[0]}, y = {place[1]}, z = {place[2]}"
 
 
 def _choose_boxes(
@@ -184,7 +79,7 @@ def _choose_boxes(
 ) -> tuple[tuple[Boxes, ...], tuple[WaveInfo, ...]]:
     boxes, waves = [], []
     seed = np.uint64(spec.seed)
-    indoor_points = keep_apart(game_map.indoor, INDOOR_SPACING)
+    indoor_points = game_map.supply_points
     for number, wave in enumerate(sorted(config.waves, key=lambda wave: wave.time)):
         x, z = _center_of(spec, game_map, wave, number)
         waves.append(WaveInfo(wave.time, (x, z), wave.radius))
@@ -208,51 +103,69 @@ def _center_of(spec: MatchSpec, game_map: GameMap, wave: SupplyWave, number: int
 
 
 def place_match(state: State, match: int, setup: Setup) -> None:
-    """Write a match's first state into its row of a batch; the agents are yet to be equipped."""
-    agents, supplies, matches = state
-    spec, track = setup.spec, TRACKS[setup.spec.track]
-    matches.seats[match] = len(spec.seats)
+    """Write a match's first state into its row of a batch, which is clear; nobody is equipped yet."""
+    agents, matches, spec = state.agents, state.matches, setup.spec
+    track, seats, seed = TRACKS[spec.track], len(spec.seats), np.uint64(spec.seed)
+    matches.seats[match] = seats
     matches.slots[match] = setup.slots
-    matches.seed[match] = spec.seed
+    matches.seed[match] = matches.digest[match] = seed
     matches.frame_limit[match] = spec.frame_limit
-    matches.digest[match] = spec.seed
+    matches.respawns[match] = track.respawns
     if setup.target is not None:
         matches.has_target[match] = True
         matches.target[match] = setup.target
-    matches.respawns[match] = track.respawns
-    matches.supply_goal[match] = spec.supply_goal or 0
-    matches.phases[match] = len(setup.zone)
-    matches.zone[match, : len(setup.zone)] = setup.zone
-    teams = spec.team_of_seats
-    agents.team[match, : len(teams)] = teams
-    matches.teams[match] = matches.teams_left[match] = max(teams) + 1
-    matches.members_left[match, : len(teams)] = np.bincount(teams, minlength=len(teams))
-    for seat, filled_by in enumerate(spec.seats):
-        agents.present[match, seat] = True
-        agents.knows_target[match, seat] = track.has_target and not track.hides_target
-        agents.robot[match, seat] = 0 if filled_by == SUBMISSION else ROBOTS[filled_by].number
-        agents.position[match, seat] = setup.starts[seat]
-    first = 0
-    for boxes in setup.boxes:
-        fill_boxes(
-            boxes.places,
-            *boxes.quantity,
-            boxes.appears,
-            np.uint64(spec.seed),
-            first,
-            supplies.position[match],
-            supplies.quantity[match],
-            supplies.appears[match],
-        )
-        first += len(boxes.places)
-    matches.next_serial[match] = first
-    supplies.serial[match, :first] = _serials(spec.seed, first)
+        agents.knows_target[match, :seats] = not track.hides_target
+    if spec.supply_goal is not None:
+        matches.supply_goal[match] = spec.supply_goal
+    if len(setup.zone):
+        matches.phases[match] = len(setup.zone)
+        matches.zone[match, : len(setup.zone)] = setup.zone
+    lineup = _line_up(spec.track, spec.seats, spec.teams)
+    matches.teams[match] = matches.teams_left[match] = lineup.teams
+    matches.members_left[match, :seats] = lineup.members
+    agents.team[match, :seats] = lineup.team
+    agents.robot[match, :seats] = lineup.robot
+    agents.present[match, :seats] = True
+    agents.position[match, :seats] = setup.starts
+    if setup.boxes:
+        _place_boxes(state, match, setup, seed)
 
 
-def _serials(seed: int, count: int) -> NDArray[np.int64]:
-    """Return (count,) the numbers from 0 on, shuffled: a box's number must not tell where others lie."""
-    words = [philox(np.uint64(seed), Stream.BOX_SERIAL, 0, 0, slot)[0] for slot in range(count)]
-    return np.argsort(np.argsort(np.array(words, np.uint64), kind="stable"), kind="stable")
+class Lineup(NamedTuple):
+    """Who plays: what is the same in all matches with the same seats."""
+
+    team: NDArray[np.int32]  # (A,) of each seat
+    robot: NDArray[np.int32]  # (A,) number of the robot that fills it, 0 for none
+    teams: int
+    members: NDArray[np.int32]  # (A,) of each team
+
+
+@functools.lru_cache(maxsize=64)
+def _line_up(track: str, seats: tuple[str, ...], teams: tuple[int, ...] | None) -> Lineup:
+    team = np.array(TRACKS[track].teams(len(seats)) if teams is None else teams, np.int32)
+    robot = [0 if name == SUBMISSION else ROBOTS[name].number for name in seats]
+    members = np.bincount(team, minlength=len(seats)).astype(np.int32)
+    return Lineup(team, np.array(robot, np.int32), int(team.max()) + 1, members)
+
+
+def _place_boxes(state: State, match: int, setup: Setup, seed: np.uint64) -> None:
+    """Fill a match's boxes, and number them: a box's number must not tell where others lie."""
+    supplies, first = state.supplies, 0
+    position, quantity, appears = (array[match] for array in supplies[:3])
+    for places, (low, high), frame in setup.boxes:
+        fill_boxes(places, low, high, frame, seed, first, position, quantity, appears)
+        first += len(places)
+    words = np.empty(first, np.uint64)
+    draw_words(seed, Stream.BOX_SERIAL, words)
+    supplies.serial[match, np.argsort(words, kind="stable")] = np.arange(first)
+    state.matches.next_serial[match] = first
+
+
+@kernel
+def draw_words(seed: Word, stream: int, words: NDArray[np.uint64]) -> None:
+    """Draw 64 random bits for each of (N,) words."""
+    for index in range(words.shape[0]):
+        words[index] = philox(seed, stream, 0, 0, index)[0]
 
 
 def seed_of_seat(spec: MatchSpec, seat: int) -> int:

@@ -176,16 +176,6 @@ def _allocate_matches(b: int, a: int, phases: int) -> Matches:
     )
 
 
-def clear_row(state: State, row: int) -> None:
-    """Make one match's row what ``allocate_state`` gives."""
-    matches = state.matches
-    seats, slots = state.agents.present.shape[1], state.supplies.serial.shape[1]
-    clear = allocate_state(1, seats, slots, matches.zone.shape[1])
-    for part, clear_part in zip(state, clear, strict=True):
-        for array, clear_array in zip(part, clear_part, strict=True):
-            array[row] = clear_array[0]
-
-
 def with_room(state: State, slots: int, phases: int) -> State:
     """Return a state with room for so many boxes and phases in each match: the same one if it has that.
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 # Raised by every change that makes another map of the same config and seed.
 GENERATOR_VERSION = 2
+SUPPLY_SPACING = 5.0  # m at least between the indoor points of supplies
 
 
 class Room(NamedTuple):
@@ -73,6 +74,13 @@ class GameMap:
         from wildscav_engine.maps.walk import build_graph
 
         return build_graph(self.world)
+
+    @cached_property
+    def supply_points(self) -> NDArray[np.float64]:
+        """(N, 3) m, the indoor places where supplies may lie: a few of all."""
+        from wildscav_engine.maps.locations import keep_apart
+
+        return keep_apart(self.indoor, SUPPLY_SPACING)
 
     @cached_property
     def scene(self) -> "Scene":

@@ -47,12 +47,6 @@ def allocate_seen(matches: int, seats: int) -> Seen:
     )
 
 
-def clear_seen(seen: Seen, row: int) -> None:
-    """Make one match's row what ``allocate_seen`` gives."""
-    for array, clear in zip(seen, allocate_seen(1, seen.agent_count.shape[1]), strict=True):
-        array[row] = clear[0]
-
-
 @kernel
 def look_around(
     world: World, agents: Agents, supplies: Supplies, frame: int, rules: Rules, seen: Seen

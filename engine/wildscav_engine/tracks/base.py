@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 MOVES = frozenset({Field.WALK_DIRECTION, Field.WALK_SPEED, Field.TURN, Field.LOOK, Field.JUMP})
 
+NO_ZONE = ZoneConfig()
+
 
 class Metric(NamedTuple):
     """One figure of a seat's result."""
@@ -48,7 +50,7 @@ class Track(ABC):
 
     def zone(self, spec: MatchSpec) -> ZoneConfig:  # noqa: ARG002
         """Return the schedule of the safe zone, one without phases for a track without any."""
-        return ZoneConfig()
+        return NO_ZONE
 
     @abstractmethod
     def measure(self, match: "Match", seat: int) -> Mapping[str, float]:

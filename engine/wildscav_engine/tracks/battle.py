@@ -9,6 +9,8 @@ from wildscav_engine.tracks.base import Metric, Track, carried_by_team
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
+OVER_THE_MAP = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0)
+
 
 class Battle(Track):
     """The supplies that a seat's team carries at the end; the dead come back after a while."""
@@ -27,11 +29,7 @@ class Battle(Track):
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
         """Return the spec's supplies, or the map's, or the competition's first wave over the whole map."""
-        return (
-            spec.supplies
-            or spec.map.config.supplies
-            or SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0)
-        )
+        return spec.supplies or spec.map.config.supplies or OVER_THE_MAP
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
         """Return the supplies that the team carries, and the seat's kills and deaths."""

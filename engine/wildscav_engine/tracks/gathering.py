@@ -1,5 +1,6 @@
 """Supply gathering: collect as many supplies as possible within the time limit, or enough of them soon."""
 
+import functools
 from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.actions import Field
@@ -32,14 +33,7 @@ class Gathering(Track):
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
         """Return the spec's supplies, or the map's, or one wave around the middle of the map."""
-        return (
-            spec.supplies
-            or spec.map.config.supplies
-            or SupplyConfig(
-                waves=(SupplyWave(center=(0.0, 0.0), radius=max(10.0, spec.map.config.size / 4)),),
-                spacing=5.0,
-            )
-        )
+        return spec.supplies or spec.map.config.supplies or _around_the_middle(spec.map.config.size)
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
         """Return the supplies that the team and the seat carry, and the time of the match."""
@@ -48,3 +42,8 @@ class Gathering(Track):
             "own_supplies": float(match.state.agents.supplies[0, seat]),
             "time": match.frame * FRAME,
         }
+
+
+@functools.lru_cache(maxsize=64)
+def _around_the_middle(size: int) -> SupplyConfig:
+    return SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=max(10.0, size / 4)),), spacing=5.0)

@@ -1,5 +1,6 @@
 """Royale: nobody comes back, the safe zone shrinks, and the last seat or team standing wins."""
 
+import functools
 from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.actions import Field
@@ -43,17 +44,7 @@ class Royale(Track):
 
     def zone(self, spec: MatchSpec) -> ZoneConfig:
         """Return the spec's schedule, or one of five phases that fills nine tenths of the time limit."""
-        return spec.zone or ZoneConfig(
-            phases=tuple(
-                ZonePhase(
-                    wait=spec.time_limit * WAIT,
-                    shrink=spec.time_limit * SHRINK,
-                    share=share,
-                    damage=damage,
-                )
-                for share, damage in zip(SHARES, DAMAGES, strict=True)
-            )
-        )
+        return spec.zone or _default_zone(spec.time_limit)
 
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
         """Return points, the team's placement and supplies, and the seat's kills."""
@@ -68,3 +59,12 @@ class Royale(Track):
             "supplies": supplies,
             "kills": float(agents.kills[0, seat]),
         }
+
+
+@functools.lru_cache(maxsize=64)
+def _default_zone(time_limit: float) -> ZoneConfig:
+    phases = (
+        ZonePhase(wait=time_limit * WAIT, shrink=time_limit * SHRINK, share=share, damage=damage)
+        for share, damage in zip(SHARES, DAMAGES, strict=True)
+    )
+    return ZoneConfig(phases=tuple(phases))

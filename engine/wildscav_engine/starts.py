@@ -1,0 +1,304 @@
+"""Where the agents of a match start, and its target: as its spec says, or drawn from its seed."""
+
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.body import BODY_RADIUS, EDGE_MARGIN
+from wildscav_engine.geometry.clearance import is_clear
+from wildscav_engine.geometry.sweep import SKIN
+from wildscav_engine.geometry.terrain import ground_at, water_at
+from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.kernel import kernel
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.walk import is_reached, leads_out
+from wildscav_engine.maps.walk.explore import walk_straight
+from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
+from wildscav_engine.rng import Stream, Word, integer_in, normal, uniform_in
+from wildscav_engine.spec import MatchSpec, Place
+from wildscav_engine.systems.motion import Bodies, Point, move
+from wildscav_engine.trig import cosine, sine
+
+LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
+LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
+START_TRIES = 64  # draws for a start apart from the others before any place will do
+START_DISTANCE = 3.0  # m between two starts, where the map has room
+NEAR_DISTANCE = 4.0 * BODY_RADIUS  # m between two starts around a target
+TARGET_DISTANCE = 10.0  # m at least from the first start to the target, where the map has room
+KNOWN_PLACE = 6.0  # m, how far the nearest of the map's places may be from a start around the target
+KEPT_PLACES = 256  # given places of a map that are known to be good
+
+STARTS, TARGET = int(Stream.STARTS), int(Stream.TARGET)
+
+
+class MatchSetupError(ValueError):
+    """A match cannot be set up from its spec; the message says what, and what is allowed."""
+
+
+class Given(NamedTuple):
+    """A place that a spec gives, and what it is for."""
+
+    place: Place
+    name: str
+    reach: float | None  # m, from where a target counts as reached; None: it is a start
+
+
+_good: WeakKeyDictionary[GameMap, dict[Given, NDArray[np.float64]]] = WeakKeyDictionary()
+
+
+def choose_starts(
+    spec: MatchSpec, game_map: GameMap, *, has_target: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Return (A, 3) m the starts of a match, and (3,) m its target or None.
+
+    Raises:
+        MatchSetupError: A start or target is outside the map or inside something, or there is no way from the
+            start, or none to the target.
+    """
+    starts, is_placed = _given_starts(spec, game_map)
+    seed, spawns = np.uint64(spec.seed), game_map.world.spawns
+    target = None
+    if spec.target is not None:
+        target = _checked(game_map, Given(spec.target, "target", spec.rules.target_distance))
+    if spec.start_range is not None:
+        target = spawns[draw_place(spawns, seed)] if target is None else target
+        reach = spec.rules.target_distance
+        nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+        draw_starts_near(game_map.world, nobody, target, reach, spec.start_range, seed, is_placed, starts)
+    else:
+        draw_starts(spawns, seed, is_placed, starts)
+        if has_target and target is None:
+            target = spawns[draw_target(spawns, seed, starts[0])]
+    return starts, target
+
+
+def _given_starts(spec: MatchSpec, game_map: GameMap) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return (A, 3) m the starts that the spec gives, and (A,) which they are.
+
+    Raises:
+        MatchSetupError: One is no good.
+    """
+    seats = len(spec.seats)
+    starts, is_placed = np.zeros((seats, 3)), np.zeros(seats, np.bool_)
+    if spec.start is None and spec.starts is None:
+        return starts, is_placed
+    for seat, place in enumerate(spec.start_of_seats):
+        if place is not None:
+            name = f"start of seat {seat}" if seat else "start"
+            starts[seat] = _checked(game_map, Given(place, name, None))
+            is_placed[seat] = True
+    return starts, is_placed
+
+
+def _checked(game_map: GameMap, given: Given) -> NDArray[np.float64]:
+    """Return (3,) m a place of the spec on the ground; the last good ones of a map are remembered.
+
+    Raises:
+        MatchSetupError: It is no good.
+    """
+    good = _good.setdefault(game_map, {})
+    if given not in good:
+        place = _standing_place(given, game_map)
+        _check_ways(given, game_map, place)
+        if len(good) >= KEPT_PLACES:
+            good.clear()
+        good[given] = place
+    return good[given]
+
+
+def _standing_place(given: Given, game_map: GameMap) -> NDArray[np.float64]:
+    """Return a place of the spec, lifted onto the ground.
+
+    Raises:
+        MatchSetupError: It is outside the map, or inside something.
+    """
+    x, y, z = given.place
+    limit = game_map.config.size / 2 - EDGE_MARGIN
+    if max(abs(x), abs(z)) > limit:
+        raise MatchSetupError(f"{given.name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
+    standing = max(y, ground_at(game_map.world, x, z).height)
+    if not is_clear(game_map.world, x, standing + LIFT, z):
+        raise MatchSetupError(f"{_named(given)}: inside something")
+    return np.array([x, standing + LIFT if given.reach is None else standing, z])
+
+
+def _check_ways(given: Given, game_map: GameMap, place: NDArray[np.float64]) -> None:
+    """Refuse a start or a target that would make the match impossible.
+
+    Places that are chosen at random need no check: a map's places can all be reached from each other.
+
+    Raises:
+        MatchSetupError: One does not get away from the start, or not to the target.
+    """
+    if given.reach is None:
+        if not leads_out(game_map.graph, _come_to_rest(game_map.world, place)):
+            raise MatchSetupError(f"{_named(given)}: there is no way from there to the rest of the map")
+    elif not is_reached(game_map.graph, place, given.reach):
+        raise MatchSetupError(f"{_named(given)}: there is no way to it from the rest of the map")
+
+
+def _come_to_rest(world: World, start: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (3,) m where a body comes to stand that starts in the air or on a steep slope."""
+    body = Bodies(start[np.newaxis].copy(), np.ones(1, np.int32), 0)
+    place: NDArray[np.float64] = body.position[0]
+    rise, on_ground = 0.0, False
+    for _ in range(LONGEST_FALL):
+        moved = move(world, body, rise, on_ground, 0.0, 0.0, False, 1.0)
+        rests = moved.on_ground and (moved.x, moved.y, moved.z) == tuple(place)
+        place[:] = moved.x, moved.y, moved.z
+        rise, on_ground = moved.rise, moved.on_ground
+        if rests:
+            break
+    return place
+
+
+def _named(given: Given) -> str:
+    x, y, z = given.place
+    return f"{given.name} is at x = {x}, y = {y}, z = {z}"
+
+
+@kernel
+def draw_starts(
+    spawns: NDArray[np.float64], seed: Word, is_placed: NDArray[np.bool_], starts: NDArray[np.float64]
+) -> None:
+    """Draw the starts that are not given among a map's places, apart from each other.
+
+    Args:
+        spawns: (N, 3) m.
+        seed: Of the match.
+        is_placed: (A,) which starts are given; becomes all True.
+        starts: (A, 3) m; the others are written.
+    """
+    for seat in range(starts.shape[0]):
+        if is_placed[seat]:
+            continue
+        for attempt in range(START_TRIES):
+            place = integer_in(0, spawns.shape[0] - 1, seed, STARTS, 0, seat, attempt)
+            for axis in range(3):
+                starts[seat, axis] = spawns[place, axis]
+            if _keeps_apart(starts, is_placed, seat, START_DISTANCE):
+                break
+        is_placed[seat] = True
+
+
+@kernel
+def _keeps_apart(
+    starts: NDArray[np.float64], is_placed: NDArray[np.bool_], seat: int, distance: float
+) -> bool:
+    """Return whether a start is a distance in m from all that are placed, seen from above."""
+    for other in range(starts.shape[0]):
+        if is_placed[other] and other != seat:
+            dx, dz = starts[seat, 0] - starts[other, 0], starts[seat, 2] - starts[other, 2]
+            if dx * dx + dz * dz < distance * distance:
+                return False
+    return True
+
+
+@kernel
+def draw_target(spawns: NDArray[np.float64], seed: Word, start: NDArray[np.float64]) -> int:
+    """Return which of a map's places (N, 3) m is the target: one away from the start (3,) m."""
+    place = 0
+    for attempt in range(START_TRIES):
+        place = integer_in(0, spawns.shape[0] - 1, seed, TARGET, 0, 0, attempt)
+        dx, dz = spawns[place, 0] - start[0], spawns[place, 2] - start[2]
+        if dx * dx + dz * dz >= TARGET_DISTANCE * TARGET_DISTANCE:
+            break
+    return place
+
+
+@kernel
+def draw_place(spawns: NDArray[np.float64], seed: Word) -> int:
+    """Return which of a map's places (N, 3) m is the target, wherever the starts are."""
+    return integer_in(0, spawns.shape[0] - 1, seed, TARGET, 0, 0, 0)
+
+
+@kernel
+def draw_starts_near(
+    world: World,
+    nobody: Bodies,
+    target: NDArray[np.float64],
+    reach: float,
+    spread: float,
+    seed: Word,
+    is_placed: NDArray[np.bool_],
+    starts: NDArray[np.float64],
+) -> None:
+    """Draw the starts that are not given around a target, as the paper's set-up of navigation has them.
+
+    One lies in a random direction, as far away as ``reach`` and the size of N(0, spread), where a body can
+    stand and get to the target. If none is found in some tries, it is the nearest of the map's places beyond
+    reach.
+
+    Args:
+        world: The static world.
+        nobody: No bodies.
+        target: (3,) m.
+        reach: m, from where the target counts as reached.
+        spread: m.
+        seed: Of the match.
+        is_placed: (A,) which starts are given; becomes all True.
+        starts: (A, 3) m; the others are written.
+    """
+    for seat in range(starts.shape[0]):
+        if is_placed[seat]:
+            continue
+        is_found = False
+        for attempt in range(START_TRIES):
+            turn = uniform_in(0.0, 360.0, seed, STARTS, 0, seat, 2 * attempt)
+            far = reach + abs(normal(seed, STARTS, 0, seat, 2 * attempt + 1)) * spread
+            starts[seat, 0] = target[0] + far * sine(turn)
+            starts[seat, 2] = target[2] + far * cosine(turn)
+            starts[seat, 1] = _height_near(world, nobody, target, starts[seat, 0], starts[seat, 2])
+            is_found = starts[seat, 1] > -np.inf and _keeps_apart(starts, is_placed, seat, NEAR_DISTANCE)
+            if is_found:
+                break
+        if not is_found:
+            _take_nearest(world.spawns, target, reach, starts[seat])
+        is_placed[seat] = True
+
+
+@kernel
+def _height_near(world: World, nobody: Bodies, target: NDArray[np.float64], x: float, z: float) -> float:
+    """Return the height in m at which a body stands at a place and gets to the target, -inf if at none.
+
+    It gets there if it can walk straight to it and back, or if one of the map's places is near: from those,
+    one gets everywhere.
+    """
+    rows, columns = world.water.shape
+    east, north = world.corner[0] + columns * CELL, world.corner[1] + rows * CELL
+    inside_x = world.corner[0] + EDGE_MARGIN <= x <= east - EDGE_MARGIN
+    if not (inside_x and world.corner[1] + EDGE_MARGIN <= z <= north - EDGE_MARGIN):
+        return -np.inf
+    goal = Point(target[0], target[1], target[2])
+    height = walk_straight(world, nobody, goal, x, z, SPACING)
+    if height > -np.inf and is_clear(world, x, height, z):
+        back = walk_straight(world, nobody, Point(x, height, z), goal.x, goal.z, SPACING)
+        if abs(back - goal.y) <= SAME_SURFACE:
+            return height
+    height = ground_at(world, x, z).height
+    if height < water_at(world, x, z) or not is_clear(world, x, height, z):
+        return -np.inf
+    here, spawns = Point(x, height, z), world.spawns
+    for place in range(spawns.shape[0]):
+        if abs(spawns[place, 0] - x) <= KNOWN_PLACE and abs(spawns[place, 2] - z) <= KNOWN_PLACE:
+            arrival = walk_straight(world, nobody, here, spawns[place, 0], spawns[place, 2], SPACING)
+            if abs(arrival - spawns[place, 1]) <= SAME_SURFACE:
+                return height
+    return -np.inf
+
+
+@kernel
+def _take_nearest(
+    spawns: NDArray[np.float64], target: NDArray[np.float64], reach: float, start: NDArray[np.float64]
+) -> None:
+    """Write the place nearest to the target, but farther away than ``reach`` m, into a start (3,) m."""
+    best, nearest = 0, np.inf
+    for place in range(spawns.shape[0]):
+        dx, dz = spawns[place, 0] - target[0], spawns[place, 2] - target[2]
+        distance = dx * dx + dz * dz
+        if reach * reach < distance < nearest:
+            best, nearest = place, distance
+    for axis in range(3):
+        start[axis] = spawns[best, axis]

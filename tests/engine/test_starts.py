@@ -1,0 +1,95 @@
+"""Where matches start: given places, places drawn apart, and places around a target."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from builders import box, flat_world, map_from
+from wildscav_engine.batch import Batch
+from wildscav_engine.spec import MatchSpec
+from wildscav_engine.starts import START_DISTANCE, MatchSetupError, choose_starts
+
+MEADOW = map_from(flat_world())
+# A wall all along the meadow, with a gap in the middle.
+WALLED = map_from(flat_world(solids=[box((-20, 0, 2), (-2, 3, 3)), box((2, 0, 2), (20, 3, 3))]))
+LIFTED = 3e-3  # m, more than a given start is lifted off the ground
+
+
+def spec(seed: int = 0, seats: int = 1, track: str = "navigation", **fields: object) -> MatchSpec:
+    return MatchSpec(track=track, seed=seed, seats=("submission",) * seats, **fields)
+
+
+def starts_of(wanted: MatchSpec, game_map: object = MEADOW) -> np.ndarray:
+    return choose_starts(wanted, game_map, has_target=True)[0]
+
+
+def test_every_seat_may_have_its_own_start_and_the_others_keep_away() -> None:
+    places = ((-8.0, 0.0, 4.0), None, (0.0, 0.0, -8.0), None)
+    for seed in range(20):
+        starts = starts_of(spec(seed, 4, "battle", starts=places))
+        assert abs(starts[0] - places[0]).max() < LIFTED
+        assert abs(starts[2] - places[2]).max() < LIFTED
+        for one in range(4):
+            for other in range(one):
+                assert np.hypot(*(starts[one] - starts[other])[::2]) >= START_DISTANCE
+
+
+def test_a_start_of_the_first_seat_alone_leaves_the_others_to_chance() -> None:
+    first, second = (starts_of(spec(seed, 3, "battle", start=(1.0, 0.0, 1.0))) for seed in range(2))
+    assert abs(first[0] - (1.0, 0.0, 1.0)).max() < LIFTED
+    assert (first[0] == second[0]).all()
+    assert (first[1:] != second[1:]).any()
+
+
+@pytest.mark.parametrize(
+    ("fields", "fault"),
+    [
+        ({"start": (0, 0, 0), "starts": ((0, 0, 0),)}, "start and starts are given"),
+        ({"starts": (None, None)}, "2 starts are given for 1 seats"),
+        ({"start_range": -1.0}, "start_range"),
+        ({"start_range": 2.0, "track": "battle"}, "battle has no start range"),
+    ],
+)
+def test_starts_that_make_no_sense_are_refused(fields: dict[str, object], fault: str) -> None:
+    with pytest.raises(ValidationError, match=fault):
+        spec(**fields)
+
+
+def test_a_start_that_is_no_good_is_named_by_its_seat() -> None:
+    with pytest.raises(MatchSetupError, match="start of seat 1 is at x = 500"):
+        starts_of(spec(0, 2, "battle", starts=(None, (500.0, 0.0, 0.0))))
+
+
+def test_starts_lie_around_the_target_as_far_as_the_range_says() -> None:
+    target, reach = np.array([1.0, 0.0, -3.0]), 1.0
+    ways = np.array(
+        [starts_of(spec(seed, target=tuple(target), start_range=2.0))[0] - target for seed in range(400)]
+    )
+    far = np.hypot(ways[:, 0], ways[:, 2]) - reach
+    assert far.min() >= 0.0
+    assert far.mean() == pytest.approx(2.0 * np.sqrt(2.0 / np.pi), rel=0.1)  # of |N(0, 2)|
+    assert abs(ways[:, 0].mean()) < 0.3
+    assert abs(ways[:, 2].mean()) < 0.3
+    assert (ways[:, 1] == 0.0).all()
+
+
+def test_a_start_around_the_target_is_never_inside_anything() -> None:
+    for seed in range(100):
+        x, _, z = starts_of(spec(seed, target=(5.0, 0.0, 0.0), start_range=4.0), WALLED)[0]
+        assert not (1.55 < z < 3.45 and abs(x) > 2.45)
+        assert max(abs(x), abs(z)) <= 19.5
+
+
+def test_seats_that_race_start_beside_each_other_and_not_in_each_other() -> None:
+    starts = starts_of(spec(3, 4, target=(0.0, 0.0, 0.0), start_range=5.0))
+    assert min(np.hypot(*(starts[a] - starts[b])[::2]) for a in range(4) for b in range(a)) >= 1.8
+
+
+def test_a_varied_spec_is_as_one_made_anew() -> None:
+    made = spec(5, start_range=1.0)
+    varied = made.varied(seed=9, target=(1.0, 0.0, 2.0))
+    assert varied == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0))
+    assert varied.model_dump_json() == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0)).model_dump_json()
+    assert hash(varied) != hash(made)
+    assert made.seed == 5
+    assert Batch([varied], [MEADOW]).state.matches.seed[0] == 9
