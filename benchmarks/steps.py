@@ -1,9 +1,11 @@
-"""Steps a second of the engine itself: batches, single matches, threads, with and without depth maps."""
+"""Steps a second of the engine and of its environments: batches, matches, threads, with and without depth."""
 
 import statistics
 import time
 from collections.abc import Callable
+from typing import Any
 
+import gymnasium
 import numpy as np
 import typer
 from report import Figure, JsonFile, publish
@@ -17,6 +19,7 @@ from wildscav_engine.spec import MapConfig, MatchSpec
 
 REPEATS = 5
 COUNTRY = generate_map(MapConfig(size=100, houses=4), 1)
+ENV = "wildscav_engine:WildScav/Navigation-v0"
 EYE = np.array([0.0, 1.5, 0.0])
 
 
@@ -72,6 +75,45 @@ def match_figure(name: str, *seats: str) -> Figure:
     return Figure(name, rate, "steps/s", "battle, one Python call a step")
 
 
+def env_figure(depth: bool) -> Figure:
+    """Measure one Gymnasium environment as ``gymnasium.make`` gives it, actions drawn beforehand."""
+    env = gymnasium.make(ENV, **env_options(depth))
+    env.action_space.seed(0)
+    actions = [env.action_space.sample() for _ in range(256)]
+    env.reset(seed=0)
+
+    def step(number: int) -> None:
+        _, _, terminated, truncated, _ = env.step(actions[number % 256])
+        if terminated or truncated:
+            env.reset()
+
+    rate = steps_per_second(step, 1, 2000)
+    return Figure(f"one Gymnasium env, {seen(depth)}", rate, "steps/s", "resets included")
+
+
+def vector_figure(envs: int, depth: bool) -> Figure:
+    """Measure a vector environment, its resets over a pool of 64 maps included."""
+    vector = gymnasium.make_vec(
+        ENV, num_envs=envs, vectorization_mode="vector_entry_point", **env_options(depth)
+    )
+    vector.action_space.seed(0)
+    actions = [vector.action_space.sample() for _ in range(8)]
+    vector.reset(seed=0)
+    rate = steps_per_second(lambda number: vector.step(actions[number % 8]), envs, 400)
+    return Figure(f"vector env, {envs} × 1, {seen(depth)}", rate, "agent-steps/s", "resets included")
+
+
+def env_options(depth: bool) -> dict[str, Any]:
+    """Return episodes of at most 400 steps on random maps of one kind."""
+    sensors = {"depth": {"width": 10, "height": 10}} if depth else {}
+    return {"level": "easy", "time_limit": 40.0, "action_mode": "box", "sensors": sensors}
+
+
+def seen(depth: bool) -> str:
+    """Say what is observed."""
+    return "10 × 10 depth" if depth else "no sensors"
+
+
 def main(json_file: JsonFile = None) -> None:
     """Measure and print."""
     figures = [
@@ -81,6 +123,10 @@ def main(json_file: JsonFile = None) -> None:
         match_figure("one match, 1 agent", "submission"),
         match_figure("one match, 10 agents", *["submission"] * 10),
         match_figure("one match, 10 robots that fight", *["fighter"] * 10),
+        env_figure(depth=True),
+        env_figure(depth=False),
+        vector_figure(64, depth=True),
+        vector_figure(64, depth=False),
     ]
     publish("Engine: steps per second", figures, json_file)
 

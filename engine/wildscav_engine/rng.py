@@ -42,7 +42,6 @@ class Stream(IntEnum):
     SUITE = 20
     CATALOGUE = 21
     ZONE = 22
-    MAP_POOL = 23
 
 
 @kernel

@@ -1,10 +1,10 @@
 """Rewards as named terms: what a learner is paid for a step, from what is different after it.
 
-The facts of all agents are read before and after the step; a term is a function of both. ``RewardSum``
-weights and adds them up, so that each can be logged, replaced and mixed by name.
+The facts of all agents are read before and after the step; a term is what became of one of them.
+``RewardSum`` weights and adds them up, so that each can be logged, replaced and mixed by name.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -38,49 +38,52 @@ Facts = NDArray[np.float32]  # (…, FACTS)
 Values = NDArray[np.float32]  # (…)
 
 
+class Change(IntEnum):
+    """How a term comes from one fact before and after a step."""
+
+    MORE = 0  # by how much it has grown
+    LESS = 1  # by how much it has shrunk
+    HAS_MORE = 2  # 1 where it has grown at all
+    LOST = 3  # by how much it has shrunk, and nothing where it has grown
+
+
+_LESS, _HAS_MORE, _LOST = int(Change.LESS), int(Change.HAS_MORE), int(Change.LOST)
+
+
 class Term(NamedTuple):
     """One way to be paid."""
 
     title: str
-    value: Callable[[Facts, Facts], Values]  # of the facts before and after a step
-
-
-def _more(fact: Fact) -> Callable[[Facts, Facts], Values]:
-    """Return a term that pays by how much a fact has grown."""
-    return lambda before, after: after[..., fact] - before[..., fact]
-
-
-def _less(fact: Fact) -> Callable[[Facts, Facts], Values]:
-    """Return a term that pays by how much a fact has shrunk."""
-    return lambda before, after: before[..., fact] - after[..., fact]
-
-
-def _has_more(fact: Fact) -> Callable[[Facts, Facts], Values]:
-    """Return a term that pays 1 where a fact has grown at all."""
-    return lambda before, after: (after[..., fact] > before[..., fact]).astype(np.float32)
-
-
-def _lost(fact: Fact) -> Callable[[Facts, Facts], Values]:
-    """Return a term that pays by how much a fact has shrunk, and nothing where it has grown."""
-    return lambda before, after: np.maximum(before[..., fact] - after[..., fact], np.float32(0.0))
+    fact: Fact
+    change: Change
 
 
 # The first two are the paper's (appendix, "Reward Configuration").
 REWARD_TERMS: dict[str, Term] = {
-    "target_reached": Term("1 in the step that reaches the target", _has_more(Fact.REACHED)),
-    "supply_found": Term("1 in a step that picks up supplies", _has_more(Fact.PICKED_UP)),
-    "supplies": Term("supplies picked up", _more(Fact.PICKED_UP)),
-    "team_supplies": Term("supplies picked up by the team", _more(Fact.TEAM_PICKED_UP)),
-    "supplies_lost": Term("supplies dropped at death", _lost(Fact.SUPPLIES)),
-    "approach": Term("m that the target is nearer", _less(Fact.TARGET_DISTANCE)),
-    "walked": Term("m walked", _more(Fact.WALKED)),
-    "kill": Term("enemies killed", _more(Fact.KILLS)),
-    "death": Term("own deaths", _more(Fact.DEATHS)),
-    "hit": Term("hits on enemies", _more(Fact.HITS)),
-    "damage_taken": Term("hp lost", _lost(Fact.HEALTH)),
-    "outlived": Term("places won as other teams go out, 1 from the last to the first", _more(Fact.OUTLIVED)),
-    "step": Term("1 in every step", _more(Fact.STEPS)),
+    "target_reached": Term("1 in the step that reaches the target", Fact.REACHED, Change.HAS_MORE),
+    "supply_found": Term("1 in a step that picks up supplies", Fact.PICKED_UP, Change.HAS_MORE),
+    "supplies": Term("supplies picked up", Fact.PICKED_UP, Change.MORE),
+    "team_supplies": Term("supplies picked up by the team", Fact.TEAM_PICKED_UP, Change.MORE),
+    "supplies_lost": Term("supplies dropped at death", Fact.SUPPLIES, Change.LOST),
+    "approach": Term("m that the target is nearer", Fact.TARGET_DISTANCE, Change.LESS),
+    "walked": Term("m walked", Fact.WALKED, Change.MORE),
+    "kill": Term("enemies killed", Fact.KILLS, Change.MORE),
+    "death": Term("own deaths", Fact.DEATHS, Change.MORE),
+    "hit": Term("hits on enemies", Fact.HITS, Change.MORE),
+    "damage_taken": Term("hp lost", Fact.HEALTH, Change.LOST),
+    "outlived": Term(
+        "places won as other teams go out, 1 from the last to the first", Fact.OUTLIVED, Change.MORE
+    ),
+    "step": Term("1 in every step", Fact.STEPS, Change.MORE),
 }
+
+
+class Plan(NamedTuple):
+    """The T terms of a sum, for kernels."""
+
+    fact: NDArray[np.int64]  # (T,)
+    change: NDArray[np.int64]  # (T,)
+    weight: NDArray[np.float32]  # (T,)
 
 
 class RewardSum:
@@ -101,6 +104,12 @@ class RewardSum:
             if isinstance(weight, bool) or not np.isfinite(weight):
                 raise ValueError(f"the weight of reward term {name!r} is {weight!r}, must be a finite number")
         self.weights = {name: float(weight) for name, weight in weights.items()}
+        terms = [REWARD_TERMS[name] for name in weights]
+        self.plan = Plan(
+            np.array([term.fact for term in terms], np.int64),
+            np.array([term.change for term in terms], np.int64),
+            np.array(list(self.weights.values()), np.float32),
+        )
 
     def terms(self, before: Facts, after: Facts) -> dict[str, Values]:
         """Return what each term pays, weighted.
@@ -112,10 +121,11 @@ class RewardSum:
         Returns:
             (…) float32 by the names of terms.
         """
-        return {
-            name: REWARD_TERMS[name].value(before, after) * np.float32(weight)
-            for name, weight in self.weights.items()
-        }
+        rows = after.reshape(-1, FACTS)
+        paid = np.empty((len(rows), len(self.weights)), np.float32)
+        _pay_all(self.plan, before.reshape(-1, FACTS), rows, paid)
+        values = paid.reshape(*after.shape[:-1], -1)
+        return {name: values[..., place] for place, name in enumerate(self.weights)}
 
     def total(self, before: Facts, after: Facts) -> Values:
         """Return (…) float32, the sum of what all terms pay, in the order in which they were named."""
@@ -125,6 +135,28 @@ class RewardSum:
         return total
 
 
+@kernel
+def _pay_all(plan: Plan, before: Facts, after: Facts, paid: Values) -> None:
+    for row in range(after.shape[0]):
+        pay(plan, before[row], after[row], paid[row])
+
+
+@kernel
+def pay(plan: Plan, before: Facts, after: Facts, paid: Values) -> None:
+    """Write (T,) what each term pays, weighted, from (FACTS,) an agent's facts before and after a step."""
+    for term in range(paid.shape[0]):
+        fact, change = plan.fact[term], plan.change[term]
+        more = after[fact] - before[fact]
+        value = np.float32(more)
+        if change == _LESS:
+            value = np.float32(-more)
+        elif change == _HAS_MORE:
+            value = np.float32(1.0 if more > 0.0 else 0.0)
+        elif change == _LOST:
+            value = np.float32(max(-more, 0.0))
+        paid[term] = value * plan.weight[term] + np.float32(0.0)  # never minus zero
+
+
 def read_facts(state: State, facts: Facts) -> None:
     """Write the facts of all agents of a batch.
 
@@ -132,11 +164,12 @@ def read_facts(state: State, facts: Facts) -> None:
         state: The batch.
         facts: (B, A, FACTS), written.
     """
-    _read_facts(state.agents, state.matches, facts)
+    write_facts(state.agents, state.matches, facts)
 
 
 @kernel
-def _read_facts(agents: Agents, matches: Matches, facts: Facts) -> None:
+def write_facts(agents: Agents, matches: Matches, facts: Facts) -> None:
+    """Do what ``read_facts`` says."""
     for match in range(facts.shape[0]):
         for seat in range(matches.seats[match]):
             row = facts[match, seat]

@@ -1,0 +1,46 @@
+"""Environments for learners: Gymnasium for one, PettingZoo and batched arrays for several."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wildscav_engine.envs.batched import BatchedArena
+    from wildscav_engine.envs.config import EnvConfig
+    from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
+    from wildscav_engine.envs.presets import PRESETS
+    from wildscav_engine.envs.single import SingleEnv
+    from wildscav_engine.envs.vector import VectorArena
+    from wildscav_engine.envs.wrappers import FlatActions, FlatObservations
+
+_HOMES = {
+    "BatchedArena": "batched",
+    "EnvConfig": "config",
+    "ParallelArena": "parallel",
+    "aec_env": "parallel",
+    "parallel_env": "parallel",
+    "PRESETS": "presets",
+    "SingleEnv": "single",
+    "VectorArena": "vector",
+    "FlatActions": "wrappers",
+    "FlatObservations": "wrappers",
+}
+
+__all__ = [
+    "PRESETS",
+    "BatchedArena",
+    "EnvConfig",
+    "FlatActions",
+    "FlatObservations",
+    "ParallelArena",
+    "SingleEnv",
+    "VectorArena",
+    "aec_env",
+    "parallel_env",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is asked for: the registry alone costs nothing."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

@@ -1,0 +1,173 @@
+"""The arena: matches × learners as arrays. All environments are thin shells around it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.actions import FIELDS
+from wildscav_engine.batch import Batch
+from wildscav_engine.envs.actions import action_mode
+from wildscav_engine.envs.columns import EVENTS, STANDING, Part
+from wildscav_engine.envs.config import EnvConfig
+from wildscav_engine.envs.episodes import Episode, Episodes, MapPool
+from wildscav_engine.envs.facts import allocate_desk, write_rows
+from wildscav_engine.envs.observation import Observation, Sight, layout_of
+from wildscav_engine.envs.views import MatchView
+from wildscav_engine.handles import Handle
+from wildscav_engine.state import State
+from wildscav_engine.tracks import TRACKS
+from wildscav_engine.tracks.rewards import RewardSum
+
+
+class Reading(NamedTuple):
+    """What all learners are told after a step or a restart; nobody writes into it later."""
+
+    observation: Observation  # by name (B, L, …)
+    rows: NDArray[np.float32]  # (B, L, width) as ``Layout`` says
+
+
+class Arena:
+    """B matches with L learners each; the robots in the other seats play by themselves."""
+
+    def __init__(self, config: EnvConfig, matches: int = 1) -> None:
+        """Make room for matches; none is there before ``restart``.
+
+        Args:
+            config: What they are like.
+            matches: How many there are, B.
+        """
+        self.config, self.matches, self.track = config, matches, TRACKS[config.track]
+        self.pool = MapPool(config.map, config.level, config.split, config.random_maps)
+        self.template = config.match_spec()
+        self.layout = layout_of(config)
+        self.mode = action_mode(config)
+        self.learners = range(config.agents)
+        self.metrics = tuple(metric.name for metric in self.track.metrics)
+        self.terms = tuple(config.reward_weights)
+        self.sight = Sight(config.read_sensors(), self.learners, config.threads)
+        self.batch: Batch | None = None
+        self._views: dict[int, MatchView] = {}
+        self._state: State | None = None
+        seats = len(config.seats)
+        self.actions = np.zeros((matches, seats, FIELDS), np.float32)
+        self._chosen = np.zeros((matches * config.agents, FIELDS), np.float32)
+        plan = RewardSum(config.reward_weights).plan
+        desk = allocate_desk(matches, seats, config.agents, self.layout.start, plan)
+        self.done, self._fresh = desk.done, desk.fresh  # (B, L), and (B,), both change with every step
+        # What is after one step is before the next: the two take turns.
+        self._desk, self._next_desk = (
+            Handle(desk),
+            Handle(desk._replace(before=desk.after, after=desk.before)),
+        )
+        self._tables: tuple[Handle, ...] = ()
+        first = self.layout.first
+        self._standing, self._events, self._paid = first(Part.STANDING), first(Part.EVENTS), first(Part.TERMS)
+
+    def episodes(self, seed: int) -> Episodes:
+        """Return the episodes of a seed."""
+        return Episodes(self.template, self.pool, self.config.split, seed)
+
+    def restart(self, rows: Sequence[int], episodes: Sequence[Episode]) -> None:
+        """Put new matches into some rows; at first, into all of them.
+
+        Raises:
+            MatchSetupError: A match cannot be set up.
+        """
+        specs = [episode.spec for episode in episodes]
+        maps = [episode.game_map for episode in episodes]
+        if self.batch is None:
+            self.batch = Batch(specs, maps)
+        else:
+            self.batch.restart(rows, specs, maps)
+        self._notice_batch(rows)
+
+    def _notice_batch(self, rows: Sequence[int]) -> None:
+        """Take notice of matches that are new in some rows."""
+        batch = self._batch
+        self.sight.look_at(batch.maps)
+        if batch.state is self._state:
+            for row in rows:
+                self._views.pop(row, None)
+        else:
+            self._state, self._views = batch.state, {}
+            parts = (batch.state.agents, batch.state.matches, batch.seen)
+            self._tables = tuple(Handle(part) for part in parts)
+        self.done[list(rows)] = False
+        self._fresh[list(rows)] = True
+
+    @property
+    def _batch(self) -> Batch:
+        if self.batch is None:
+            raise RuntimeError("there is no match yet: reset the environment first")
+        return self.batch
+
+    def choose(self, actions: Any) -> None:
+        """Take what all learners chose, as Gymnasium batches the actions of B × L of them.
+
+        Raises:
+            ActionError: They are not of the action space.
+        """
+        agents = self._batch.state.agents
+        count = self.config.agents
+        self.mode.decode(actions, agents.yaw[:, :count].reshape(-1), self._chosen)
+        self.actions[:, :count] = self._chosen.reshape(self.matches, count, FIELDS)
+
+    def step(self) -> Reading:
+        """Play one step by the actions taken."""
+        self.play()
+        return self.read()
+
+    def play(self, but: Sequence[int] = ()) -> None:
+        """Play one step by the actions taken, in all matches but some that are to be restarted."""
+        batch = self._batch
+        if but:
+            batch.state.matches.over[list(but)] = True
+        batch.step(self.actions, threads=self.config.threads)
+
+    def read(self) -> Reading:
+        """Return what all learners are told now, and what became of them since the last reading."""
+        batch, layout = self._batch, self.layout
+        rows = np.empty((self.matches, len(self.learners), layout.width), np.float32)
+        agents, matches, seen = self._tables
+        write_rows(agents.addresses, matches.addresses, seen.addresses, self._desk.addresses, rows)
+        self._desk, self._next_desk = self._next_desk, self._desk
+        observation: Observation = {name: rows[..., first:last] for name, first, last in layout.groups}
+        self.sight.read(batch, self.view, observation)
+        return Reading(observation, rows)
+
+    def view(self, match: int) -> MatchView:
+        """Return one match, for what looks at matches one by one."""
+        if match not in self._views:
+            self._views[match] = MatchView(self._batch, match)
+        return self._views[match]
+
+    def terminated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Return (B, L) whose task has ended by itself."""
+        return np.asarray(rows[..., self._standing] != 0.0)
+
+    def truncated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Return (B, L) whose time was up."""
+        return np.asarray(rows[..., self._standing + 1] != 0.0)
+
+    def rewards(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Return (B, L) what was paid for the step."""
+        return rows[..., self._standing + 2].astype(np.float64)
+
+    def standing(self, row: NDArray[np.float32]) -> tuple[bool, bool, float]:
+        """Return terminated, truncated and the reward from the row of one learner."""
+        terminated, truncated, reward = row[self._standing : self._standing + len(STANDING)].tolist()
+        return terminated != 0.0, truncated != 0.0, reward
+
+    def events(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return (…, EVENTS) what happened in the step."""
+        return rows[..., self._events : self._events + len(EVENTS)]
+
+    def paid(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return (…, T) what each reward term paid for the step."""
+        return rows[..., self._paid : self._paid + len(self.terms)]
+
+    def measure(self, match: int, learner: int) -> Mapping[str, float]:
+        """Return the metrics of a learner's match as it stands."""
+        return self.track.measure(self.view(match).as_match, learner)

@@ -1,0 +1,193 @@
+"""Matches × learners as arrays: several learners in each of many matches, no dictionaries of agents."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from wildscav_engine.envs.arena import Arena, Reading
+from wildscav_engine.envs.config import AGENTS, EnvConfig, read_config
+from wildscav_engine.envs.episodes import Episodes
+from wildscav_engine.envs.observation import Observation, observation_space
+
+Flags = NDArray[np.bool_]
+
+
+class Outcome(NamedTuple):
+    """What came out of a step, for all matches and learners."""
+
+    observation: Observation  # by name (B, L, …)
+    rewards: NDArray[np.float64]  # (B, L)
+    terminated: Flags  # (B, L)
+    truncated: Flags  # (B, L)
+    rows: NDArray[np.float32]  # (B, L, width) events and paid terms among them, as the arena reads them
+    ended: tuple[int, ...]  # the matches that ended with this step
+    metrics: NDArray[np.float64]  # (len(ended), L, M) of those
+    final: Reading | None  # what was told before matches were reset in the same step, if any was
+
+
+class Resetter:
+    """Plays an arena on, match after match: the autoreset of all environments with many matches."""
+
+    def __init__(self, arena: Arena, mode: AutoresetMode) -> None:
+        """Take an arena without matches and one of the autoreset modes of Gymnasium."""
+        self.arena, self.mode = arena, mode
+        self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) with the last step
+        self._episodes: list[Episodes] = []
+
+    def reset(
+        self,
+        seeds: Sequence[int | None],
+        fresh: int,
+        rows: Sequence[int] | None = None,
+        options: Mapping[str, Any] | None = None,
+    ) -> Reading:
+        """Begin the next episode in some rows, or in all.
+
+        Args:
+            seeds: (B,) of the rows; None where the episodes go on that are under way.
+            fresh: The seed of the first row where there are no episodes yet; the others follow it.
+            rows: Which; None for all.
+            options: Of ``Episodes.next``.
+        """
+        arena = self.arena
+        if not self._episodes:
+            self._episodes = [arena.episodes(fresh + row) for row in range(arena.matches)]
+        chosen = range(arena.matches) if rows is None or arena.batch is None else rows
+        for row in chosen:
+            seed = seeds[row]
+            if seed is not None:
+                self._episodes[row] = arena.episodes(seed)
+        self._restart(chosen, options)
+        return arena.read()
+
+    def _restart(self, rows: Sequence[int], options: Mapping[str, Any] | None = None) -> None:
+        self.arena.restart(list(rows), [self._episodes[row].next(options) for row in rows])
+        self.ended[list(rows)] = False
+
+    def step(self, actions: Any) -> Outcome:
+        """Play one step in every match.
+
+        Raises:
+            ActionError: The actions are not of the action space.
+            RuntimeError: There is no match yet, or one has ended and nothing resets it.
+        """
+        arena = self.arena
+        arena.choose(actions)
+        fresh: Sequence[int] = ()
+        if self.ended.any():
+            if self.mode == AutoresetMode.DISABLED:
+                raise RuntimeError(f"matches {np.flatnonzero(self.ended).tolist()} have ended: reset them")
+            fresh = np.flatnonzero(self.ended).tolist()
+        # Matches that begin with this step play none of it: they come in after it.
+        reading = arena.step() if not fresh else self._step_others(fresh)
+        return self._judge(reading)
+
+    def _step_others(self, fresh: Sequence[int]) -> Reading:
+        """Play a step of the matches that go on, and begin new ones in the other rows."""
+        self.arena.play(but=fresh)
+        self._restart(fresh)
+        return self.arena.read()
+
+    def _judge(self, reading: Reading) -> Outcome:
+        """Say what became of everybody, and reset at once what is to be."""
+        arena, rows = self.arena, reading.rows
+        terminated, truncated = arena.terminated(rows), arena.truncated(rows)
+        rewards = arena.rewards(rows)
+        ended: tuple[int, ...] = ()
+        metrics = np.zeros((0, rows.shape[1], len(arena.metrics)))
+        done = arena.done.all(axis=1)
+        final = None
+        if done.any():
+            ended = tuple(np.flatnonzero(done).tolist())
+            metrics = self._measure(ended)
+            self.ended[:] = done
+            if self.mode == AutoresetMode.SAME_STEP:
+                final = reading
+                self._restart(ended)
+                reading = arena.read()
+        else:
+            self.ended[:] = False
+        return Outcome(reading.observation, rewards, terminated, truncated, rows, ended, metrics, final)
+
+    def _measure(self, matches: Sequence[int]) -> NDArray[np.float64]:
+        """Return (len(matches), L, M) the metrics of matches that have ended."""
+        learners = range(len(self.arena.learners))
+        return np.array(
+            [[list(self.arena.measure(match, learner).values()) for learner in learners] for match in matches]
+        )
+
+
+class BatchedArena:
+    """B matches with L learners each, as arrays with leading axes (B, L) and without dictionaries of agents.
+
+    The autoreset modes are Gymnasium's: a match is reset when the episodes of all its learners have ended.
+    """
+
+    def __init__(
+        self,
+        track: str,
+        matches: int,
+        *,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **options: Any,
+    ) -> None:
+        """Choose what is played.
+
+        Args:
+            track: A name in ``tracks.TRACKS``.
+            matches: How many there are.
+            autoreset_mode: When a match that has ended begins anew.
+            options: The fields of ``EnvConfig``, and ``preset``; ``agents`` are the learners of a match.
+
+        Raises:
+            ValueError: An option is wrong.
+        """
+        self.config = several_config(track, options)
+        self.num_matches, self.num_agents = matches, self.config.agents
+        self.arena = Arena(self.config, matches)
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.single_observation_space = observation_space(self.config)
+        self.single_action_space = self.arena.mode.space
+        self.action_space = batch_space(self.arena.mode.space, matches * self.num_agents)
+        self._resetter = Resetter(self.arena, self.autoreset_mode)
+
+    def reset(self, *, seed: int | None = None, mask: Flags | None = None) -> Observation:
+        """Begin new episodes.
+
+        Args:
+            seed: Of the first match, the others follow it: seed + row. None goes on with those under way.
+            mask: (B,) which matches; None for all.
+
+        Returns:
+            The observation, by name (B, L, …).
+        """
+        count = self.num_matches
+        seeds = [None if seed is None else seed + row for row in range(count)]
+        fresh = gymnasium.utils.seeding.np_random(None)[1]
+        rows = None if mask is None else np.flatnonzero(mask).tolist()
+        return self._resetter.reset(seeds, fresh, rows).observation
+
+    def step(self, actions: Any) -> Outcome:
+        """Play one step in every match.
+
+        Args:
+            actions: Of B × L learners, match after match, as ``action_space`` has them.
+
+        Raises:
+            ActionError: The actions are not of the action space.
+        """
+        return self._resetter.step(actions)
+
+
+def several_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
+    """Return the options of an environment with several learners; no robots play by default.
+
+    Raises:
+        ValueError: One is wrong.
+    """
+    return read_config(track, options, agents=AGENTS.get(track, 1), opponents=())

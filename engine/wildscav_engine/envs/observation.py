@@ -1,0 +1,162 @@
+"""What learners observe: groups of facts, side by side in one row a learner, and the chosen sensors."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from gymnasium.spaces import Box, Dict, Space
+from numpy.typing import NDArray
+
+from wildscav_engine.body import EYE_HEIGHT
+from wildscav_engine.envs.columns import EVENTS, GROUPS, PARTS, STANDING, Part, parts_of
+from wildscav_engine.envs.config import EnvConfig
+from wildscav_engine.envs.views import MatchView
+from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.sensors.base import Sensor
+from wildscav_engine.sensors.optical import NOTHING_MOVES, MovingOption, OpticalSensor
+from wildscav_engine.tracks import TRACKS
+
+if TYPE_CHECKING:
+    from wildscav_engine.batch import Batch
+    from wildscav_engine.maps.game_map import GameMap
+
+EYES = np.array([0.0, EYE_HEIGHT, 0.0])
+Observation = dict[str, NDArray[Any]]
+
+
+class Layout(NamedTuple):
+    """Where each part lies in a row."""
+
+    start: NDArray[np.int64]  # (PARTS,) its first column, or -1
+    groups: tuple[tuple[str, int, int], ...]  # name, first column and the one after the last, of what is told
+    told: int  # columns of the observation; those that follow are not part of it
+    width: int
+
+    def first(self, part: Part) -> int:
+        """Return a part's first column."""
+        return int(self.start[part])
+
+
+def layout_of(config: EnvConfig) -> Layout:
+    """Return how the rows of an environment are laid out."""
+    start = np.full(PARTS, -1, np.int64)
+    groups, column = [], 0
+    for part in parts_of(TRACKS[config.track]):
+        start[part] = column
+        name, columns = GROUPS[part]
+        width = len(columns)
+        groups.append((name, column, column + width))
+        column += width
+    told = column
+    for part, width in (
+        (Part.STANDING, len(STANDING)),
+        (Part.EVENTS, len(EVENTS)),
+        (Part.TERMS, len(config.reward_weights)),
+    ):
+        start[part] = column
+        column += width
+    return Layout(start, tuple(groups), told, column)
+
+
+def observation_space(config: EnvConfig) -> Dict:
+    """Return the space of one learner's observation."""
+    spaces: dict[str, Space[Any]] = {}
+    for part in parts_of(TRACKS[config.track]):
+        name, columns = GROUPS[part]
+        low = np.array([column.low for column in columns], np.float32)
+        high = np.array([column.high for column in columns], np.float32)
+        spaces[name] = Box(low, high, dtype=np.float32)
+    for name, sensor in config.read_sensors().items():
+        spaces[name] = _bounded(sensor.space)
+    return Dict(spaces)
+
+
+def _bounded(space: Box) -> Box:
+    """Return a space with finite bounds that hold for all matches."""
+    if not np.issubdtype(space.dtype, np.floating):
+        return space
+    limit = np.float32(10_000.0)
+    low, high = np.maximum(space.low, -limit), space.high
+    return Box(low, np.where(np.isinf(high), limit, high), dtype=np.float32)
+
+
+class Sight:
+    """The chosen sensors of all learners of a batch."""
+
+    def __init__(self, sensors: Mapping[str, Sensor], learners: Sequence[int], threads: int) -> None:
+        self._still = {
+            name: sensor
+            for name, sensor in sensors.items()
+            if isinstance(sensor, OpticalSensor) and _sees_map_only(sensor)
+        }
+        self._others = {name: sensor for name, sensor in sensors.items() if name not in self._still}
+        self._lenses = {name: sensor.lens for name, sensor in self._still.items()}
+        self._learners, self._threads = list(learners), threads
+        self._groups: list[tuple[GameMap, NDArray[np.int64] | None]] = []
+        self._viewers = np.zeros(0, np.int32)
+
+    def look_at(self, maps: "Sequence[GameMap]") -> None:
+        """Take notice of which map each match is on."""
+        rows_of: dict[int, list[int]] = {}
+        by_id = {id(game_map): game_map for game_map in maps}
+        for row, game_map in enumerate(maps):
+            rows_of.setdefault(id(game_map), []).append(row)
+        many = len(rows_of) > 1
+        self._groups = [(by_id[key], np.array(rows) if many else None) for key, rows in rows_of.items()]
+        self._viewers = np.tile(np.array(self._learners, np.int32), len(maps))
+        for game_map in by_id.values():
+            for sensor in self._still.values():
+                sensor.prepare(game_map)
+
+    def read(self, batch: "Batch", view: Callable[[int], MatchView], found: Observation) -> None:
+        """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
+        if self._still:
+            self._read_still(batch, found)
+        for name, sensor in self._others.items():
+            matches = range(len(batch.specs))
+            readings = [sensor.read(view(match).as_match, self._learners) for match in matches]
+            found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
+
+    def _read_still(self, batch: "Batch", found: Observation) -> None:
+        """Look at the maps alone, which needs no more of the matches than where the learners are."""
+        agents, learners = batch.state.agents, self._learners
+        every = len(learners) == agents.yaw.shape[1]
+        eyes = (agents.position if every else agents.position[:, learners]) + EYES
+        yaws, pitches = (
+            (agents.yaw, agents.pitch) if every else (agents.yaw[:, learners], agents.pitch[:, learners])
+        )
+        for name, sensor in self._still.items():
+            found[name] = self._look(sensor, self._lenses[name], eyes, yaws, pitches)
+
+    def _look(
+        self,
+        sensor: OpticalSensor,
+        lens: tuple[float, float],
+        eyes: NDArray[np.float64],
+        yaws: NDArray[np.float64],
+        pitches: NDArray[np.float64],
+    ) -> NDArray[Any]:
+        matches, learners = yaws.shape
+        images = np.empty((matches, learners, *sensor.shape), sensor.dtype)
+        for game_map, rows in self._groups:
+            if rows is None:
+                flat = images.reshape(-1, *sensor.shape)
+                where = eyes.reshape(-1, 3), yaws.reshape(-1), pitches.reshape(-1)
+            else:
+                flat = np.empty((len(rows) * learners, *sensor.shape), sensor.dtype)
+                where = eyes[rows].reshape(-1, 3), yaws[rows].reshape(-1), pitches[rows].reshape(-1)
+            if self._threads > 1:
+                flat[:] = sensor.render(game_map, *where, threads=self._threads)
+            else:
+                cameras = Cameras(*where, self._viewers[: len(where[1])], *lens)
+                sensor.look(game_map, NOTHING_MOVES, cameras, flat)
+            if rows is not None:
+                images[rows] = flat.reshape(len(rows), learners, *sensor.shape)
+        return images
+
+
+def _sees_map_only(sensor: OpticalSensor) -> bool:
+    """Return whether a sensor sees nothing of a match but its map."""
+    if isinstance(sensor, MovingOption):
+        return not sensor.moving
+    return type(sensor).moving_in is OpticalSensor.moving_in

@@ -1,0 +1,207 @@
+"""Many single environments as one: a Gymnasium vector environment over one batch."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from wildscav_engine.envs.arena import Arena, Reading
+from wildscav_engine.envs.batched import Outcome, Resetter
+from wildscav_engine.envs.columns import EVENTS
+from wildscav_engine.envs.infos import info_of
+from wildscav_engine.envs.observation import Observation, observation_space
+from wildscav_engine.envs.render import Picture
+from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_config
+
+Infos = dict[str, Any]
+
+
+class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
+    """N matches with one learner each.
+
+    Row i of it, with the seed s, is the single environment with the seed s + i.
+    """
+
+    def __init__(
+        self,
+        track: str,
+        num_envs: int = 1,
+        *,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **options: Any,
+    ) -> None:
+        """Choose what is played.
+
+        Args:
+            track: A name in ``tracks.TRACKS``.
+            num_envs: How many matches there are.
+            autoreset_mode: When a match that has ended begins anew.
+            options: The fields of ``EnvConfig``, and ``preset``.
+
+        Raises:
+            ValueError: An option is wrong.
+        """
+        self.config = single_config(track, options)
+        self.num_envs = num_envs
+        self.render_mode = self.config.render_mode
+        mode = AutoresetMode(autoreset_mode)
+        self.metadata = {
+            "render_modes": RENDER_MODES,
+            "render_fps": STEPS_PER_SECOND,
+            "autoreset_mode": mode,
+        }
+        self.arena = Arena(self.config, num_envs)
+        self.single_observation_space = observation_space(self.config)
+        self.single_action_space = self.arena.mode.space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._resetter = Resetter(self.arena, mode)
+        self._picture = Picture(self.config)
+        self._everybody = np.ones(num_envs, np.bool_)
+        self._everybody.flags.writeable = False
+        self._no_metrics = np.zeros(num_envs)
+        self._no_metrics.flags.writeable = False
+        self._nobody = np.zeros(num_envs, np.bool_)
+        self._nobody.flags.writeable = False
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Infos]:
+        """Begin new episodes.
+
+        Args:
+            seed: Of the first environment, the others follow it; or one for each.
+            options: ``reset_mask``, (N,) bool: which environments are reset; and those of a single one.
+
+        Raises:
+            ValueError: There are too few or too many seeds, or the mask is wrong.
+        """
+        seeds: Sequence[int | None] = [None] * self.num_envs
+        if seed is not None:
+            seeds = [seed + row for row in range(self.num_envs)] if isinstance(seed, int) else seed
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"{len(seeds)} seeds are given for {self.num_envs} environments")
+        super().reset(seed=seeds[0])
+        given = dict(options or {})
+        mask = given.pop("reset_mask", None)
+        rows = None if mask is None else np.flatnonzero(self._checked(mask)).tolist()
+        reading = self._resetter.reset(seeds, self.np_random_seed or 0, rows, given)
+        chosen = self._everybody if rows is None else np.asarray(mask).copy()
+        self._show()
+        return _squeezed(reading.observation), self._infos(reading.rows, (), np.zeros((0, 1, 0)), chosen)
+
+    def _checked(self, mask: Any) -> NDArray[np.bool_]:
+        """Return a mask of environments to reset.
+
+        Raises:
+            ValueError: It is none.
+        """
+        array = np.asarray(mask)
+        if array.shape != (self.num_envs,) or array.dtype != np.bool_ or not array.any():
+            raise ValueError(
+                f"reset_mask is {array.dtype} of shape {array.shape}, must be bool of shape "
+                f"({self.num_envs},) and True somewhere"
+            )
+        return array
+
+    def step(
+        self, actions: Any
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]:
+        """Play one step in every environment.
+
+        Raises:
+            ActionError: The actions are not of the action space.
+            RuntimeError: There is no match yet, or one has ended and nothing resets it.
+        """
+        outcome = self._resetter.step(actions)
+        infos = self._infos(outcome.rows, outcome.ended, outcome.metrics, self._everybody)
+        if outcome.final is not None:
+            infos = self._with_final(infos, outcome, outcome.final)
+        self._show()
+        return (
+            _squeezed(outcome.observation),
+            outcome.rewards[:, 0],
+            outcome.terminated[:, 0],
+            outcome.truncated[:, 0],
+            infos,
+        )
+
+    def _infos(
+        self,
+        rows: NDArray[np.float32],
+        ended: tuple[int, ...],
+        metrics: NDArray[np.float64],
+        chosen: NDArray[np.bool_],
+    ) -> Infos:
+        """Return what the single environments tell, each value as an array with a mask beside it."""
+        arena = self.arena
+        counted = arena.events(rows)[:, 0].astype(np.int64).T
+        paid = arena.paid(rows)[:, 0].astype(np.float64).T
+        if chosen is not self._everybody:
+            counted, paid = counted * chosen, paid * chosen
+        measured = [self._no_metrics] * len(arena.metrics)
+        if ended:
+            measured = list(np.zeros((len(arena.metrics), self.num_envs)))
+            for column, values in enumerate(measured):
+                values[list(ended)] = metrics[:, 0, column]
+        return {
+            "events": _masked(EVENTS, counted, chosen),
+            "_events": chosen,
+            "reward_terms": _masked(arena.terms, paid, chosen),
+            "_reward_terms": chosen,
+            "metrics": _masked(arena.metrics, measured, chosen),
+            "_metrics": chosen,
+        }
+
+    def _with_final(self, infos: Infos, outcome: Outcome, final: Reading) -> Infos:
+        """Return the infos of new episodes, with what was told at the end of those before."""
+        mask = self._nobody.copy()
+        mask[list(outcome.ended)] = True
+        observations = np.full(self.num_envs, None, object)
+        for row in outcome.ended:
+            observations[row] = {name: values[row, 0] for name, values in final.observation.items()}
+        ended: Infos = {}
+        for place, row in enumerate(outcome.ended):
+            info: Infos = dict(info_of(self.arena, row, 0, outcome.rows[row, 0], ended=False))
+            info["metrics"] = dict(zip(self.arena.metrics, outcome.metrics[place, 0].tolist(), strict=True))
+            ended = self._add_info(ended, info, row)
+        for name in ("events", "reward_terms", "metrics"):
+            for key, values in infos[name].items():
+                if not key.startswith("_"):
+                    infos[name][key] = np.where(mask, values.dtype.type(0), values)
+        return infos | {
+            "final_obs": observations,
+            "_final_obs": mask,
+            "final_info": ended,
+            "_final_info": mask,
+        }
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self._picture.begin(self.arena)
+
+    def render(self) -> tuple[Any, ...] | None:
+        """Return the pictures of all environments; ``human`` shows the first."""
+        if self.render_mode is None or self.render_mode == "human":
+            return None
+        return tuple(self._picture.render(self.arena, row) for row in range(self.num_envs))
+
+    def close_extras(self, **_options: Any) -> None:
+        """End the viewer's recording, if there is one."""
+        self._picture.close()
+
+
+def _squeezed(observation: Observation) -> Observation:
+    return {name: values[:, 0] for name, values in observation.items()}
+
+
+def _masked(names: tuple[str, ...], values: Any, chosen: NDArray[np.bool_]) -> Infos:
+    """Return arrays by name, each with the mask of the environments that it is told of."""
+    told: Infos = {}
+    for name, column in zip(names, values, strict=True):
+        told[name] = column
+        told[f"_{name}"] = chosen
+    return told

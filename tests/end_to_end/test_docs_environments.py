@@ -1,0 +1,51 @@
+"""What the page of environments says is true."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from wildscav_engine.envs.columns import GROUPS
+from wildscav_engine.envs.config import AGENTS, OPPONENTS, EnvConfig
+from wildscav_engine.envs.presets import PRESETS
+from wildscav_engine.envs.registry import env_id, zoo_id
+from wildscav_engine.tracks import TRACKS
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs" / "environments.md").read_text("utf-8")
+
+
+def test_the_code_of_the_page_works(tmp_path: Path) -> None:
+    code = "\n".join(re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL))
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == [
+        "['body', 'depth', 'position', 'target', 'time', 'velocity', 'view'] (10, 10)",
+        "['agent_0', 'agent_1', 'agent_2', 'agent_3'] (1, 13)",
+        "(8, 10, 10) (8,)",
+    ]
+
+
+def test_the_page_tells_every_option() -> None:
+    told = {
+        name
+        for cell in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", TEXT, re.MULTILINE)
+        for name in re.findall(r"\w+", cell)
+    }
+    assert set(EnvConfig.model_fields) - {"track"} <= told
+    for preset in PRESETS:
+        assert f"`{preset}`" in TEXT
+
+
+def test_the_page_tells_every_track() -> None:
+    for track in TRACKS:
+        ids = rf"`{env_id(track)}` \| `{zoo_id(track)}`"
+        row = rf"^\| `{track}` \| {ids} \| {AGENTS[track]} \| {OPPONENTS[track]} "
+        assert re.search(row, TEXT, re.MULTILINE), track
+
+
+def test_the_page_tells_every_group_with_its_numbers() -> None:
+    for group in GROUPS.values():
+        (numbers,) = re.findall(rf"^\| `{group.name}` \| [^|]+ \| ([^|]+) \|$", TEXT, re.MULTILINE)
+        for column in group.columns:
+            assert column.name in numbers, (group.name, column.name)

@@ -1,0 +1,33 @@
+"""The live view: what is sent to Rerun while an environment is played."""
+
+from typing import Any
+
+import pytest
+import rerun as rr
+from tests.engine.envs.common import options
+
+from wildscav_engine.envs.single import SingleEnv
+from wildscav_engine.view import live
+
+
+def test_a_match_is_shown_step_by_step_in_one_recording(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[Any] = []
+
+    def open_recording() -> rr.RecordingStream:
+        recording = rr.RecordingStream(live.APPLICATION)
+        opened.append(recording.memory_recording())
+        return recording
+
+    monkeypatch.setattr(live, "open_recording", open_recording)
+    env = SingleEnv("battle", **options("battle", sensors={}, render_mode="human"))
+    assert not opened  # nothing opens before it is needed
+    env.action_space.seed(0)
+    for seed in range(2):
+        env.reset(seed=seed)
+        for _ in range(3):
+            env.step(env.action_space.sample())
+    assert env.render() is None
+    assert len(opened) == 1
+    assert opened[0].num_msgs() > 10
+    env.close()
+    env.close()

@@ -1,0 +1,136 @@
+"""The PettingZoo environments: the library's own tests for every track, and what becomes of the dead."""
+
+from typing import Any
+
+import numpy as np
+import pettingzoo
+import pytest
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+from tests.engine.envs.common import TRACK_NAMES, digest, many_options
+
+from wildscav_engine.envs import BatchedArena, aec_env, parallel_env
+from wildscav_engine.envs.actions import MODES
+
+# What the library says of every Dict of observations and actions, which are allowed all the same.
+DICTS = [
+    pytest.mark.filterwarnings("ignore:Observation is not a NumPy array"),
+    pytest.mark.filterwarnings("ignore:.* space for each agent probably should be"),
+    pytest.mark.filterwarnings("ignore:Environment has not defined a render"),
+]
+pytestmark = DICTS
+SENSORS = {"depth": {"width": 4, "height": 3}, "teammates": {"limit": 2}}
+
+
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_every_track_passes_pettingzoos_own_tests(track: str) -> None:
+    options = many_options(track, sensors=SENSORS)
+    parallel_api_test(parallel_env(track, **options), 30)
+    parallel_seed_test(lambda: parallel_env(track, **options), 30)
+    api_test(aec_env(track, **options), 30)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_action_mode_passes_pettingzoos_own_tests(mode: str) -> None:
+    options = many_options("battle", sensors={}, action_mode=mode)
+    parallel_api_test(parallel_env("battle", **options), 20)
+    parallel_seed_test(lambda: parallel_env("battle", **options), 20)
+    api_test(aec_env("battle", **options), 20)
+
+
+def played(track: str, seed: int, **more: Any) -> list[Any]:
+    """Return everything that an episode of random actions tells."""
+    env = parallel_env(track, **many_options(track, sensors=SENSORS, **more))
+    told: list[Any] = [digest(env.reset(seed=seed))]
+    for place, agent in enumerate(env.agents):
+        env.action_space(agent).seed(place)
+    while env.agents:
+        told.append(digest(env.step({agent: env.action_space(agent).sample() for agent in env.agents})))
+        told.append(digest(env.state()))
+        assert env.state_space.contains(env.state())
+    return told
+
+
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_whole_episodes_are_functions_of_their_seed(track: str) -> None:
+    first = played(track, 4)
+    assert len(first) == 1 + 2 * 15
+    assert played(track, 4) == first
+    assert played(track, 5) != first
+
+
+def still(env: Any) -> dict[str, Any]:
+    return dict.fromkeys(env.agents, np.array([0, 0, 3, 2, *[0] * 4]))
+
+
+def test_who_is_out_for_good_gets_last_values_and_leaves() -> None:
+    env = parallel_env("royale", **many_options("royale", action_mode="multidiscrete", zone={"phases": ()}))
+    env.reset(seed=0)
+    env.arena.batch.state.agents.damage[0, 1] = 1000
+    observations, rewards, terminated, truncated, infos = env.step(still(env))
+    for told in (observations, rewards, terminated, truncated, infos):
+        assert list(told) == ["agent_0", "agent_1", "agent_2"]
+    assert (terminated["agent_1"], truncated["agent_1"], env.agents) == (True, False, ["agent_0", "agent_2"])
+    assert infos["agent_1"]["metrics"]["placement"] == 3
+    assert rewards["agent_0"] == pytest.approx(0.5)  # a place won
+    told = env.step(still(env))
+    assert all(list(part) == ["agent_0", "agent_2"] for part in told)
+    env.arena.batch.state.agents.damage[0, 2] = 1000
+    _, _, terminated, _, _ = env.step(still(env))
+    assert (terminated, env.agents) == ({"agent_0": True, "agent_2": True}, [])
+    assert env.step({}) == ({}, {}, {}, {}, {})
+
+
+def test_who_will_come_back_stays_and_may_do_one_thing() -> None:
+    options = many_options("battle", action_mode="multidiscrete", rules={"respawn_time": 0.5})
+    env = parallel_env("battle", **options)
+    env.reset(seed=0)
+    env.arena.batch.state.agents.damage[0, 1] = 1000
+    alive, masks = [], []
+    for _ in range(8):
+        observations, *_, infos = env.step(still(env))
+        alive.append(observations["agent_1"]["body"][0])
+        masks.append(sum(mask.sum() for mask in infos["agent_1"]["action_mask"]))
+        assert len(env.agents) == 3
+    assert alive == [0, 0, 0, 0, 0, 1, 1, 1]
+    assert masks == [8] * 5 + [9 + 2 + 7 + 5 + 2 * 4] * 3
+    assert infos["agent_1"]["events"]["respawns"] == 0
+
+
+def test_actions_have_to_be_for_those_who_act() -> None:
+    env = parallel_env("battle", **many_options("battle", action_mode="multidiscrete"))
+    env.reset(seed=0)
+    actions = still(env)
+    with pytest.raises(ValueError, match="given for agent_0; those who act are agent_0, agent_1, agent_2"):
+        env.step({"agent_0": actions["agent_0"]})
+
+
+def test_pettingzoo_knows_the_tracks_by_name() -> None:
+    for track in TRACK_NAMES:
+        assert f"wildscav/{track}-v0" in pettingzoo.parallel_registry
+    env = pettingzoo.make("parallel", "wildscav/battle_v0", **many_options("battle"))
+    assert str(env) == "wildscav_battle_v0"
+    assert env.possible_agents == ["agent_0", "agent_1", "agent_2"]
+
+
+@pytest.mark.parametrize("track", ["gathering", "royale"])
+def test_batched_matches_are_parallel_ones(track: str) -> None:
+    options = many_options(track, sensors=SENSORS, action_mode="multidiscrete", time_limit=0.6)
+    batch = BatchedArena(track, 2, **options)
+    alone = [parallel_env(track, **options) for _ in range(2)]
+    told = batch.reset(seed=3)
+    starts = [env.reset(seed=3 + row)[0] for row, env in enumerate(alone)]
+    batch.action_space.seed(0)
+    for _ in range(6):
+        for name, values in told.items():
+            for row, start in enumerate(starts):
+                for place, agent in enumerate(start):
+                    assert values[row, place].tobytes() == start[agent][name].tobytes()
+        actions = batch.action_space.sample()
+        outcome = batch.step(actions)
+        told, starts = outcome.observation, []
+        for row, env in enumerate(alone):
+            start, rewards, *_ = env.step({f"agent_{place}": actions[3 * row + place] for place in range(3)})
+            starts.append(start)
+            assert outcome.rewards[row].tolist() == list(rewards.values())
+    assert outcome.ended == (0, 1)
+    assert outcome.metrics.shape == (2, 3, len(batch.arena.metrics))

@@ -1,0 +1,178 @@
+"""The Gymnasium environments: the library's own tests for every track, action mode and sensor, and ours."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from tests.engine.envs.common import OPEN, TRACK_NAMES, digest, env_id, options
+
+from wildscav_engine.envs.actions import MODES
+from wildscav_engine.envs.columns import EVENTS
+from wildscav_engine.envs.single import SingleEnv
+from wildscav_engine.sensors import SENSORS
+from wildscav_engine.tracks import TRACKS
+
+TINY = {"depth": {"width": 4, "height": 3}, "camera": {"width": 8, "height": 6}, "lidar": {"azimuths": 8}}
+
+
+def played(env: gymnasium.Env[Any, Any], seed: int, action_seed: int = 0) -> list[Any]:
+    """Return everything that an episode of random actions tells."""
+    env.action_space.seed(action_seed)
+    told: list[Any] = [digest(env.reset(seed=seed))]
+    while True:
+        outcome = env.step(env.action_space.sample())
+        told.append(digest(outcome))
+        if outcome[2] or outcome[3]:
+            return told
+
+
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_every_track_passes_gymnasiums_own_test(track: str) -> None:
+    sensors = {"depth": {"width": 4, "height": 3}, "nearby_supplies": {}, "visible_agents": {}, "zone": {}}
+    env = gymnasium.make(env_id(track), **options(track, sensors=sensors))
+    check_env(env.unwrapped, skip_render_check=True)
+    env.close()
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("track", ["navigation", "battle"])
+def test_every_action_mode_passes_gymnasiums_own_test(track: str, mode: str) -> None:
+    env = gymnasium.make(env_id(track), **options(track, sensors={}, action_mode=mode))
+    check_env(env.unwrapped, skip_render_check=True)
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_every_sensor_passes_gymnasiums_own_test(sensor: str) -> None:
+    chosen = {sensor: TINY.get(sensor, {})}
+    if sensor in {"segmentation", "normals"}:
+        chosen = {sensor: TINY["depth"]}
+    env = gymnasium.make(env_id("battle"), **options("battle", sensors=chosen))
+    check_env(env.unwrapped, skip_render_check=True)
+
+
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_an_episode_is_a_function_of_its_seed(track: str) -> None:
+    one, other = (SingleEnv(track, **options(track, action_mode="multidiscrete")) for _ in range(2))
+    first = played(one, 5)
+    assert played(other, 5) == first
+    assert played(one, 5) == first  # also in an environment that has played before
+    assert played(one, 6) != first
+
+
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_infos_have_one_structure_and_the_last_one_has_the_metrics(track: str) -> None:
+    env = SingleEnv(track, **options(track, sensors={}))
+    env.action_space.seed(1)
+    _, info = env.reset(seed=2)
+    metrics = [metric.name for metric in TRACKS[track].metrics]
+    while True:
+        assert list(info["events"]) == list(EVENTS)
+        assert list(info["reward_terms"]) == list(TRACKS[track].rewards)
+        assert list(info["metrics"]) == metrics
+        _, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        assert reward == pytest.approx(sum(info["reward_terms"].values()))
+        if terminated or truncated:
+            break
+    assert info["metrics"] == env.arena.measure(0, 0)
+
+
+def test_time_that_is_up_truncates_and_a_target_that_is_reached_terminates_and_pays_one() -> None:
+    near = options("navigation", sensors={}, map=OPEN, start=(0.0, 0.0, 0.0), target=(0.0, 0.0, 4.0))
+    env = SingleEnv("navigation", **near, action_mode="baseline")
+    env.reset(seed=0)
+    outcomes = [env.step(1)]  # north at 6 m/s
+    while not (outcomes[-1][2] or outcomes[-1][3]):
+        outcomes.append(env.step(1))
+    assert outcomes[-1][1:4] == (1.0, True, False)
+    env.reset(seed=0)
+    still = [env.step(3) for _ in range(15)]  # east, past it
+    assert [outcome[2:4] for outcome in still] == [(False, False)] * 14 + [(False, True)]
+    with pytest.raises(RuntimeError, match="reset"):
+        env.step(0)
+
+
+def test_what_was_returned_never_changes() -> None:
+    env = SingleEnv("gathering", **options("gathering"))
+    env.action_space.seed(0)
+    kept = [env.reset(seed=1)[0]]
+    before = [digest(kept[0])]
+    for _ in range(10):
+        kept.append(env.step(env.action_space.sample())[0])
+        before.append(digest(kept[-1]))
+    assert [digest(observation) for observation in kept] == before
+
+
+def test_train_and_test_episodes_share_neither_seeds_nor_maps() -> None:
+    envs = {
+        split: SingleEnv("navigation", split=split, random_maps=3, sensors={}) for split in ("train", "test")
+    }
+    for split, env in envs.items():
+        odd = int(split == "test")
+        assert {spec.seed % 2 for spec in env.arena.pool.specs} == {odd}
+        episodes = env.arena.episodes(3)
+        assert len(env.arena.pool.specs) == 3
+        for _ in range(5):
+            number = episodes.number
+            assert env.arena.episodes(3).number == 0
+            spec = episodes.plan()
+            assert (spec.seed % 2, spec.map.seed % 2, episodes.number) == (odd, odd, number + 1)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"time": 3}, "there is no option 'time'; the options are preset, map"),
+        ({"sensors": {"sonar": {}}}, "there is no sensor 'sonar'"),
+        ({"rewards": {"luck": 1.0}}, "there is no reward term 'luck'"),
+        (
+            {"action_mode": "piano"},
+            "action_mode: Input should be 'dict', 'box', 'baseline' or 'multidiscrete'",
+        ),
+        ({"opponents": ("hunter",)}, "is filled by 'hunter'"),
+        ({"map": 1000}, "maps have the ids 1 to 999"),
+        (
+            {"preset": "paper-capture"},
+            "preset 'paper-capture' is of the track 'capture', not of 'navigation'",
+        ),
+        ({"agents": 2}, "here there is one"),
+    ],
+)
+def test_wrong_options_are_refused_in_one_line(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message) as raised:
+        SingleEnv("navigation", **wrong)
+    assert "\n" not in str(raised.value)
+
+
+def test_an_episode_can_be_put_elsewhere() -> None:
+    env = SingleEnv("navigation", **options("navigation", sensors={}))
+    observation, _ = env.reset(seed=1, options={"start": (1.0, 30.0, 2.0), "target": (3.0, 0.0, 8.0)})
+    assert observation["position"][[0, 2]].tolist() == [1, 2]
+    assert observation["target"][[1, 3]].tolist() == [3, 8]
+    assert env.reset()[0]["position"][[0, 2]].tolist() != [1, 2]  # for one episode only
+
+
+def test_the_paper_presets_hold_an_action_for_15_frames_and_play_its_matches() -> None:
+    env = SingleEnv("gathering", preset="paper-gathering")
+    spec = env.arena.template
+    assert (spec.frames_per_action, spec.step_limit, spec.team_of_seats) == (15, 600, (0, 0, 0, 0))
+    assert [map_spec.seed for map_spec in env.arena.pool.specs] == [101]
+    assert SingleEnv("navigation", preset="paper-navigation").arena.template.step_limit == 400
+    assert SingleEnv("capture", preset="paper-capture").arena.template.team_of_seats == (0, 0, 0, 0)
+
+
+def test_a_picture_a_depth_map_and_a_view_from_above() -> None:
+    looks = {"render_size": (32, 18)}
+    for mode, shape, dtype in (("rgb_array", (18, 32, 3), np.uint8), ("depth_array", (18, 32), np.float32)):
+        env = SingleEnv("battle", **options("battle", sensors={}, render_mode=mode, **looks))
+        env.reset(seed=0)
+        picture = env.render()
+        assert (picture.shape, picture.dtype) == (shape, dtype)
+        assert picture.min() != picture.max()
+    above = SingleEnv(
+        "battle", **options("battle", sensors={}, render_mode="rgb_array", render_view="top", **looks)
+    )
+    above.reset(seed=0)
+    assert above.render().std() > 5.0
+    assert SingleEnv("navigation", **options("navigation", sensors={})).render_mode is None

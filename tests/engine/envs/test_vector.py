@@ -1,0 +1,117 @@
+"""Vector environments are single ones, row for row and byte for byte, however many there are."""
+
+import subprocess
+import sys
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from tests.engine.envs.common import SMALL, TRACK_NAMES, digest, env_id, options
+
+from wildscav_engine.envs.vector import VectorArena
+
+SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
+ENVS = 3
+
+
+def made(
+    track: str, mode: AutoresetMode, envs: int = ENVS, **more: Any
+) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
+    return gymnasium.make_vec(
+        env_id(track),
+        num_envs=envs,
+        vectorization_mode="vector_entry_point",
+        autoreset_mode=mode,
+        **chosen(track, **more),
+    )
+
+
+def chosen(track: str, **more: Any) -> dict[str, Any]:
+    return options(track, sensors=SENSORS, action_mode="multidiscrete", time_limit=0.8, **more)
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+@pytest.mark.parametrize("track", ["navigation", "royale"])
+def test_rows_are_single_environments_in_every_autoreset_mode(track: str, mode: AutoresetMode) -> None:
+    ours = made(track, mode)
+    singles = [lambda: gymnasium.make(env_id(track), **chosen(track))] * ENVS
+    theirs = SyncVectorEnv(singles, autoreset_mode=mode)
+    assert ours.metadata["autoreset_mode"] == mode
+    assert digest(ours.reset(seed=5)) == digest(theirs.reset(seed=5))
+    ours.action_space.seed(1)
+    for _ in range(20):
+        actions = ours.action_space.sample()
+        one, other = ours.step(actions), theirs.step(actions)
+        assert ours.observation_space.contains(one[0])
+        assert digest(one) == digest(other)
+        ended = one[2] | one[3]
+        if mode == AutoresetMode.DISABLED and ended.any():
+            resets = [env.reset(options={"reset_mask": ended.copy()}) for env in (ours, theirs)]
+            assert digest(resets[0]) == digest(resets[1])
+
+
+def told_by(track: str, envs: int, steps: int = 12, **more: Any) -> list[Any]:
+    """Return what the first two rows are told, however many there are."""
+    vector = made(track, AutoresetMode.NEXT_STEP, envs, **more)
+    choices = np.random.default_rng(0).integers(
+        0, vector.single_action_space.nvec, (steps, 8, len(vector.single_action_space.nvec))
+    )
+    told: list[Any] = [vector.reset(seed=9)[0]]
+    for step in range(steps):
+        observation, rewards, terminated, truncated, _ = vector.step(choices[step, :envs])
+        told.append((observation, rewards, terminated, truncated))
+    return [digest(_first_two(part)) for part in told]
+
+
+def _first_two(part: Any) -> Any:
+    if isinstance(part, dict):
+        return {name: np.ascontiguousarray(values[:2]) for name, values in part.items()}
+    if isinstance(part, tuple):
+        return [_first_two(item) for item in part]
+    return np.ascontiguousarray(part[:2])
+
+
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_neither_the_number_of_environments_nor_of_threads_matters(track: str) -> None:
+    two = told_by(track, 2)
+    assert told_by(track, 5) == two
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_threads_and_processes_do_not_matter(track: str) -> None:
+    alone = told_by(track, 4)
+    assert told_by(track, 4, threads=2) == alone
+    code = (
+        "from hashlib import sha256; from tests.engine.envs.test_vector import told_by; "
+        f"print(sha256(repr(told_by({track!r}, 4)).encode()).hexdigest())"
+    )
+    from hashlib import sha256
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == sha256(repr(alone).encode()).hexdigest()
+
+
+def test_maps_differ_between_matches_and_episodes() -> None:
+    env = VectorArena("navigation", 4, map=SMALL.config, random_maps=3, sensors=SENSORS, time_limit=0.2)
+    env.reset(seed=0)
+    env.action_space.seed(0)
+    seen = {tuple(spec.map.seed for spec in env.arena.batch.specs)}  # type: ignore[union-attr]
+    for _ in range(12):
+        observation, *_ = env.step(env.action_space.sample())
+        seen.add(tuple(spec.map.seed for spec in env.arena.batch.specs))  # type: ignore[union-attr]
+        assert env.observation_space.contains(observation)
+    assert len(seen) > 2
+    assert {seed for seeds in seen for seed in seeds} == {0, 2, 4}
+
+
+@pytest.mark.parametrize(
+    ("mask", "message"), [([True, False], "bool of shape"), (np.zeros(2, np.bool_), "True somewhere")]
+)
+def test_masks_that_are_none_are_refused(mask: Any, message: str) -> None:
+    env = VectorArena("navigation", 2, **chosen("navigation"))
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match=message):
+        env.reset(options={"reset_mask": mask if isinstance(mask, np.ndarray) else np.array(mask, np.int64)})
