@@ -1,6 +1,8 @@
 """A batch: many matches played as one, serially or over threads. A single match is a batch of one."""
 
+import copy
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numba
 import numpy as np
@@ -16,6 +18,7 @@ from wildscav_engine.rows import clear_rows, fills_of
 from wildscav_engine.rules import Rules
 from wildscav_engine.sensors.visibility import allocate_seen
 from wildscav_engine.set_up import MatchSetupError, place_match, plan_match
+from wildscav_engine.snapshot import History, decode, encode, map_for, write
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.state import State, allocate_state, with_room
 from wildscav_engine.step import play_step
@@ -113,12 +116,70 @@ class Batch:
         for row, spec, game_map, setup in zip(rows, specs, given, setups, strict=True):
             self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
         slots, phases = max(setup.slots for setup in setups), max(len(setup.zone) for setup in setups)
-        self._keep(with_room(self.state, slots, phases))
-        for table, fills in zip(self._tables, _FILLS, strict=True):
-            clear_rows(table, fills, np.array(rows, np.int64))
+        self._make_room(slots, phases)
+        self._clear(rows)
         if self._bank.add(given, in_use=self.maps):
             self._number_maps(self._rows)  # of the other rows, too: they may have moved in the bank
         self._open(np.array(rows, np.int64))
+
+    def get_state(self, row: int, history: History | None = None) -> bytes:
+        """Return one match as bytes, to go on from later, in any batch of such matches.
+
+        Args:
+            row: Which one.
+            history: What was played so far, to be kept beside it.
+        """
+        tables = self._tables
+        return encode(self.specs[row], self.maps[row], tables, row, self._counts(row), history)
+
+    def set_state(self, row: int, data: bytes) -> History | None:
+        """Put a match that ``get_state`` gave into a row; the other rows are left alone.
+
+        What holds for ``restart`` holds for this, too.
+
+        Returns:
+            What was played so far, if it was kept.
+
+        Raises:
+            StateError: The bytes are no state, damaged, or of another version of the rules or of the map.
+            MatchSetupError: The match cannot be in this batch.
+        """
+        _check_rows([row], len(self.specs))
+        snapshot = decode(data)
+        spec, (_, slots, phases) = snapshot.spec, snapshot.counts
+        _shared([self.specs[0], spec])
+        _check_seats([spec], self.state.agents.present.shape[1])
+        game_map = map_for(snapshot, self.maps)
+        setup = plan_match(spec, game_map)
+        self._make_room(slots, phases)
+        self._clear([row])
+        write(snapshot, self._tables, row)
+        self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
+        self._bank.add([game_map], in_use=self.maps)
+        self._number_maps(self._rows)
+        return snapshot.history
+
+    def fork(self) -> "Batch":
+        """Return a batch in the same state that goes its own way; the maps are shared."""
+        other = copy.copy(self)
+        other._take_copies()  # noqa: SLF001 - it is one of these, too
+        return other
+
+    def _take_copies(self) -> None:
+        """Let go of everything that is shared and changes."""
+        self.specs, self.maps, self.setups = list(self.specs), list(self.maps), list(self.setups)
+        self._bank = self._bank.fork()
+        self.seen = _copies(self.seen)
+        self._keep(State(*map(_copies, self.state)))
+
+    def _counts(self, row: int) -> tuple[int, int, int]:
+        """Return how many seats, slots for boxes and phases of the zone a match has."""
+        matches = self.state.matches
+        return int(matches.seats[row]), int(matches.slots[row]), int(matches.phases[row])
+
+    def _clear(self, rows: Sequence[int]) -> None:
+        for table, fills in zip(self._tables, _FILLS, strict=True):
+            clear_rows(table, fills, np.array(rows, np.int64))
 
     def _open(self, rows: NDArray[np.int64]) -> None:
         """Write the first state of matches into their rows, which are clear."""
@@ -150,11 +211,26 @@ class Batch:
             opening,
         )
 
+    def _make_room(self, slots: int, phases: int) -> None:
+        state = with_room(self.state, slots, phases)
+        if state is not self.state:
+            self._keep(state)
+
     def _keep(self, state: State) -> None:
         """Make a state the batch's own."""
         self.state = state
-        self._handles = [Handle(part) for part in (*state, self.seen)]
-        self._tables = [handle.addresses for handle in self._handles]
+        self.handles = tuple(Handle(part) for part in (*state, self.seen))
+
+    @property
+    def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
+        """Where the agents, the boxes, the matches and what is seen lie, for kernels."""
+        agents, supplies, matches, seen = self.handles
+        return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
+
+
+def _copies(arrays: Any) -> Any:
+    """Return a NamedTuple of copies of arrays."""
+    return type(arrays)(*(array.copy() for array in arrays))
 
 
 def _check_rows(rows: Sequence[int], matches: int) -> None:

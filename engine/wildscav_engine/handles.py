@@ -60,7 +60,7 @@ def addresses_of(arrays: Arrays) -> Addresses:
         if not array.flags.c_contiguous:
             raise ValueError(f"{name} is not contiguous")
         shape = (*array.shape, *(1,) * (AXES - array.ndim))
-        rows.append((array.ctypes.data, array.itemsize, *shape))
+        rows.append((array.__array_interface__["data"][0], array.itemsize, *shape))
     return np.array(rows, np.int64)
 
 
@@ -172,9 +172,7 @@ def _read_bytes(typing_context: Any, address: Any, size: Any) -> Any:  # noqa: A
 
 
 # Returns (size,) the bytes from an address on, as a view, in kernels.
-bytes_at: Callable[[int, int], NDArray[np.uint8]] = (
-    _bytes_at if config.DISABLE_JIT else intrinsic(_read_bytes)
-)
+bytes_at: Callable[[int, int], NDArray[np.uint8]] = _kernel(_bytes_at, _read_bytes)
 
 
 class _Table:

@@ -1,22 +1,24 @@
 """One match: what the server, re-simulation and tests play."""
 
+import copy
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.actions import no_actions
+from wildscav_engine.actions import FIELDS, no_actions
 from wildscav_engine.batch import Batch, check_actions
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.result import MatchResult, SeatResult
 from wildscav_engine.sensors.visibility import Seen
 from wildscav_engine.set_up import MatchSetupError, WaveInfo, seed_of_seat
+from wildscav_engine.snapshot import History, StateError, decode
 from wildscav_engine.spec import SUBMISSION, MatchSpec
 from wildscav_engine.state import Ending, State
 from wildscav_engine.tracks import Track
 
-__all__ = ["Match", "MatchSetupError", "StartInfo", "WaveInfo"]
+__all__ = ["Match", "MatchSetupError", "StartInfo", "StateError", "WaveInfo"]
 
 
 class StartInfo(NamedTuple):
@@ -121,6 +123,37 @@ class Match:
         rows = no_actions(self.seats) if actions is None else check_actions(actions, (self.seats,))
         self.actions_played.append(self._batch.step(rows[np.newaxis])[0])
         self.digests.append(self.digest)
+
+    def get_state(self) -> bytes:
+        """Return the match as bytes: all that it takes to go on, and what was played so far."""
+        actions = np.array(self.actions_played, np.float32).reshape(-1, self.seats, FIELDS)
+        return self._batch.get_state(0, History(actions, np.array(self.digests, np.uint64)))
+
+    def set_state(self, data: bytes) -> None:
+        """Go on from a state that ``get_state`` gave, of this match or of another one of its track and rules.
+
+        Raises:
+            StateError: The bytes are no state of a match, damaged, or of another version of the rules or of
+                the map.
+            MatchSetupError: The match has another track, other rules or more seats than this one.
+        """
+        if decode(data).history is None:
+            raise StateError("the state is of a row of a batch, which does not keep what was played")
+        history = self._batch.set_state(0, data)
+        self.spec, self.game_map = self._batch.specs[0], self._batch.maps[0]
+        self.actions_played = list(history.actions) if history else []
+        self.digests = history.digests.tolist() if history else []
+
+    def fork(self) -> "Match":
+        """Return a match in the same state that goes its own way: with the same actions, the same way."""
+        other = copy.copy(self)
+        other._take_copies()  # noqa: SLF001 - it is one of these, too
+        return other
+
+    def _take_copies(self) -> None:
+        """Let go of everything that is shared and changes."""
+        self._batch = self._batch.fork()
+        self.actions_played, self.digests = list(self.actions_played), list(self.digests)
 
     def play_out(self) -> None:
         """Play the rest of the match with no action of the submissions."""

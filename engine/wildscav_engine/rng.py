@@ -42,6 +42,7 @@ class Stream(IntEnum):
     SUITE = 20
     CATALOGUE = 21
     ZONE = 22
+    MAP_POOL = 23
 
 
 @kernel

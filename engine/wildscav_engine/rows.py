@@ -44,7 +44,7 @@ def row_size(table: Addresses, field: int) -> int:
     size = table[field, ITEM]
     for column in range(LENGTH, table.shape[1]):
         size *= table[field, column]
-    return size
+    return int(size)
 
 
 @kernel

@@ -183,6 +183,8 @@ def with_room(state: State, slots: int, phases: int) -> State:
     is seldom.
     """
     supplies, matches = state.supplies, state.matches
+    if slots <= supplies.quantity.shape[1] and phases <= matches.zone.shape[1]:
+        return state
     if slots > supplies.quantity.shape[1]:
         supplies = Supplies(*(_widened(array, slots + slots // 4) for array in supplies))
     if phases > matches.zone.shape[1]:

@@ -51,13 +51,17 @@ class MapBank:
         """Return the number of a map that is here."""
         return self._numbers[id(game_map)]
 
-    def _number(self) -> None:
-        self._numbers = {key: number for number, key in enumerate(self._maps)}
-        self.addresses = np.array([world.addresses for world in self._worlds.values()], np.int64)
+    def fork(self) -> "MapBank":
+        """Return a bank with the same maps under the same numbers, that takes in others on its own."""
+        return MapBank(list(self._maps.values()), self._limit)
 
     def __reduce__(self) -> tuple[type["MapBank"], tuple[list[GameMap], int]]:
         """Copies and pickles are of the maps, which then lie elsewhere."""
         return MapBank, (list(self._maps.values()), self._limit)
+
+    def _number(self) -> None:
+        self._numbers = {key: number for number, key in enumerate(self._maps)}
+        self.addresses = np.array([world.addresses for world in self._worlds.values()], np.int64)
 
 
 def _handle_of(game_map: GameMap) -> Handle:

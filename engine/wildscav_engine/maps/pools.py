@@ -1,0 +1,129 @@
+"""Pools of maps that episodes are drawn from: random ones of a level, or numbered ones.
+
+Nobody trains on what is tested on, by construction: the random maps of the split ``train`` have even seeds
+and those of ``test`` odd ones, whatever the seed of the pool. Numbered maps are what they are in both.
+"""
+
+import functools
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from wildscav_engine.maps.cache import map_of
+from wildscav_engine.maps.catalogue import map_spec
+from wildscav_engine.maps.errors import MapError
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rng import Stream, philox
+from wildscav_engine.spec import MapConfig, MapSpec
+
+Level = Literal["easy", "normal", "hard"]
+Split = Literal["train", "test"]
+
+SIZE = 64  # maps in a pool, unless told otherwise
+TRIES = 16  # seeds for each map of a pool, until its config has room on one
+PARITY: dict[Split, int] = {"train": 0, "test": 1}  # of the seeds of random maps
+
+LEVELS: dict[Level, MapConfig] = {
+    # Open and nearly flat: the target is seen from afar.
+    "easy": MapConfig(
+        size=100, relief=0.3, ruggedness=0.1, water=0.0, houses=2, storeys=(1, 1), vegetation=0.2
+    ),
+    "normal": MapConfig(size=200, houses=8),
+    # Streets between high houses, cliffs, lakes and woods.
+    "hard": MapConfig(
+        size=300,
+        relief=1.5,
+        ruggedness=0.8,
+        water=0.15,
+        houses=16,
+        density="high",
+        storeys=(1, 3),
+        vegetation=0.7,
+    ),
+}
+
+
+class MapPool:
+    """Maps by their numbers from 0 on; each is made when it is first asked for, and kept."""
+
+    def __init__(self, choices: Sequence[Sequence[MapSpec]]) -> None:
+        """Take a pool together.
+
+        Args:
+            choices: For each map the specs to try, one after the other.
+        """
+        self._choices = tuple(tuple(specs) for specs in choices)
+        self._made: dict[int, GameMap] = {}
+
+    def __len__(self) -> int:
+        """Return how many maps there are."""
+        return len(self._choices)
+
+    def __getitem__(self, number: int) -> GameMap:
+        """Return a map.
+
+        Raises:
+            IndexError: There is no such number.
+            MapError: No seed that is tried has room for what the config asks for.
+        """
+        if not 0 <= number < len(self):
+            raise IndexError(f"there is no map {number} in the pool; the maps are 0 to {len(self) - 1}")
+        if number not in self._made:
+            self._made[number] = _first_made(self._choices[number])
+        return self._made[number]
+
+    def draw(self, word: int) -> GameMap:
+        """Return the map that a random whole number stands for."""
+        return self[word % len(self)]
+
+
+def _first_made(specs: Sequence[MapSpec]) -> GameMap:
+    """Return the map of the first spec that has one.
+
+    Raises:
+        MapError: None has; the message is that of the last.
+    """
+    for spec in specs[:-1]:
+        try:
+            return map_of(spec)
+        except MapError:
+            continue
+    return map_of(specs[-1])
+
+
+@functools.lru_cache(maxsize=16)
+def random_maps(
+    kind: Level | MapConfig = "normal", split: Split = "train", seed: int = 0, size: int = SIZE
+) -> MapPool:
+    """Return a pool of random maps; the same arguments give the same pool, so environments share its maps.
+
+    Args:
+        kind: A level of difficulty, or a config of one's own.
+        split: Whether they are to train or to test on.
+        seed: Of the pool.
+        size: How many maps.
+    """
+    config = kind if isinstance(kind, MapConfig) else LEVELS[kind]
+    numbers = range(size)
+    return MapPool(
+        [
+            [MapSpec(config=config, seed=_map_seed(seed, split, number, attempt)) for attempt in range(TRIES)]
+            for number in numbers
+        ]
+    )
+
+
+def _map_seed(seed: int, split: Split, number: int, attempt: int) -> int:
+    word = int(philox(np.uint64(seed), Stream.MAP_POOL, attempt, 0, number)[0])
+    return word // 2 * 2 + PARITY[split]
+
+
+@functools.lru_cache(maxsize=16)
+def numbered_maps(ids: tuple[int, ...]) -> MapPool:
+    """Return a pool of numbered maps.
+
+    Raises:
+        MapError: There is no map of one of the ids.
+    """
+    return MapPool([[map_spec(map_id)] for map_id in ids])
