@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,8 +13,10 @@ from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.results import MatchRow, MatchTiming
 from wildscav_evaluator.submission import Submission
+from wildscav_evaluator.warm import Wanted
 
 RECORDS, REPLAYS, LOGS = "records", "replays", "logs"
+REPLAYED: Wanted = {"camera": {}, "depth": {}}  # what a replay shows of the agent that it follows
 FINISHED, FAILED = "finished", "failed"
 
 
@@ -53,6 +56,13 @@ class Job:
         """The match, with this submission in every seat that a submission fills."""
         count = self.spec.seats.count("submission")
         return Seating(self.spec, (self.submission,) * count, (self.out / self.log,) * count)
+
+
+def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:
+    """Return the sensors that are read in some matches and in their replays."""
+    wanted = {job.submission.folder: job.submission.manifest.sensors for job in jobs}
+    replayed = [REPLAYED] if any(job.replay for job in jobs) else []
+    return [*wanted.values(), *replayed]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.complaints import raise_all
 from wildscav_evaluator.conduct import evaluation_remark
-from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job
+from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, sensors_read
 from wildscav_evaluator.output import check_out, output_folder
 from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
@@ -58,7 +58,7 @@ def _evaluate(plan: Plan) -> Results:
     progress = EvaluationProgress(console, jobs)
     with Workers(min(plan.jobs, len(jobs))) as workers:
         with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
-            workers.warm()
+            workers.warm(sensors_read(jobs))
         with progress.shown():
             return evaluate(plan, workers, jobs, progress.add)
 

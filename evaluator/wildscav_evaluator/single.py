@@ -121,7 +121,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
 def _play(seating: Seating) -> Played:
     try:
         with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
-            warm()
+            warm([submission.manifest.sensors for submission in seating.submissions])
         return asyncio.run(_play_with_progress(seating))
     except KeyboardInterrupt:
         raise UserError("interrupted: the match was not played to its end", INTERRUPTED) from None

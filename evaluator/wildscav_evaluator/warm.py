@@ -1,19 +1,27 @@
 """Compiling the engine before the first match, so that no agent's clock runs while it happens."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
+Wanted = dict[str, dict[str, Any]]  # sensors by name, with their options
 
-def warm() -> None:
-    """Play a few steps of every track on a tiny map, with every sensor, and keep nothing.
+
+def warm(sensors: Sequence[Wanted] = ()) -> None:
+    """Play a few steps of every track on a tiny map, read some sensors there, and keep nothing.
 
     Numba compiles what is called, for the types that it is called with, and writes it to the cache: every
     process that comes later only loads it.
+
+    Args:
+        sensors: What will be read in matches, for each submission.
     """
     from wildscav.server.warm import warm_map
     from wildscav_engine.actions import Field, no_actions
     from wildscav_engine.maps.mesh import solids_mesh
     from wildscav_engine.match import Match
-    from wildscav_engine.sensors import SENSORS
+    from wildscav_engine.sensors import parse_sensors
     from wildscav_engine.spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS
 
@@ -25,8 +33,8 @@ def warm() -> None:
         while not match.over:
             match.step(no_actions(match.seats) + np.float32(1.0))
         match.start_info(0)
-        for kind in SENSORS.values():
-            for sensor in kind.warmers():
-                sensor.read(match, [0])
         match.result()
+    for wanted in sensors:
+        for sensor in parse_sensors(wanted).values():
+            sensor.read(match, [0])
     solids_mesh(match.game_map.world)

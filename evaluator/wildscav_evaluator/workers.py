@@ -13,16 +13,24 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
 from wildscav_evaluator.jobs import Job, JobResult, failed, run_job
+from wildscav_evaluator.warm import Wanted, warm
 
-WARM = "warm"  # the message that asks a worker to compile all that matches need
 STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
 PR_SET_PDEATHSIG = 1
 REPLAYS_PER_WORKER = 40  # Rerun keeps some idle threads of every recording until its process ends
+
+
+@dataclass(frozen=True)
+class Warming:
+    """The message that asks a worker to compile all that matches need, and its answer when that is done."""
+
+    sensors: tuple[Wanted, ...]
 
 
 class WorkerDiedError(Exception):
@@ -87,15 +95,18 @@ class Workers:
                 worker.process.kill()
                 worker.process.join()
 
-    def warm(self) -> None:
+    def warm(self, sensors: Iterable[Wanted] = ()) -> None:
         """Compile the engine once, in the first worker, so that the others find it done.
+
+        Args:
+            sensors: What will be read in matches, for each submission.
 
         Raises:
             WorkerDiedError: It could not be compiled.
         """
         worker = self._start()
         try:
-            worker.connection.send(WARM)
+            worker.connection.send(Warming(tuple(sensors)))
             worker.connection.recv()
         except (EOFError, OSError) as error:
             worker.process.join()
@@ -149,11 +160,9 @@ def _work(connection: Connection, parent: int) -> None:
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
         while True:
             message = connection.recv()
-            if message == WARM:
-                from wildscav_evaluator.warm import warm
-
-                warm()
-                connection.send(WARM)
+            if isinstance(message, Warming):
+                warm(message.sensors)
+                connection.send(message)
             else:
                 # Only a match has agents to be stopped; elsewhere a worker may end on the spot.
                 signal.signal(signal.SIGTERM, _leave)

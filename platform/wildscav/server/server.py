@@ -148,9 +148,9 @@ class MatchServer:
 def _set_up(spec: "MatchSpec", sensors: Iterable[Mapping[str, "Sensor"]]) -> "Match":
     from wildscav_engine.match import Match
 
-    warm()
+    wanted = [sensor for of_seat in sensors for sensor in of_seat.values()]
+    warm(wanted)
     match = Match(spec)
-    for of_seat in sensors:
-        for sensor in of_seat.values():
-            sensor.prepare(match.game_map)
+    for sensor in wanted:
+        sensor.prepare(match.game_map)
     return match

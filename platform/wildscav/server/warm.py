@@ -1,38 +1,56 @@
 """Compile what a match runs before anybody waits for it."""
 
+import functools
 import threading
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
+    from wildscav_engine.match import Match
+    from wildscav_engine.sensors import Sensor
 
 _lock = threading.Lock()
-_warmed: list[bool] = []
+_warmed: set["Sensor"] = set()
 
 
-def warm() -> None:
-    """Play a tiny match with every sensor, once a process.
+def warm(sensors: "Iterable[Sensor] | None" = None) -> None:
+    """Play a tiny match, once a process, and read sensors in it, each once.
 
     Kernels compile (or load from their cache) when they first run. In the event loop that would hold up every
     other match, and its agents would pay for it from their time.
+
+    Args:
+        sensors: Which ones; by default every kind with every choice that it offers.
     """
+    with _lock:
+        match = _tiny_match()
+        for sensor in every_sensor() if sensors is None else sensors:
+            if sensor not in _warmed:
+                sensor.read(match, [0])
+                _warmed.add(sensor)
+
+
+def every_sensor() -> "list[Sensor]":
+    """Return sensors that between them run all kernels of all kinds."""
+    from wildscav_engine.sensors import SENSORS
+
+    return [sensor for kind in SENSORS.values() for sensor in kind.warmers()]
+
+
+@functools.cache
+def _tiny_match() -> "Match":
+    """Return a match that was played to its end."""
     from wildscav_engine.actions import no_actions
     from wildscav_engine.match import Match
-    from wildscav_engine.sensors import SENSORS
     from wildscav_engine.spec import MatchSpec
 
-    with _lock:
-        if _warmed:
-            return
-        game_map = warm_map()
-        match = Match(MatchSpec(track="navigation", map=game_map.spec, time_limit=0.1), game_map)
-        match.start_info(0)
-        for kind in SENSORS.values():
-            for sensor in kind.warmers():
-                sensor.read(match, [0])
-        match.step(no_actions(1))
-        match.result()
-        _warmed.append(True)
+    game_map = warm_map()
+    match = Match(MatchSpec(track="navigation", map=game_map.spec, time_limit=0.1), game_map)
+    match.start_info(0)
+    match.step(no_actions(1))
+    match.result()
+    return match
 
 
 def warm_map() -> "GameMap":
