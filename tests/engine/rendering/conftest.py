@@ -1,0 +1,21 @@
+"""Maps that tests of images share."""
+
+import pytest
+from tests.engine.rendering.countries import COUNTRIES, Country
+
+from wildscav_engine.maps import generate_map
+
+
+@pytest.fixture(scope="session", params=COUNTRIES)
+def country(request: pytest.FixtureRequest) -> Country:
+    return Country(generate_map(*COUNTRIES[request.param]))
+
+
+@pytest.fixture(scope="session")
+def village() -> Country:
+    return Country(generate_map(*COUNTRIES["houses and trees"]))
+
+
+@pytest.fixture(scope="session")
+def lake() -> Country:
+    return Country(generate_map(*COUNTRIES["lakes"]))
