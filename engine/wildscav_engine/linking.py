@@ -20,6 +20,7 @@ CacheEntries: Any = caching.CompileResultCacheImpl
 Cache: Any = caching.FunctionCache
 register_pass: Any = compiler_machinery.register_pass
 compile_result: Any = compiler.compile_result
+parse_bitcode: Any = llvm.parse_bitcode
 
 
 class Part(Library):  # type: ignore[misc]
@@ -63,7 +64,7 @@ class Part(Library):  # type: ignore[misc]
     def restore(cls, codegen: Any, name: str, bitcode: bytes) -> "Part":
         """Return a part as it was kept, with all that it calls."""
         part = cls(codegen, name)
-        part._final_module = part._shared_module = llvm.parse_bitcode(bitcode)
+        part._final_module = part._shared_module = parse_bitcode(bitcode)
         part._finalized = True
         return part
 
