@@ -18,7 +18,8 @@ from wildscav_engine.maps.walk.explore import walk_straight
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
 from wildscav_engine.rng import Stream, Word, integer_in, normal, uniform_in
 from wildscav_engine.spec import MatchSpec, Place
-from wildscav_engine.systems.motion import Bodies, Point, move
+from wildscav_engine.systems.collision import Bodies, Point
+from wildscav_engine.systems.motion import move
 from wildscav_engine.trig import cosine, sine
 
 LONGEST_FALL = 1000  # frames until a body rests, wherever it starts

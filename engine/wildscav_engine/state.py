@@ -38,6 +38,7 @@ class Agents(NamedTuple):
     on_ground: NDArray[np.bool_]  # (B, A)
     in_water: NDArray[np.bool_]  # (B, A)
     walked: NDArray[np.float64]  # (B, A) m, horizontal way so far
+    course: NDArray[np.float64]  # (B, A, 2) m/s east and north, of the walk wanted in this step
     reached: NDArray[np.bool_]  # (B, A) whether it is at the target
     knows_target: NDArray[np.bool_]  # (B, A) whether it has been told the target, or its team has found it
     health: NDArray[np.int32]  # (B, A) hp, 0 = dead
@@ -123,6 +124,7 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
         on_ground=np.zeros((b, a), np.bool_),
         in_water=np.zeros((b, a), np.bool_),
         walked=np.zeros((b, a)),
+        course=np.zeros((b, a, 2)),
         reached=np.zeros((b, a), np.bool_),
         knows_target=np.zeros((b, a), np.bool_),
         eliminated=np.full((b, a), NOT_OUT, np.int32),

@@ -7,13 +7,14 @@ from wildscav_engine.actions import FIELDS, MAX_WALK_SPEED, Field
 from wildscav_engine.digest import digest_step
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.robots.base import Situation
 from wildscav_engine.robots.decide import decide
 from wildscav_engine.robots.skill import skill_of
 from wildscav_engine.rules import FRAME, Rules
 from wildscav_engine.sensors.visibility import Seen, look_around
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
+from wildscav_engine.systems.collision import Bodies
 from wildscav_engine.systems.damage import apply_damage, bring_back, equip
 from wildscav_engine.systems.elimination import rank_teams
 from wildscav_engine.systems.endings import (
@@ -22,12 +23,12 @@ from wildscav_engine.systems.endings import (
     end_at_target,
     end_at_time_limit,
 )
-from wildscav_engine.systems.motion import Bodies, move
+from wildscav_engine.systems.motion import move_by
 from wildscav_engine.systems.supplies import pick_up
 from wildscav_engine.systems.turns import draw_turns, seat_at
 from wildscav_engine.systems.weapons import handle_weapon, shoot
 from wildscav_engine.systems.zone import hurt_outside
-from wildscav_engine.trig import wrap
+from wildscav_engine.trig import cosine, sine, wrap
 
 
 @kernel
@@ -149,12 +150,13 @@ def _settle_action(
         if not allowed[field]:
             action[field] = 0.0
         valid = valid and np.isfinite(action[field])
-    speed = action[Field.WALK_SPEED]
-    if not (valid and 0.0 <= speed <= MAX_WALK_SPEED):
+    if not (valid and 0.0 <= action[Field.WALK_SPEED] <= MAX_WALK_SPEED):
         action[:] = 0.0
+    direction, speed = np.float64(action[Field.WALK_DIRECTION]), np.float64(action[Field.WALK_SPEED])
+    agents.course[seat, 0], agents.course[seat, 1] = speed * sine(direction), speed * cosine(direction)
 
 
-@kernel
+@inlined_kernel
 def _turn_and_move(
     world: World,
     agents: Agents,
@@ -170,13 +172,13 @@ def _turn_and_move(
     pitch = agents.pitch[seat] + np.float64(action[Field.LOOK])
     agents.pitch[seat] = min(90.0, max(-90.0, pitch))
     place = agents.position[seat]
-    moved = move(
+    moved = move_by(
         world,
         Bodies(agents.position, agents.health, seat),
         agents.velocity[seat, 1],
         agents.on_ground[seat],
-        np.float64(action[Field.WALK_DIRECTION]),
-        np.float64(action[Field.WALK_SPEED]),
+        agents.course[seat, 0],
+        agents.course[seat, 1],
         action[Field.JUMP] != 0.0,
         rules.water_speed_factor,
     )

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
 from wildscav_engine.geometry.world import World, cell_of
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 
 SKIN = 1e-3  # m, kept between a body and what it touches
+NEAR_HEIGHT = 2.0 * BODY_HEIGHT  # m, no body moves so far up or down in a frame that it touches one farther
 
 
 class Contact(NamedTuple):
@@ -25,6 +26,9 @@ class Contact(NamedTuple):
     n_x: float  # unit normal of what stops it; zero where nothing does
     n_y: float
     n_z: float
+
+
+FREE = Contact(1.0, 0.0, 0.0, 0.0)
 
 
 class Cut(NamedTuple):
@@ -51,7 +55,7 @@ class Box(NamedTuple):
 
 
 @kernel
-def _box_of_sweep(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Box:
+def box_of_sweep(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Box:
     """Return the box that a body sweeps, with more than enough room around it; see ``sweep_world``."""
     reach = BODY_RADIUS + 2.0 * SKIN
     return Box(
@@ -65,10 +69,11 @@ def _box_of_sweep(x: float, y: float, z: float, dx: float, dy: float, dz: float)
 
 
 @kernel
-def _is_apart(world: World, solid: int, box: Box) -> bool:
+def is_apart(world: World, solid: int, box: Box) -> bool:
     """Return whether the box around a solid does not reach another: most solids go here, at little cost."""
     return bool(
         world.solid_high[solid, 1] < box.bottom
+        or world.solid_low[solid, 1] > box.top
         or world.solid_low[solid, 0] > box.east
         or world.solid_high[solid, 0] < box.west
         or world.solid_low[solid, 2] > box.north
@@ -93,47 +98,46 @@ def _cut_by_face(cut: Cut, n_x: float, n_y: float, n_z: float, start: float, end
     return Cut(cut.enter, leave, cut.n_x, cut.n_y, cut.n_z, outside, False)
 
 
-@kernel
-def _sweep_solid(
+@inlined_kernel
+def sweep_solid(
     world: World, solid: int, x: float, y: float, z: float, dx: float, dy: float, dz: float
 ) -> Contact:
     """Return how far a body can go before it touches one solid. A body inside it is not held back."""
-    free = Contact(1.0, 0.0, 0.0, 0.0)
     low, high = world.solid_low[solid], world.solid_high[solid]
     cut = Cut(-1.0, 1.0, 0.0, 0.0, 0.0, False, False)
     # The bounding box first: beyond it, the faces that were pushed out are no part of the solid.
     over = y - high[1]
     cut = _cut_by_face(cut, 0.0, 1.0, 0.0, over, over + dy)
     if cut.missed:
-        return free
+        return FREE
     under = low[1] - BODY_HEIGHT - y
     cut = _cut_by_face(cut, 0.0, -1.0, 0.0, under, under - dy)
     if cut.missed:
-        return free
+        return FREE
     east = x - high[0] - BODY_RADIUS
     cut = _cut_by_face(cut, 1.0, 0.0, 0.0, east, east + dx)
     if cut.missed:
-        return free
+        return FREE
     west = low[0] - BODY_RADIUS - x
     cut = _cut_by_face(cut, -1.0, 0.0, 0.0, west, west - dx)
     if cut.missed:
-        return free
+        return FREE
     north = z - high[2] - BODY_RADIUS
     cut = _cut_by_face(cut, 0.0, 0.0, 1.0, north, north + dz)
     if cut.missed:
-        return free
+        return FREE
     south = low[2] - BODY_RADIUS - z
     cut = _cut_by_face(cut, 0.0, 0.0, -1.0, south, south - dz)
     if cut.missed:
-        return free
+        return FREE
     for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
         n_x, n_y, n_z = world.faces[face, 0], world.faces[face, 1], world.faces[face, 2]
         start = n_x * x + n_y * y + n_z * z - world.faces[face, 3] - world.face_reach[face]
         cut = _cut_by_face(cut, n_x, n_y, n_z, start, start + n_x * dx + n_y * dy + n_z * dz)
         if cut.missed:
-            return free
+            return FREE
     if not cut.outside or cut.enter < 0.0 or cut.enter > cut.leave:
-        return free
+        return FREE
     return Contact(cut.enter, cut.n_x, cut.n_y, cut.n_z)
 
 
@@ -154,14 +158,14 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
         The first contact.
     """
     rows, columns = world.water.shape
-    first = Contact(1.0, 0.0, 0.0, 0.0)
+    first = FREE
     reach = BODY_RADIUS + SKIN
     west = cell_of(world.corner[0], min(x, x + dx) - reach, columns)
     east = cell_of(world.corner[0], max(x, x + dx) + reach, columns)
     south = cell_of(world.corner[1], min(z, z + dz) - reach, rows)
     north = cell_of(world.corner[1], max(z, z + dz) + reach, rows)
     lowest = min(y, y + dy)
-    swept = _box_of_sweep(x, y, z, dx, dy, dz)
+    swept = box_of_sweep(x, y, z, dx, dy, dz)
     for row in range(south, north + 1):
         for column in range(west, east + 1):
             if world.cell_top[row, column] + SKIN < lowest:
@@ -171,9 +175,9 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
                 solid = world.cell_solids[item]
                 if world.solid_low[solid, 1] > swept.top:
                     break  # so does all that follows
-                if _is_apart(world, solid, swept):
+                if is_apart(world, solid, swept):
                     continue
-                contact = _sweep_solid(world, solid, x, y, z, dx, dy, dz)
+                contact = sweep_solid(world, solid, x, y, z, dx, dy, dz)
                 if contact.fraction < first.fraction:
                     first = contact
     return first
@@ -207,7 +211,7 @@ def sweep_bodies(
     Returns:
         The first contact. Bodies that overlap already do not hold each other.
     """
-    first = Contact(1.0, 0.0, 0.0, 0.0)
+    first = FREE
     near = 2.0 * BODY_RADIUS
     for other in range(bodies.shape[0]):
         if other == mover or health[other] <= 0:
@@ -259,3 +263,34 @@ def _cut_by_circle(cut: Cut, x: float, z: float, dx: float, dz: float, radius: f
         norm = np.sqrt(touch_x * touch_x + touch_z * touch_z)
         return Cut(enter, cut.leave, touch_x / norm, 0.0, touch_z / norm, True, False)
     return Cut(cut.enter, cut.leave, cut.n_x, cut.n_y, cut.n_z, True, False)
+
+
+@kernel
+def is_body_near(
+    bodies: NDArray[np.float64],
+    health: NDArray[np.int32],
+    mover: int,
+    x: float,
+    y: float,
+    z: float,
+    reach: float,
+) -> bool:
+    """Return whether another body can be touched on a way of up to ``reach`` m sideways.
+
+    Args:
+        bodies: (A, 3) m, the soles of all bodies.
+        health: (A,) hp; the dead are no obstacles.
+        mover: Which of them moves.
+        x: m, the middle of its soles; so y and z.
+        y: m.
+        z: m.
+        reach: m.
+    """
+    apart = 2.0 * BODY_RADIUS + reach
+    for other in range(bodies.shape[0]):
+        if other == mover or health[other] <= 0:
+            continue
+        east, north = bodies[other, 0] - x, bodies[other, 2] - z
+        if east * east + north * north <= apart * apart and abs(bodies[other, 1] - y) <= NEAR_HEIGHT:
+            return True
+    return False

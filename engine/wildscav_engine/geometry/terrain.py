@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wildscav_engine.body import TAN_SLOPE_LIMIT
 from wildscav_engine.geometry.world import CELL, World, cell_of
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 
 
 class Ground(NamedTuple):
@@ -14,9 +15,10 @@ class Ground(NamedTuple):
     height: float  # m
     slope_x: float  # m up per m east
     slope_z: float  # m up per m north
+    water: float  # m, the surface of the water over it, -inf where dry
 
 
-@kernel
+@inlined_kernel
 def ground_at(world: World, x: float, z: float) -> Ground:
     """Return the terrain triangle's height and slopes at (x, z); outside the map, its edge is continued."""
     row = cell_of(world.corner[1], z, world.water.shape[0])
@@ -30,13 +32,19 @@ def ground_at(world: World, x: float, z: float) -> Ground:
     else:
         slope_east, slope_north = h11 - h10, h10 - h00
     height = h00 + slope_east * east + slope_north * north
-    return Ground(height, slope_east / CELL, slope_north / CELL)
+    surface = world.water[row, column]
+    water = surface if surface > height else -np.inf
+    return Ground(height, slope_east / CELL, slope_north / CELL, water)
 
 
 @kernel
 def water_at(world: World, x: float, z: float) -> float:
     """Return the height in m of the water surface at (x, z), -inf where dry."""
-    row = cell_of(world.corner[1], z, world.water.shape[0])
-    column = cell_of(world.corner[0], x, world.water.shape[1])
-    surface = world.water[row, column]
-    return surface if surface > ground_at(world, x, z).height else -np.inf
+    return ground_at(world, x, z).water
+
+
+@kernel
+def is_steep(ground: Ground) -> bool:
+    """Return whether ground is too steep to stand on."""
+    steepness = ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z
+    return bool(steepness > TAN_SLOPE_LIMIT * TAN_SLOPE_LIMIT)

@@ -14,6 +14,7 @@ from wildscav_engine.kernel import array_kernel, kernel
 Corner = tuple[float, float, float] | NDArray[np.float64]  # m: x, y, z
 CELL = 2.0  # m, side of a grid cell and of a terrain quad
 BLOCK = 8  # cells along a side of a block, the coarser level of the grid
+ARM = BODY_RADIUS + 0.25  # m, farther than a body whose middle is in a cell reaches beyond it in a frame
 
 
 class Kind(IntEnum):
@@ -57,6 +58,7 @@ class World(NamedTuple):
     face_reach: NDArray[np.float64]  # (F,) m, how far a body's position must keep from each face
     solid_kind: NDArray[np.int8]  # (S,) a Kind
     spawns: NDArray[np.float64]  # (N, 3) m, where an agent may start or come back
+    ceiling: NDArray[np.float64]  # (R, C) m, lowest point of what a body in a cell may touch, inf if nothing
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,7 @@ def build_world(
         face_reach=_reach_of_body(faces),
         solid_kind=np.array([solid.kind for solid in solids], np.int8),
         spawns=np.ascontiguousarray(spawns, np.float64).reshape(-1, 3),
+        ceiling=_ceiling_of_cells(corner_array, rows, columns, low, high),
     )
 
 
@@ -232,6 +235,25 @@ def _top_of_cells(
                 highest = max(highest, high[cell_solids[item], 1])
             top[row, column] = highest
     return top
+
+
+@array_kernel
+def _ceiling_of_cells(
+    corner: NDArray[np.float64],
+    rows: int,
+    columns: int,
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return (R, C) m, how high the lowest solid begins that is less than ARM away from each cell."""
+    ceiling = np.full((rows, columns), np.inf)
+    for solid in range(low.shape[0]):
+        south, north = low[solid, 2] - ARM, high[solid, 2] + ARM
+        west, east = low[solid, 0] - ARM, high[solid, 0] + ARM
+        for row in range(cell_of(corner[1], south, rows), cell_of(corner[1], north, rows) + 1):
+            for column in range(cell_of(corner[0], west, columns), cell_of(corner[0], east, columns) + 1):
+                ceiling[row, column] = min(ceiling[row, column], low[solid, 1])
+    return ceiling
 
 
 @array_kernel

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wildscav_engine.rendering.trace import Scene
 
 # Raised by every change that makes another map of the same config and seed.
-GENERATOR_VERSION = 2
+GENERATOR_VERSION = 3
 SUPPLY_SPACING = 5.0  # m at least between the indoor points of supplies
 
 
@@ -100,6 +100,9 @@ class GameMap:
     def digest(self) -> str:
         """A digest of everything in the map, 16 hexadecimal digits."""
         digest = blake2b(digest_size=8)
-        for array in (*self.world, self.indoor, self.outdoor, self.solid_house):
+        # The ceiling follows from the solids; digests of before there was one still hold.
+        world = self.world._asdict()
+        del world["ceiling"]
+        for array in (*world.values(), self.indoor, self.outdoor, self.solid_house):
             digest.update(f"{array.dtype.str}{array.shape}".encode() + array.tobytes())
         return digest.hexdigest()

@@ -10,15 +10,15 @@ BY_HAND = (
     Placement(kind="block", location=(-20, 20), area=(4, 2)),
 )
 SPECS = {
-    "6566c01f105780c6": MapSpec(config=MapConfig(size=60, houses=2, storeys=(1, 4)), seed=1),
-    "793c72f4fe77fccf": MapSpec(
+    "1d33cd74fbc2f1b8": MapSpec(config=MapConfig(size=60, houses=2, storeys=(1, 4)), seed=1),
+    "18263982475c2540": MapSpec(
         config=MapConfig(size=100, houses=4, density="high", ruggedness=1.0, relief=1.5, water=0.2),
         seed=2**63,
     ),
-    "bfc9d7d53d2faeaa": MapSpec(
+    "5db14a9b6cbf8ad8": MapSpec(
         config=MapConfig(size=80, houses=1, vegetation=1.0, placements=BY_HAND), seed=7
     ),
-    "fb12e647f05a838c": map_spec(104),
+    "26fc0904f0cd90bc": map_spec(104),
 }
 
 
@@ -26,5 +26,5 @@ SPECS = {
 def test_a_version_of_the_generator_makes_the_same_maps_for_ever(digest: str) -> None:
     spec = SPECS[digest]
     # If this fails, maps have changed: raise GENERATOR_VERSION, and write the new digests and version here.
-    assert GENERATOR_VERSION == 2
+    assert GENERATOR_VERSION == 3
     assert generate_map(spec.config, spec.seed).digest == digest

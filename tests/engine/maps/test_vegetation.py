@@ -44,7 +44,8 @@ from wildscav_engine.maps.terrain import (
 )
 from wildscav_engine.maps.vegetation import plant
 from wildscav_engine.spec import MapConfig
-from wildscav_engine.systems.motion import Bodies, move
+from wildscav_engine.systems.collision import Bodies
+from wildscav_engine.systems.motion import move
 
 ALL_SPECIES = {
     "broadleaf": BROADLEAF,

@@ -7,7 +7,8 @@ import numpy as np
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk import Leg, Path
 from wildscav_engine.maps.walk.leaps import LEAP_SPEED
-from wildscav_engine.systems.motion import Bodies, move
+from wildscav_engine.systems.collision import Bodies
+from wildscav_engine.systems.motion import move
 
 FRAMES = 20_000  # a leg takes less, even across a great map
 A_STEP = 0.25  # m; who is a centimetre off on stairs may stand one step higher or lower

@@ -31,7 +31,8 @@ from wildscav_engine.maps.walk.lattice import (
     node_at,
     place_of,
 )
-from wildscav_engine.systems.motion import Bodies, Point, on_steep_ground, walk
+from wildscav_engine.systems.collision import Bodies, Point
+from wildscav_engine.systems.walking import on_steep_ground, walk
 
 ROOM = 0.04  # m around a node and to each side of an edge that a body may be off, and still arrive
 MIDDLE_ROOM = 0.05  # m half way along a diagonal, so that bodies there and at its ends cover it

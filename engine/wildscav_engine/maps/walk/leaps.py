@@ -35,7 +35,9 @@ from wildscav_engine.maps.walk.lattice import (
     place_of,
 )
 from wildscav_engine.rules import FRAME
-from wildscav_engine.systems.motion import Bodies, Point, move, on_steep_ground
+from wildscav_engine.systems.collision import Bodies, Point
+from wildscav_engine.systems.motion import move
+from wildscav_engine.systems.walking import on_steep_ground
 from wildscav_engine.trig import arctangent
 
 LEAP_SPEED = 5.0  # m/s, of a body that leaps

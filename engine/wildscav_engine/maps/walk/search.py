@@ -8,7 +8,7 @@ from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.walk.components import successor
 from wildscav_engine.maps.walk.explore import leaves_room, walk_straight
 from wildscav_engine.maps.walk.lattice import DIRECTIONS, SAME_SURFACE, SPACING
-from wildscav_engine.systems.motion import Bodies, Point
+from wildscav_engine.systems.collision import Bodies, Point
 
 HEAP_FIRST = 1  # the heap's root is at 1, so that the parent of i is i // 2
 UNKNOWN = -1

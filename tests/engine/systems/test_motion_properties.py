@@ -1,0 +1,91 @@
+"""What never happens to a body, over random frames on random maps."""
+
+import numpy as np
+import pytest
+from tests.engine.systems.random_walks import WORST, Worst, play
+
+from wildscav_engine.body import FALL_SPEED_LIMIT, GRAVITY
+from wildscav_engine.geometry.sweep import SKIN
+from wildscav_engine.maps import GameMap, MapError, generate_map
+from wildscav_engine.rng import Dice, Stream
+from wildscav_engine.rules import FRAME
+from wildscav_engine.spec import MapConfig
+from wildscav_engine.systems.walking import LIFT
+
+# A body held up by steep faces keeps half of what gravity adds in a frame, and no more; J/kg.
+HELD_UP = 0.5 * (0.5 * GRAVITY * FRAME) ** 2 + 1e-9
+
+
+def play_on(game_map: GameMap, agents: int, frames: int, seed: int) -> Worst:
+    """Play agents from random places of a map, half of them indoors, and return the worst that happened."""
+    world, dice = game_map.world, Dice(seed, Stream.TARGET)
+    closed = world._replace(ceiling=np.full_like(world.ceiling, -np.inf))
+    worst, stuck = WORST.copy(), np.zeros(3)
+    for part in range(max(1, frames // 2000)):
+        position = np.zeros((agents + 1, 3))
+        for seat in range(agents):
+            indoors = seat % 2 == 1 and len(game_map.indoor) > 0
+            places = game_map.indoor if indoors else world.spawns
+            chosen = places[(dice.integer(0, len(places) - 1) + 7 * seat) % len(places)]
+            position[seat] = chosen + np.array([0.0, 2 * SKIN, 0.0])
+        apart = np.linalg.norm(position[:agents, None] - position[None, :agents], axis=2)
+        health = np.full(agents + 1, 100, np.int32)
+        health[agents] = 0  # the ghost is no obstacle
+        # Who starts where another stands already comes in elsewhere: high above, falling.
+        for seat in range(agents):
+            if (apart[seat, :seat] < 2.0).any():
+                position[seat] = (*world.spawns[(7 * seat + part) % len(world.spawns)][::2], 0.0)
+                position[seat] = position[seat, 0], 60.0 + 3.0 * seat, position[seat, 1]
+        rise, on_ground = np.zeros(agents), np.zeros(agents, np.bool_)
+        length, actions = min(frames, 2000), 1000 * seed + part
+        nobody = np.zeros_like(health)
+        play(world, closed, position, health, nobody, rise, on_ground, length, actions, worst, stuck)
+    assert worst[8] == 0, f"seed {seed}: no way out of {stuck}"
+    return Worst(*worst)
+
+
+def check(worst: Worst) -> None:
+    assert worst.not_finite == 0
+    assert worst.speed <= 10.0 + 1e-9
+    assert worst.fall <= FALL_SPEED_LIMIT
+    assert worst.below_ground <= 1e-9
+    assert worst.inside < 0.0
+    assert worst.overlap < 0.0
+    assert worst.walked_up <= LIFT + 1e-9
+    assert worst.energy <= HELD_UP
+    assert worst.differences == 0
+    assert worst.wedged == 0
+
+
+@pytest.fixture(scope="module")
+def country() -> GameMap:
+    return generate_map(MapConfig(size=60, houses=3, storeys=(1, 3), vegetation=0.8), 4)
+
+
+def test_nothing_bad_happens_to_a_few_in_a_village(country: GameMap) -> None:
+    check(play_on(country, agents=6, frames=4_000, seed=1))
+
+
+def test_nothing_bad_happens_in_a_crowd(country: GameMap) -> None:
+    check(play_on(country, agents=30, frames=600, seed=2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_nothing_bad_happens_in_a_million_frames_on_random_maps(seed: int) -> None:
+    dice = Dice(seed, Stream.HOUSES)
+    config = MapConfig(
+        size=2 * dice.integer(30, 60),
+        houses=dice.integer(0, 4),
+        storeys=((1, 4), (1, 2), (2, 3))[seed % 3],
+        density=("low", "high")[seed % 2],
+        relief=dice.uniform(0.3, 1.8),
+        ruggedness=dice.uniform(),
+        water=dice.uniform(0.0, 0.25),
+        vegetation=dice.uniform(),
+    )
+    try:
+        game_map = generate_map(config, seed)
+    except MapError:  # steep and wet, and more houses than fit
+        game_map = generate_map(config.model_copy(update={"houses": 0, "water": 0.0}), seed)
+    check(play_on(game_map, agents=10, frames=10_000, seed=seed))
