@@ -11,7 +11,7 @@ from wildscav_engine.batch import Batch
 from wildscav_engine.envs.actions import action_mode
 from wildscav_engine.envs.columns import EVENTS, STANDING, Part
 from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.episodes import Episode, Episodes, MapPool
+from wildscav_engine.envs.episodes import Episode, Episodes, pool_of
 from wildscav_engine.envs.facts import allocate_desk, write_rows
 from wildscav_engine.envs.observation import Observation, Sight, layout_of
 from wildscav_engine.envs.views import MatchView
@@ -39,7 +39,7 @@ class Arena:
             matches: How many there are, B.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
-        self.pool = MapPool(config.map, config.level, config.split, config.random_maps)
+        self.pool = pool_of(config.map, config.level, config.split, config.random_maps)
         self.template = config.match_spec()
         self.layout = layout_of(config)
         self.mode = action_mode(config)
@@ -102,6 +102,23 @@ class Arena:
         if self.batch is None:
             raise RuntimeError("there is no match yet: reset the environment first")
         return self.batch
+
+    def get_state(self, match: int) -> bytes:
+        """Return one match as bytes, as ``Batch.get_state`` does."""
+        return self._batch.get_state(match)
+
+    def set_state(self, match: int, data: bytes) -> None:
+        """Go on with a match that ``get_state`` gave; what is read next tells of no events.
+
+        Raises:
+            StateError: The bytes are no state of a match, or of another version.
+            MatchSetupError: The match is of another track, or of other rules or seats.
+        """
+        if self.batch is None:
+            episodes = self.episodes(0)
+            self.restart(range(self.matches), [episodes.next() for _ in range(self.matches)])
+        self._batch.set_state(match, data)
+        self._notice_batch([match])
 
     def choose(self, actions: Any) -> None:
         """Take what all learners chose, as Gymnasium batches the actions of B × L of them.

@@ -13,6 +13,7 @@ from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.config import AGENTS, EnvConfig, read_config
 from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.observation import Observation, observation_space
+from wildscav_engine.envs.saving import load, save
 
 Flags = NDArray[np.bool_]
 
@@ -68,6 +69,21 @@ class Resetter:
     def _restart(self, rows: Sequence[int], options: Mapping[str, Any] | None = None) -> None:
         self.arena.restart(list(rows), [self._episodes[row].next(options) for row in rows])
         self.ended[list(rows)] = False
+
+    def get_state(self, row: int) -> bytes:
+        """Return one match, and which episode comes next in its row, as bytes."""
+        if not self._episodes:
+            raise RuntimeError("there is no episode: reset the environment first")
+        return save(self.arena, row, self._episodes[row])
+
+    def set_state(self, row: int, data: bytes) -> Reading:
+        """Go on in a row from what ``get_state`` gave; ``saving.load`` says what is refused."""
+        if not self._episodes:
+            self._episodes = [self.arena.episodes(other) for other in range(self.arena.matches)]
+        self._episodes[row] = load(self.arena, row, data)
+        reading = self.arena.read()
+        self.ended[row] = self.arena.done[row].all()
+        return reading
 
     def step(self, actions: Any) -> Outcome:
         """Play one step in every match.
@@ -182,6 +198,23 @@ class BatchedArena:
             ActionError: The actions are not of the action space.
         """
         return self._resetter.step(actions)
+
+    def get_state(self, row: int) -> bytes:
+        """Return one match, and which episode comes next in its row, as bytes.
+
+        Raises:
+            RuntimeError: No episode has begun.
+        """
+        return self._resetter.get_state(row)
+
+    def set_state(self, row: int, data: bytes) -> Observation:
+        """Go on in a row from a state of an environment with the same options, and return the observation.
+
+        Raises:
+            StateError: The bytes are no state of an environment, damaged, or of another version.
+            MatchSetupError: The match is of another track, or of other rules or seats.
+        """
+        return self._resetter.set_state(row, data).observation
 
 
 def several_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationError, model_validator
 
 from wildscav_engine.actions import Field as ActionField
-from wildscav_engine.envs.episodes import Level, Split
+from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.rules import Rules, RulesField
 from wildscav_engine.sensors import Sensor, parse_sensors
 from wildscav_engine.spec import (

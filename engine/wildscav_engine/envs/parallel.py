@@ -17,6 +17,7 @@ from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.observation import Observation, observation_space
 from wildscav_engine.envs.overview import overview, overview_space
 from wildscav_engine.envs.render import Picture
+from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         Raises:
             ValueError: An option is wrong.
         """
-        self.config = several_config(track, options)
+        self.config, self._options = several_config(track, options), options
         self.metadata = {
             "name": f"wildscav_{track}_v{VERSION}",
             "render_modes": RENDER_MODES,
@@ -153,6 +154,40 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         if mask is not None:
             info["action_mask"] = mask
         return info
+
+    def get_state(self) -> bytes:
+        """Return the match, and which episode comes next, as bytes.
+
+        Raises:
+            RuntimeError: No episode has begun.
+        """
+        if self._episodes is None:
+            raise RuntimeError("there is no episode: reset the environment first")
+        return save(self.arena, 0, self._episodes)
+
+    def set_state(self, data: bytes) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+        """Go on from a state of an environment with the same options, and return what is told there.
+
+        Raises:
+            StateError: The bytes are no state of an environment, damaged, or of another version.
+            MatchSetupError: The match is of another track, or of other rules or seats.
+        """
+        self._episodes = load(self.arena, 0, data)
+        reading = self.arena.read()
+        done = self.arena.done[0]
+        self.agents = [agent for agent, seat in self._seats.items() if not done[seat]]
+        self._picture.begin(self.arena)
+        infos = {agent: self._info(reading, agent, ended=False) for agent in self.agents}
+        return self._observations(reading), infos
+
+    def fork(self) -> "ParallelArena":
+        """Return an environment in the same state that goes its own way: with the same actions, the same way.
+
+        It shows nothing, whatever this one shows.
+        """
+        other = ParallelArena(self.config.track, **(self._options | {"render_mode": None}))
+        other.set_state(self.get_state())
+        return other
 
     def state(self) -> NDArray[np.float32]:
         """Return all that matters of the whole match, robots included, as ``overview.py`` says."""

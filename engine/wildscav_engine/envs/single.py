@@ -13,6 +13,7 @@ from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.observation import Observation, observation_space
 from wildscav_engine.envs.render import Picture
+from wildscav_engine.envs.saving import load, save
 
 RENDER_MODES = ["rgb_array", "depth_array", "human"]
 STEPS_PER_SECOND = 10  # of frames held for five
@@ -33,7 +34,7 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         Raises:
             ValueError: An option is wrong.
         """
-        self.config = single_config(track, options)
+        self.config, self._options = single_config(track, options), options
         self.render_mode = self.config.render_mode
         self.observation_space: Space[Any] = observation_space(self.config)
         self._arena = Arena(self.config)
@@ -85,6 +86,37 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         if self.render_mode == "human":
             self._picture.show(arena)
         return _of_first(reading), reward, terminated, truncated, info
+
+    def get_state(self) -> bytes:
+        """Return the match, and which episode comes next, as bytes.
+
+        Raises:
+            RuntimeError: No episode has begun.
+        """
+        if self._episodes is None:
+            raise RuntimeError("there is no episode: reset the environment first")
+        return save(self._arena, 0, self._episodes)
+
+    def set_state(self, data: bytes) -> tuple[Observation, dict[str, Any]]:
+        """Go on from a state of an environment with the same options, and return what is told there.
+
+        Raises:
+            StateError: The bytes are no state of an environment, damaged, or of another version.
+            MatchSetupError: The match is of another track, or of other rules or seats.
+        """
+        self._episodes = load(self._arena, 0, data)
+        reading = self._arena.read()
+        self._picture.begin(self._arena)
+        return _of_first(reading), {**info_of(self._arena, 0, 0, reading.rows[0, 0], ended=False)}
+
+    def fork(self) -> "SingleEnv":
+        """Return an environment in the same state that goes its own way: with the same actions, the same way.
+
+        It shows nothing, whatever this one shows.
+        """
+        other = SingleEnv(self.config.track, **(self._options | {"render_mode": None}))
+        other.set_state(self.get_state())
+        return other
 
     def render(self) -> Any:
         """Return the picture that the render mode says: (height, width, 3) uint8, or (height, width) m.

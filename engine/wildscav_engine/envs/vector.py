@@ -179,6 +179,23 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             "_final_info": mask,
         }
 
+    def get_state(self, row: int) -> bytes:
+        """Return one environment as bytes, which a single environment takes, too.
+
+        Raises:
+            RuntimeError: No episode has begun.
+        """
+        return self._resetter.get_state(row)
+
+    def set_state(self, row: int, data: bytes) -> Observation:
+        """Go on in a row from a state of an environment with the same options, and return the observation.
+
+        Raises:
+            StateError: The bytes are no state of an environment, damaged, or of another version.
+            MatchSetupError: The match is of another track, or of other rules or seats.
+        """
+        return _squeezed(self._resetter.set_state(row, data).observation)
+
     def _show(self) -> None:
         if self.render_mode == "human":
             self._picture.begin(self.arena)

@@ -104,7 +104,7 @@ def test_maps_differ_between_matches_and_episodes() -> None:
         seen.add(tuple(spec.map.seed for spec in env.arena.batch.specs))  # type: ignore[union-attr]
         assert env.observation_space.contains(observation)
     assert len(seen) > 2
-    assert {seed for seeds in seen for seed in seeds} == {0, 2, 4}
+    assert len({seed for seeds in seen for seed in seeds}) == 3
 
 
 @pytest.mark.parametrize(
