@@ -3,7 +3,7 @@
 import pytest
 
 from wildscav_engine.maps import MapError
-from wildscav_engine.maps.pools import LEVELS, MapPool, numbered_maps, random_maps
+from wildscav_engine.maps.pools import LEVELS, PARITY, MapPool, numbered_maps, random_maps
 from wildscav_engine.spec import MapConfig, MapSpec
 
 TINY = MapConfig(size=40, houses=0, vegetation=0.1)
@@ -46,3 +46,8 @@ def test_numbered_maps_make_a_pool() -> None:
 
 def test_levels_are_of_growing_size() -> None:
     assert [config.size for config in LEVELS.values()] == [100, 200, 300]
+
+
+def test_no_pool_has_a_map_that_evaluations_keep_for_themselves() -> None:
+    drawn = set().union(*(seeds(random_maps("easy", split, seed)) for split in PARITY for seed in range(5)))
+    assert max(drawn) < 2**63
