@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.kernel import kernel
+
 
 class Cameras(NamedTuple):
     """N cameras of one lens."""
@@ -18,3 +20,12 @@ class Cameras(NamedTuple):
     viewers: NDArray[np.int32]  # (N,) who do not see what they own; -2 for nobody
     half_width: float  # tangent of half the horizontal field of view
     far: float  # m along the ray, beyond which nothing is met
+
+
+@kernel
+def are_finite(eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]) -> bool:
+    """Return whether all of (N, 3), (N,) and (N,) numbers are finite, and their sums."""
+    for row in range(yaws.shape[0]):
+        if not np.isfinite(eyes[row, 0] + eyes[row, 1] + eyes[row, 2] + yaws[row] + pitches[row]):
+            return False
+    return True

@@ -82,8 +82,7 @@ def all_shapes_of(solids: Solids) -> Shapes:
 def _as_shapes(solids: Solids, names: NDArray[np.int64], face_names: NDArray[np.int64]) -> Shapes:
     boxes = np.empty((len(names), 9))
     _box_in(solids.faces, solids.face_start, solids.corners, solids.corner_start, boxes)
-    most_faces = int(np.diff(solids.face_start).max(initial=0))
-    return Shapes(boxes, solids.face_start, solids.faces, names, face_names, most_faces)
+    return Shapes(boxes, solids.face_start, solids.faces, names, face_names)
 
 
 @kernel

@@ -13,20 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
-from wildscav_engine.kernel import array_kernel, inlined_kernel
-from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.handles import Addresses
+from wildscav_engine.kernel import inlined_kernel, kernel
+from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.solids import Solids, all_shapes_of, gather_solids
 from wildscav_engine.rendering.tracing.bodies import entered_face
 from wildscav_engine.rendering.tracing.canvas import (
     NOTHING,
     Canvas,
-    allocate_canvas,
+    canvas_on,
     index_of,
     is_of_terrain,
     start,
 )
 from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
-from wildscav_engine.rendering.tracing.look import allocate_desk, look
+from wildscav_engine.rendering.tracing.look import Desk, look_at_things, look_at_world
 from wildscav_engine.rendering.tracing.packing import (
     Packed,
     Shapes,
@@ -34,6 +35,7 @@ from wildscav_engine.rendering.tracing.packing import (
     unpack_blocks,
     unpack_shapes,
 )
+from wildscav_engine.rendering.tracing.room import read_room
 from wildscav_engine.rendering.tracing.scene import Scene, scene_of
 
 __all__ = ["WATER_HIT", "Hits", "Scene", "allocate_hits", "scene_of", "trace", "trace_depths"]
@@ -60,22 +62,20 @@ def allocate_hits(count: int, height: int, width: int) -> Hits:
     return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
 
+def _pack(moving: Solids) -> Packed:
+    return pack_shapes(all_shapes_of(moving)) if len(moving.kind) else _pack_nothing()
+
+
 @cache
 def _pack_nothing() -> Packed:
     return pack_shapes(all_shapes_of(gather_solids([])))
-
-
-def _pack(moving: Solids) -> Packed:
-    if not len(moving.kind):
-        return _pack_nothing()
-    return pack_shapes(all_shapes_of(moving))
 
 
 NO_HITS = allocate_hits(0, 0, 0)
 NO_DEPTHS = np.empty((0, 0, 0), np.float32)
 
 
-def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> None:
+def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
     """Find what each ray meets first.
 
     Args:
@@ -85,11 +85,16 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
             that at distance 0.
         hits: Of N images, written.
         with_water: Whether rays meet the surface of water; else they go to its bed.
+
+    Returns:
+        Whether all cameras are finite numbers; else nothing is written.
     """
-    _run(scene, moving, cameras, with_water, hits, NO_DEPTHS)
+    others = _pack(moving)
+    room = scene.rooms.of(scene.packed, others, hits.distance.shape[1:], cameras.half_width)
+    return _trace(with_water, *cameras, *others[:2], room.addresses, *hits, NO_DEPTHS)
 
 
-def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> None:
+def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> bool:
     """Find how far along the view axis each ray meets something; what is given is as in ``trace``.
 
     Args:
@@ -97,109 +102,102 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
         moving: What is in it besides.
         cameras: N cameras.
         depths: (N, H, W) m, written: the cameras' far where nothing is met.
+
+    Returns:
+        Whether all cameras are finite numbers; else nothing is written.
     """
-    _run(scene, moving, cameras, False, NO_HITS, depths)
+    others = _pack(moving)
+    room = scene.rooms.of(scene.packed, others, depths.shape[1:], cameras.half_width)
+    return _trace(False, *cameras, *others[:2], room.addresses, *NO_HITS, depths)
 
 
-def _run(
-    scene: Scene,
-    moving: Solids,
-    cameras: Cameras,
-    with_water: bool,
-    hits: Hits,
-    depths: NDArray[np.float32],
-) -> None:
-    packed = _pack(moving)
-    _trace(
-        scene.packed.numbers,
-        scene.packed.indices,
-        packed.numbers,
-        packed.indices,
-        cameras.eyes,
-        cameras.yaws,
-        cameras.pitches,
-        cameras.viewers,
-        cameras.half_width,
-        cameras.far,
-        with_water,
-        hits.distance,
-        hits.solid,
-        hits.face,
-        depths,
-    )
-
-
-@array_kernel
+@kernel
 def _trace(
-    scene: NDArray[np.float64],
-    scene_indices: NDArray[np.int64],
-    moving: NDArray[np.float64],
-    moving_indices: NDArray[np.int64],
+    with_water: bool,
     eyes: NDArray[np.float64],
     yaws: NDArray[np.float64],
     pitches: NDArray[np.float64],
     viewers: NDArray[np.int32],
     half_width: float,
     far: float,
-    with_water: bool,
+    moving_numbers: NDArray[np.float64],
+    moving_indices: NDArray[np.int64],
+    room: Addresses,
     distance: NDArray[np.float32],
     solid: NDArray[np.int32],
     face: NDArray[np.int32],
     depths: NDArray[np.float32],
-) -> None:
+) -> bool:
     """Do what ``trace`` says, or ``trace_depths`` if there are no hits to write.
 
-    All arrays one by one: from Python, a tuple of them costs several times more.
+    What stays the same between calls comes as a handle, what does not, array by array: from Python, each of
+    them costs time, and a tuple of them several times more.
     """
-    packed = Packed(scene, scene_indices)
-    blocks, solids = unpack_blocks(packed), unpack_shapes(packed)
-    others = unpack_shapes(Packed(moving, moving_indices))
+    if not are_finite(eyes, yaws, pitches):
+        return False
+    parts = read_room(room)
+    blocks = unpack_blocks(parts.numbers, parts.indices, parts.halves)
+    solids = unpack_shapes(parts.numbers, parts.indices)
+    others = unpack_shapes(moving_numbers, moving_indices)
     wants_hits = distance.shape[0] > 0
     height, width = distance.shape[1:] if wants_hits else depths.shape[1:]
-    canvas = allocate_canvas(height, width, half_width)
-    desk = allocate_desk(blocks, solids, others)
+    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
+    desk = Desk(
+        parts.sketch,
+        parts.boxes,
+        parts.outside,
+        parts.shown,
+        parts.queue,
+        parts.rings,
+        parts.cells,
+        parts.done,
+    )
     for image in range(yaws.shape[0]):
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
         start(canvas, camera)
-        look(blocks, solids, others, camera, viewers[image], image, with_water, desk, canvas)
+        look_at_world(blocks, solids, camera, with_water, desk, canvas)
+        look_at_things(others, solids.boxes.shape[0], camera, viewers[image], desk.outside, canvas)
         if wants_hits:
             hit = Hits(distance[image], solid[image], face[image])
             _write_hits(solids, others, camera, canvas, hit)
         else:
             _write_depths(canvas, depths[image])
+    return True
 
 
 @inlined_kernel
 def _write_depths(canvas: Canvas, depths: NDArray[np.float32]) -> None:
     for row in range(depths.shape[0]):
-        for column in range(depths.shape[1]):
-            is_hit = canvas.met[row, column] != NOTHING
-            along = canvas.shortening[row, column] if is_hit else 1.0
-            depths[row, column] = canvas.distance[row, column] * along
+        line, first = depths[row], row * canvas.width
+        last = first + canvas.width
+        distance, met, along = canvas.distance[first:last], canvas.met[first:last], canvas.along[first:last]
+        for column in range(canvas.width):
+            line[column] = distance[column] * (along[column] if met[column] != NOTHING else 1.0)
 
 
-@inlined_kernel
+@kernel
 def _write_hits(solids: Shapes, others: Shapes, camera: Camera, canvas: Canvas, hit: Hits) -> None:
     """Say what each ray of an image met, in the numbers of ``Hits``, all (H, W)."""
     height, width = hit.distance.shape
     for row in range(height):
         for column in range(width):
-            met = canvas.met[row, column]
-            distance, solid, face = canvas.distance[row, column], NOTHING_HIT, 0
+            ray = row * width + column
+            met = canvas.met[ray]
+            distance, solid, face = canvas.distance[ray], NOTHING_HIT, 0
             if met == NOTHING:
                 distance = np.inf
             elif met < NOTHING:
                 solid = TERRAIN_HIT if is_of_terrain(met) else WATER_HIT
                 face = index_of(met)
             else:
-                ray = (canvas.east[row, column], canvas.up[row, column], canvas.north[row, column])
+                way = (canvas.east[ray], canvas.up[ray], canvas.north[ray])
                 if met < solids.boxes.shape[0]:
                     solid = solids.names[met]
-                    face = solids.face_names[met] + entered_face(solids, met, camera, ray)
+                    face = solids.face_names[met] + entered_face(solids, met, camera, way)
                 else:
                     thing = met - solids.boxes.shape[0]
                     solid = solids.boxes.shape[0] + thing
-                    face = others.face_names[thing] + entered_face(others, thing, camera, ray)
+                    face = others.face_names[thing] + entered_face(others, thing, camera, way)
             hit.distance[row, column] = distance
             hit.solid[row, column] = solid
             hit.face[row, column] = face

@@ -42,6 +42,6 @@ class DepthCamera(MovingOption, PinholeCamera):
 
     def look(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
-    ) -> None:
+    ) -> bool:
         """Make the images of some cameras."""
-        trace_depths(game_map.scene, moving, cameras, images)
+        return trace_depths(game_map.scene, moving, cameras, images)

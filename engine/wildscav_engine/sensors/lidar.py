@@ -16,7 +16,7 @@ from wildscav_engine.geometry.fans import Fans, cast_fan, meet_solid_with_fan
 from wildscav_engine.geometry.rays import Ray, make_ray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel
-from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optical import MovingOption
@@ -81,14 +81,17 @@ class Lidar(MovingOption):
 
     def look(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
-    ) -> None:
+    ) -> bool:
         """Measure distances in m."""
+        if not are_finite(cameras.eyes, cameras.yaws, cameras.pitches):
+            return False
         world = game_map.world
         levels, slopes = np.empty(self.channels), np.empty(self.channels)
         reach = np.empty((self.azimuths, self.channels))
         fans = Fans(slopes, reach, np.empty(len(world.solid_kind), np.int64))
         _aim(self.elevations, levels, slopes)
         _scan(world, moving, cameras, levels, fans, images)
+        return True
 
 
 @kernel

@@ -15,7 +15,7 @@ from wildscav_engine.geometry.world import CELL
 from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids
-from wildscav_engine.rendering.trace import Hits, Scene
+from wildscav_engine.rendering.trace import Hits
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optical import MovingOption
 from wildscav_engine.sensors.pinhole import PaintedCamera
@@ -53,14 +53,17 @@ class NormalCamera(MovingOption, PaintedCamera):
         images: NDArray[np.float32],
     ) -> None:
         """Write normals."""
-        _write_normals(game_map.scene, moving, hits, images)
+        scene = game_map.scene
+        _write_normals(scene.world.heights, scene.solids, moving, hits, images)
 
 
 @kernel
-def _write_normals(scene: Scene, moving: Solids, hits: Hits, images: NDArray[np.float32]) -> None:
+def _write_normals(
+    heights: NDArray[np.float64], solids: Solids, moving: Solids, hits: Hits, images: NDArray[np.float32]
+) -> None:
     """Write (N, H, W, 3) unit normals of what rays met."""
     count, height, width = hits.distance.shape
-    of_world = scene.solids.kind.shape[0]
+    of_world = solids.kind.shape[0]
     for image in range(count):
         for row in range(height):
             for column in range(width):
@@ -68,9 +71,9 @@ def _write_normals(scene: Scene, moving: Solids, hits: Hits, images: NDArray[np.
                 if solid == NOTHING_HIT or hits.distance[image, row, column] == 0.0:
                     normal = (0.0, 0.0, 0.0)
                 elif solid == TERRAIN_HIT:
-                    normal = _normal_of_ground(scene, face)
+                    normal = _normal_of_ground(heights, face)
                 elif solid < of_world:
-                    faces = scene.solids.faces
+                    faces = solids.faces
                     normal = (faces[face, 0], faces[face, 1], faces[face, 2])
                 else:
                     normal = (moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2])
@@ -79,13 +82,13 @@ def _write_normals(scene: Scene, moving: Solids, hits: Hits, images: NDArray[np.
 
 
 @kernel
-def _normal_of_ground(scene: Scene, face: int) -> tuple[float, float, float]:
+def _normal_of_ground(heights: NDArray[np.float64], face: int) -> tuple[float, float, float]:
     """Return the unit normal of a triangle of the terrain, numbered as in ``Hits``."""
-    columns = scene.world.water.shape[1]
+    columns = heights.shape[1] - 1
     cell, triangle = face // 2, face % 2
     row, column = cell // columns, cell % columns
-    h00, h01 = scene.world.heights[row, column], scene.world.heights[row, column + 1]
-    h10, h11 = scene.world.heights[row + 1, column], scene.world.heights[row + 1, column + 1]
+    h00, h01 = heights[row, column], heights[row, column + 1]
+    h10, h11 = heights[row + 1, column], heights[row + 1, column + 1]
     south_east = triangle == 0
     east = (h01 - h00 if south_east else h11 - h10) / CELL
     north = (h11 - h01 if south_east else h10 - h00) / CELL

@@ -6,13 +6,12 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.body import EYE_HEIGHT
-from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids, gather_solids
 from wildscav_engine.rendering.things import things_of
@@ -22,7 +21,9 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.match import Match
 
-PARTS_A_THREAD = 4
+PARTS_A_THREAD = 16
+LEAST_PART = 4  # images
+FLOAT = np.dtype(np.float64)
 MOST_SEAT = 2**31 - 1
 NO_VIEWER = -2  # sees every body
 NOTHING_MOVES = gather_solids([])
@@ -44,7 +45,7 @@ class OpticalSensor(Sensor):
         """The half width and the reach of ``Cameras``."""
 
     @abstractmethod
-    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> None:
+    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> bool:
         """Make the images of some cameras.
 
         Args:
@@ -52,6 +53,9 @@ class OpticalSensor(Sensor):
             moving: What is in it besides.
             cameras: N of them.
             images: (N, *shape), written.
+
+        Returns:
+            Whether all cameras are finite numbers; else nothing is written.
         """
 
     def prepare(self, game_map: "GameMap") -> None:
@@ -120,25 +124,29 @@ class OpticalSensor(Sensor):
         solids = NOTHING_MOVES if moving is None else moving
         self.prepare(game_map)  # here, not in several threads at once
         if threads == 1:
-            self.look(game_map, solids, cameras, images)
-            return images
+            is_done = self.look(game_map, solids, cameras, images)
+        else:
 
-        def look_at(part: slice) -> None:
-            self.look(game_map, solids, some_of(cameras, part), images[part])
+            def look_at(part: slice) -> bool:
+                return self.look(game_map, solids, some_of(cameras, part), images[part])
 
-        _over_threads(look_at, len(images), threads)
+            is_done = _over_threads(look_at, len(images), threads)
+        if not is_done:
+            _refuse_numbers(cameras.eyes, cameras.yaws, cameras.pitches)
         return images
 
     def _cameras(
         self, positions: ArrayLike, yaws: ArrayLike, pitches: ArrayLike, viewers: ArrayLike | None
     ) -> Cameras:
-        eyes = _checked("positions", positions, (None, 3))
-        count = len(eyes)
-        turns = _checked("yaws", yaws, (count,)), _checked("pitches", pitches, (count,))
-        if not _are_finite(eyes, *turns):
-            for name, values in zip(("positions", "yaws", "pitches"), (eyes, *turns), strict=True):
-                _check_finite(name, values)
-        return Cameras(eyes, *turns, _seats_of(viewers, count), *self.lens)
+        eyes: Any = positions
+        turns: Any = yaws
+        tilts: Any = pitches
+        if not _are_ready(eyes, turns, tilts):
+            eyes, turns, tilts = _real("positions", positions), _real("yaws", yaws), _real("pitches", pitches)
+        count = len(eyes) if eyes.ndim else 0
+        if eyes.shape != (count, 3) or not turns.shape == tilts.shape == (count,):
+            _refuse_shapes(eyes, turns, tilts)
+        return Cameras(eyes, turns, tilts, _seats_of(viewers, count), *self.lens)
 
 
 @lru_cache(maxsize=8)
@@ -187,43 +195,63 @@ def some_of(cameras: Cameras, part: slice) -> Cameras:
     )
 
 
-def _checked(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-    """Return values as an array of a shape, whose first length may be free.
-
-    Raises:
-        ValueError: They have another shape, or are no real numbers.
-    """
-    array = np.asarray(values)
-    fits = array.ndim == len(shape) and array.shape[1:] == shape[1:] and shape[0] in (None, len(array))
-    if fits and array.dtype == np.float64 and array.flags.c_contiguous:
-        return array
-    if not fits or array.dtype.kind not in "biuf":
-        wanted = str(shape).replace("None", "N")
-        raise ValueError(
-            f"{name} are {array.dtype} of shape {array.shape}, must be real numbers of shape {wanted}"
-        )
-    return np.ascontiguousarray(array, np.float64)
-
-
-@kernel
-def _are_finite(eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]) -> bool:
-    """Return whether all of (N, 3), (N,) and (N,) numbers are finite; faster than NumPy for a few."""
-    for row in range(yaws.shape[0]):
-        if not np.isfinite(eyes[row, 0] + eyes[row, 1] + eyes[row, 2] + yaws[row] + pitches[row]):
+def _are_ready(*values: Any) -> bool:
+    """Return whether kernels take values as they are, without being compiled once more."""
+    for array in values:
+        # The last: in order, aligned and writable.
+        if type(array) is not np.ndarray or array.dtype is not FLOAT or not array.flags.carray:
             return False
     return True
 
 
-def _check_finite(name: str, values: NDArray[np.float64]) -> None:
-    if not np.isfinite(values).all():
-        raise ValueError(f"{name} hold {values[~np.isfinite(values)][0]}, must be finite")
+def _real(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Return values as an array of the sort that kernels take.
+
+    Raises:
+        ValueError: They are no real numbers.
+    """
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{name} are {array.dtype} of shape {array.shape}, must be real numbers")
+    return np.array(array, np.float64, order="C")
 
 
-def _over_threads(work: Callable[[slice], None], count: int, threads: int) -> None:
-    """Do work on parts of ``range(count)``, several for each thread, since some take longer than others."""
-    parts = min(count, PARTS_A_THREAD * threads)
-    ends = [count * part // parts for part in range(parts + 1)] if parts else []
-    list(_pool(threads).map(work, (slice(start, end) for start, end in pairwise(ends))))
+def _refuse_shapes(
+    eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]
+) -> NoReturn:
+    """Say which of three arrays has not the shape that it must have."""
+    if eyes.ndim != 2 or eyes.shape[1] != 3:
+        raise ValueError(f"positions are float64 of shape {eyes.shape}, must be of shape (N, 3)")
+    name, values = ("pitches", pitches) if yaws.shape == (len(eyes),) else ("yaws", yaws)
+    raise ValueError(f"{name} are float64 of shape {values.shape}, must be of shape ({len(eyes)},)")
+
+
+def _refuse_numbers(*arrays: NDArray[np.float64]) -> NoReturn:
+    """Say which of positions, yaws and pitches holds what is no finite number."""
+    for name, values in zip(("positions", "yaws", "pitches"), arrays, strict=True):
+        if not np.isfinite(values).all():
+            raise ValueError(f"{name} hold {values[~np.isfinite(values)][0]}, must be finite")
+    raise ValueError("positions, yaws and pitches add up to what is not finite")
+
+
+def _over_threads(work: Callable[[slice], bool], count: int, threads: int) -> bool:
+    """Do work on parts of ``range(count)`` until one fails, and return whether none did.
+
+    They are many for each thread, since some take longer than others. The calling thread works, too: the
+    others take a while to wake up.
+    """
+    parts = max(1, min(count // LEAST_PART, PARTS_A_THREAD * threads))
+    ends = [count * part // parts for part in range(parts + 1)]
+    left = iter([slice(start, end) for start, end in pairwise(ends)])
+
+    def share() -> bool:
+        return all(work(part) for part in left)
+
+    helpers = [_pool(threads - 1).submit(share) for _ in range(min(threads, parts) - 1)]
+    is_done = share()
+    for helper in helpers:
+        is_done = (helper.cancel() or helper.result()) and is_done
+    return is_done
 
 
 @lru_cache(maxsize=4)

@@ -4,7 +4,7 @@ Row 0 is at the top, column 0 at the left.
 """
 
 from abc import abstractmethod
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from numpy.typing import NDArray
@@ -41,12 +41,12 @@ class PinholeCamera(OpticalSensor):
 
     channels: ClassVar[tuple[int, ...]] = ()  # length of the axes after height and width
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, ...]:
         """The shape of one image."""
         return (self.height, self.width, *self.channels)
 
-    @property
+    @cached_property
     def lens(self) -> tuple[float, float]:
         """The tangent of half the field of view, and ``far``."""
         return _half_width(self.field_of_view), self.far
@@ -71,7 +71,7 @@ class PaintedCamera(PinholeCamera):
             images: (N, *shape), written.
         """
 
-    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> None:
+    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> bool:
         """Make the images of some cameras."""
         # Some at a time: what all rays of many images meet would take more memory than the images.
         each = max(1, RAYS_AT_ONCE // (self.height * self.width))
@@ -79,5 +79,7 @@ class PaintedCamera(PinholeCamera):
             part = slice(first, first + each)
             some = cameras if each >= len(images) else some_of(cameras, part)
             hits = allocate_hits(len(some.yaws), self.height, self.width)
-            trace(game_map.scene, moving, some, hits, with_water=self.sees_water)
+            if not trace(game_map.scene, moving, some, hits, with_water=self.sees_water):
+                return False
             self.paint(game_map, moving, some, hits, images[part])
+        return True

@@ -1,5 +1,6 @@
 """Images from any place: what is asked for is checked, and how many share the work changes nothing."""
 
+import copy
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,31 @@ def test_threads_and_batches_change_no_bit(sensor: OpticalSensor, threads: int) 
     for place in range(7):
         alone = sensor.render(COUNTRY, eyes[place : place + 1], yaws[place : place + 1], [pitches[place]])
         assert alone[0].tobytes() == together[place].tobytes()
+
+
+def test_arrays_are_looked_from_alike_however_they_lie_in_memory() -> None:
+    eyes, turns = COUNTRY.outdoor[:7] + np.array((0, 1.5, 0)), np.linspace(-170, 170, 7)
+    plain = DepthCamera(5, 4).render(COUNTRY, eyes, turns, np.zeros(7))
+    fixed = turns.copy()
+    fixed.flags.writeable = False
+
+    strewn = DepthCamera(5, 4).render(COUNTRY, np.asfortranarray(eyes), fixed, np.zeros(14)[::2])
+
+    assert strewn.tobytes() == plain.tobytes()
+
+
+def test_images_of_other_sizes_and_maps_in_between_change_no_bit() -> None:
+    """Images are made in rooms that are kept: nothing of one is left in the next."""
+    other = generate_map(MapConfig(size=40, houses=0), 1)
+    eyes, turns = COUNTRY.outdoor[:7] + np.array((0, 1.5, 0)), np.linspace(-170, 170, 7)
+    once = DepthCamera(9, 7).render(COUNTRY, eyes, turns, np.zeros(7))
+    for width in range(1, 20):
+        DepthCamera(width, 7, far=1e3).render(COUNTRY, eyes[::-1].copy(), turns, np.zeros(7))
+        DepthCamera(9, width).render(other, eyes, turns, np.zeros(7))
+        assert DepthCamera(9, 7).render(COUNTRY, eyes, turns, np.zeros(7)).tobytes() == once.tobytes()
+    assert (
+        DepthCamera(9, 7).render(copy.deepcopy(COUNTRY), eyes, turns, np.zeros(7)).tobytes() == once.tobytes()
+    )
 
 
 def test_nobody_to_look_gives_no_image() -> None:

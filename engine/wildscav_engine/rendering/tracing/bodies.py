@@ -4,41 +4,51 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.kernel import inlined_kernel, kernel
-from wildscav_engine.rendering.tracing.canvas import Canvas, is_open
-from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, outline_of_box, pixels_of
+from wildscav_engine.rendering.tracing.canvas import FEW, Canvas
+from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, natural
 from wildscav_engine.rendering.tracing.packing import Shapes
 
 NARROW = 4  # columns; up to so many, ray after ray is faster than face after face
 
 
-@inlined_kernel
+@kernel
 def paint_solid(
-    shapes: Shapes, solid: int, met: int, camera: Camera, outside: NDArray[np.float64], canvas: Canvas
+    shapes: Shapes,
+    solid: int,
+    met: int,
+    pixels: Rectangle,
+    camera: Camera,
+    outside: NDArray[np.float64],
+    canvas: Canvas,
 ) -> None:
-    """Let the rays of an image meet a solid.
+    """Let the rays of some pixels meet a solid.
 
     Args:
         shapes: All of its sort.
         solid: Which.
         met: What stands for it on the canvas.
+        pixels: All that it can lie on.
         camera: The image's.
         outside: Room for as many numbers as it has faces.
         canvas: The image, written.
     """
-    outline = outline_of_box(camera, shapes.boxes[solid])
-    pixels = pixels_of(camera, outline)
-    # No ray is shorter than the way ahead of what it meets.
-    if pixels.left >= pixels.right or not is_open(canvas, pixels, outline.nearest):
-        return
-    first, last = shapes.face_start[solid], shapes.face_start[solid + 1]
+    first, last = natural(shapes.face_start[solid]), natural(shapes.face_start[solid + 1])
     faces = shapes.faces[first:last]
     for face in range(last - first):
         plane = faces[face]
         outside[face] = plane[0] * camera.x + plane[1] * camera.y + plane[2] * camera.z - plane[3]
+    top, bottom, width = pixels.top * canvas.width, pixels.bottom * canvas.width, canvas.width
     if pixels.right - pixels.left <= NARROW:
-        _meet_one_by_one(faces, outside, met, pixels, canvas)
+        for row in range(top, bottom, width):
+            _meet_one_by_one(faces, outside, met, row + pixels.left, row + pixels.right, canvas)
+    elif canvas.met.shape[0] <= FEW:
+        # All rays from the first to the last: so few more are met faster than many short rows.
+        first, last = top + pixels.left, bottom - width + pixels.right
+        _meet_together(faces, outside, met, first, last, 2.0 * camera.far, canvas)
     else:
-        _meet_by_rows(faces, outside, met, pixels, 2.0 * camera.far, canvas)
+        for row in range(top, bottom, width):
+            first, last = row + pixels.left, row + pixels.right
+            _meet_together(faces, outside, met, first, last, 2.0 * camera.far, canvas)
 
 
 @inlined_kernel
@@ -46,17 +56,18 @@ def _meet_one_by_one(
     faces: NDArray[np.float64],
     outside: NDArray[np.float64],
     met: int,
-    pixels: Rectangle,
+    first: int,
+    last: int,
     canvas: Canvas,
 ) -> None:
-    for row in range(pixels.top, pixels.bottom):
-        for column in range(pixels.left, pixels.right):
-            nearest = canvas.distance[row, column]
-            ray = (canvas.east[row, column], canvas.up[row, column], canvas.north[row, column])
-            distance = _meet(faces, outside, ray, nearest)
-            if distance < nearest:
-                canvas.distance[row, column] = distance
-                canvas.met[row, column] = met
+    for place in range(first, last):
+        ray = natural(place)
+        nearest = canvas.distance[ray]
+        way = (canvas.east[ray], canvas.up[ray], canvas.north[ray])
+        distance = _meet(faces, outside, way, nearest)
+        if distance < nearest:
+            canvas.distance[ray] = distance
+            canvas.met[ray] = met
 
 
 @inlined_kernel
@@ -78,55 +89,47 @@ def _meet(
 
 
 @kernel
-def _meet_by_rows(
+def _meet_together(
     faces: NDArray[np.float64],
     outside: NDArray[np.float64],
     met: int,
-    pixels: Rectangle,
+    first: int,
+    last: int,
     beyond: float,
     canvas: Canvas,
 ) -> None:
-    """Do for whole rows what ``_meet`` does for a ray: loops without branches, several rays at once."""
-    left, right = pixels.left, pixels.right
+    """Do for many rays what ``_meet`` does for one: loops without branches, several rays at once."""
     # Indices that count from 0 need no check for negative ones, which would keep the loops from being fast.
     # And what is read is never what is written: else only what changes would be written, one by one.
-    enter, leave, spare = (
-        canvas.enter[: right - left],
-        canvas.leave[: right - left],
-        canvas.spare[: right - left],
-    )
-    for row in range(pixels.top, pixels.bottom):
-        east, up, north = (
-            canvas.east[row, left:right],
-            canvas.up[row, left:right],
-            canvas.north[row, left:right],
-        )
-        distance, mets = canvas.distance[row, left:right], canvas.met[row, left:right]
-        for ray in range(right - left):
-            enter[ray] = 0.0
-        for ray in range(right - left):
-            leave[ray] = distance[ray]
-        for face in range(faces.shape[0]):
-            nx, ny, nz, out = faces[face, 0], faces[face, 1], faces[face, 2], outside[face]
-            if out > 0.0:
-                for ray in range(right - left):
-                    speed = nx * east[ray] + ny * up[ray] + nz * north[ray]
-                    crossing = -out / speed
-                    spare[ray] = max(enter[ray], crossing if speed < 0.0 else beyond)
-                enter, spare = spare, enter
-            else:
-                for ray in range(right - left):
-                    speed = nx * east[ray] + ny * up[ray] + nz * north[ray]
-                    crossing = -out / speed
-                    spare[ray] = min(leave[ray], crossing if speed > 0.0 else beyond)
-                leave, spare = spare, leave
-        for ray in range(right - left):
-            nearer = (enter[ray] <= leave[ray]) & (enter[ray] < distance[ray])
-            mets[ray] += nearer * (met - mets[ray])
-        for ray in range(right - left):
-            spare[ray] = min(distance[ray], enter[ray] if enter[ray] <= leave[ray] else beyond)
-        for ray in range(right - left):
-            distance[ray] = spare[ray]
+    count = last - first
+    enter, leave, spare = canvas.enter[:count], canvas.leave[:count], canvas.spare[:count]
+    east, up, north = canvas.east[first:last], canvas.up[first:last], canvas.north[first:last]
+    distance, mets = canvas.distance[first:last], canvas.met[first:last]
+    for ray in range(count):
+        enter[ray] = 0.0
+    for ray in range(count):
+        leave[ray] = distance[ray]
+    for face in range(faces.shape[0]):
+        nx, ny, nz, out = faces[face, 0], faces[face, 1], faces[face, 2], outside[face]
+        if out > 0.0:
+            for ray in range(count):
+                speed = nx * east[ray] + ny * up[ray] + nz * north[ray]
+                crossing = -out / speed
+                spare[ray] = max(enter[ray], crossing if speed < 0.0 else beyond)
+            enter, spare = spare, enter
+        else:
+            for ray in range(count):
+                speed = nx * east[ray] + ny * up[ray] + nz * north[ray]
+                crossing = -out / speed
+                spare[ray] = min(leave[ray], crossing if speed > 0.0 else beyond)
+            leave, spare = spare, leave
+    for ray in range(count):
+        nearer = (enter[ray] <= leave[ray]) & (enter[ray] < distance[ray])
+        mets[ray] += nearer * (met - mets[ray])
+    for ray in range(count):
+        spare[ray] = min(distance[ray], enter[ray] if enter[ray] <= leave[ray] else beyond)
+    for ray in range(count):
+        distance[ray] = spare[ray]
 
 
 @inlined_kernel

@@ -5,49 +5,73 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import array_kernel, inlined_kernel
-from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle
+from wildscav_engine.kernel import inlined_kernel
+from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, natural
 
 # What a ray has met is one number: a solid; NOTHING; or from there downwards, alternately
 # terrain by triangle (twice the cell, and one more for the north-western) and water by cell.
 NOTHING = -1
+FEW = 256  # rays; so small an image is one strip
 
 
 class Canvas(NamedTuple):
-    """The H × W rays of one image."""
+    """The N rays of one image, row after row."""
 
-    east: NDArray[np.float64]  # (H, W) unit vectors of the rays
+    width: int  # of a row
+    east: NDArray[np.float64]  # (N,) unit vectors of the rays
     up: NDArray[np.float64]
     north: NDArray[np.float64]
-    distance: NDArray[np.float64]  # (H, W) m to the nearest so far, or the camera's far
-    met: NDArray[np.int32]  # (H, W) what that is
-    enter: NDArray[np.float64]  # (W,) m, room for a row of rays
-    leave: NDArray[np.float64]  # (W,) m
-    spare: NDArray[np.float64]  # (W,) m
-    shortening: NDArray[np.float64]  # (H, W) cosines of the angles between the view axis and the rays
-    flat: NDArray[
-        np.float64
-    ]  # (7, H * W) row after row: east, up, north, distance and shortening again, then
-    # the tangents of each pixel, to the right and upwards
+    distance: NDArray[np.float64]  # (N,) m to the nearest so far, or the camera's far
+    met: NDArray[np.int32]  # (N,) what that is
+    along: NDArray[np.float64]  # (N,) cosines of the angles between the view axis and the rays
+    right: NDArray[np.float64]  # (N,) tangents of the pixels' middles
+    above: NDArray[np.float64]  # (N,)
+    enter: NDArray[np.float64]  # (strip,) m, room for some rays
+    leave: NDArray[np.float64]  # (strip,) m
+    spare: NDArray[np.float64]  # (strip,) m
 
 
-@array_kernel
-def allocate_canvas(height: int, width: int, half_width: float) -> Canvas:
-    """Return room for images whose half width has this tangent."""
-    planes = np.empty((7, height, width))
+def allocate_rays(height: int, width: int, half_width: float) -> NDArray[np.float64]:
+    """Return (7, height * width): room for rays, and what does not depend on where a camera looks.
+
+    Args:
+        height: Of the image, pixels.
+        width: Likewise.
+        half_width: The tangent of half the angle that is seen.
+    """
+    rays = np.empty((7, height, width))
     pixel = 2.0 * half_width / width
-    for row in range(height):
-        above = (height * 0.5 - row - 0.5) * pixel
-        for column in range(width):
-            right = (column + 0.5 - width * 0.5) * pixel
-            planes[4, row, column] = 1.0 / np.sqrt(1.0 + above * above + right * right)
-            planes[5, row, column] = right
-            planes[6, row, column] = above
-    lines = np.empty((3, width))
-    met = np.empty((height, width), np.int32)
-    flat = planes.reshape((7, height * width))
-    east, up, north, distance, shortening = planes[0], planes[1], planes[2], planes[3], planes[4]
-    return Canvas(east, up, north, distance, met, lines[0], lines[1], lines[2], shortening, flat)
+    right = ((np.arange(width) + 0.5 - width * 0.5) * pixel)[None, :]
+    above = ((height * 0.5 - np.arange(height) - 0.5) * pixel)[:, None]
+    rays[4] = 1.0 / np.sqrt(1.0 + above * above + right * right)
+    rays[5], rays[6] = right, above
+    return rays.reshape(7, height * width)
+
+
+def allocate_strips(height: int, width: int) -> NDArray[np.float64]:
+    """Return (3, strip): room for the rays that are looked at together, a row or a small image."""
+    return np.empty((3, max(width, min(height * width, FEW))))
+
+
+@inlined_kernel
+def canvas_on(
+    width: int, rays: NDArray[np.float64], met: NDArray[np.int32], strips: NDArray[np.float64]
+) -> Canvas:
+    """Return a canvas in the room that was made for it."""
+    return Canvas(
+        width,
+        rays[0],
+        rays[1],
+        rays[2],
+        rays[3],
+        met,
+        rays[4],
+        rays[5],
+        rays[6],
+        strips[0],
+        strips[1],
+        strips[2],
+    )
 
 
 @inlined_kernel
@@ -77,7 +101,7 @@ def index_of(met: int) -> int:
 @inlined_kernel
 def fill(canvas: Canvas, distance: float, met: int) -> None:
     """Let all rays meet one thing at one distance in m."""
-    canvas.flat[3][:] = distance
+    canvas.distance[:] = distance
     canvas.met[:] = met
 
 
@@ -85,8 +109,8 @@ def fill(canvas: Canvas, distance: float, met: int) -> None:
 def start(canvas: Canvas, camera: Camera) -> None:
     """Aim all rays, which have met nothing yet."""
     fill(canvas, camera.far, NOTHING)
-    east, up, north = canvas.flat[0], canvas.flat[1], canvas.flat[2]
-    along, right, above = canvas.flat[4], canvas.flat[5], canvas.flat[6]
+    east, up, north = canvas.east, canvas.up, canvas.north
+    along, right, above = canvas.along, canvas.right, canvas.above
     # A pixel's direction is ahead + right · u + above · v, of which ahead + above · v rises and goes level.
     for ray in range(along.shape[0]):
         level = camera.cos_pitch + camera.sin_pitch * above[ray]
@@ -112,16 +136,15 @@ def end_at_edges(
         width: m from west to east.
         height: m from south to north.
     """
-    for row in range(canvas.met.shape[0]):
-        for column in range(canvas.met.shape[1]):
-            east, north = canvas.east[row, column], canvas.north[row, column]
-            past_x = west + width - camera.x if east > 0.0 else west - camera.x
-            past_z = south + height - camera.z if north > 0.0 else south - camera.z
-            out_x = past_x / east if east != 0.0 else np.inf
-            out_z = past_z / north if north != 0.0 else np.inf
-            if canvas.distance[row, column] > min(out_x, out_z):
-                canvas.distance[row, column] = camera.far
-                canvas.met[row, column] = NOTHING
+    for ray in range(canvas.met.shape[0]):
+        east, north = canvas.east[ray], canvas.north[ray]
+        past_x = west + width - camera.x if east > 0.0 else west - camera.x
+        past_z = south + height - camera.z if north > 0.0 else south - camera.z
+        out_x = past_x / east if east != 0.0 else np.inf
+        out_z = past_z / north if north != 0.0 else np.inf
+        if canvas.distance[ray] > min(out_x, out_z):
+            canvas.distance[ray] = camera.far
+            canvas.met[ray] = NOTHING
 
 
 @inlined_kernel
@@ -129,6 +152,6 @@ def is_open(canvas: Canvas, pixels: Rectangle, distance: float) -> bool:
     """Return whether some of the rays can still meet what is at a distance in m or beyond."""
     for row in range(pixels.top, pixels.bottom):
         for column in range(pixels.left, pixels.right):
-            if canvas.distance[row, column] > distance:
+            if canvas.distance[natural(row * canvas.width + column)] > distance:
                 return True
     return False

@@ -16,6 +16,9 @@ TOUCH = 1e-6  # m
 MARGIN = 1e-3  # pixels by which everything is taken to be larger, for what is rounded
 
 
+Point = tuple[float, float, float]  # m
+
+
 class Camera(NamedTuple):
     """A pinhole at one place, looking one way."""
 
@@ -58,6 +61,15 @@ class Outline(NamedTuple):
     y_most: float
     nearest: float  # m ahead
     farthest: float
+
+
+@inlined_kernel
+def natural(number: int) -> int:
+    """Return a number that is from 0 to 2³¹ - 1 anyway, so that the compiler knows.
+
+    Else each index is looked at, whether it is negative and so counts from an array's end.
+    """
+    return number & 0x7FFFFFFF
 
 
 @inlined_kernel
@@ -116,6 +128,17 @@ def may_show(camera: Camera, x: float, y: float, z: float, radius: float) -> boo
     beyond = abs(above) - camera.half_height * ahead - radius * camera.slant_y
     # One comparison: of several, some would often be guessed wrong by the processor.
     return max(beside, beyond, -ahead - radius, ahead - camera.far - radius) <= 0.0
+
+
+@inlined_kernel
+def beside(camera: Camera, a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Return whether four points in a camera's axes all lie on the outer side of one side of what it sees."""
+    wide, tall = camera.half_width, camera.half_height
+    left = max(a[0] + wide * a[2], b[0] + wide * b[2], c[0] + wide * c[2], d[0] + wide * d[2])
+    right = min(a[0] - wide * a[2], b[0] - wide * b[2], c[0] - wide * c[2], d[0] - wide * d[2])
+    below = max(a[1] + tall * a[2], b[1] + tall * b[2], c[1] + tall * c[2], d[1] + tall * d[2])
+    above = min(a[1] - tall * a[2], b[1] - tall * b[2], c[1] - tall * c[2], d[1] - tall * d[2])
+    return max(right, -left, above, -below, -max(a[2], b[2], c[2], d[2])) > TOUCH
 
 
 @inlined_kernel

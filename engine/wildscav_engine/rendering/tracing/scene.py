@@ -11,7 +11,20 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import BLOCK, CELL, World
 from wildscav_engine.kernel import array_kernel
 from wildscav_engine.rendering.solids import Solids, shapes_of, solids_of_world
-from wildscav_engine.rendering.tracing.packing import CORNERS, SQUARE, Blocks, Packed, pack_scene
+from wildscav_engine.rendering.tracing.packing import (
+    CORNERS,
+    GROUP,
+    LANES,
+    SQUARE,
+    Blocks,
+    Packed,
+    Shapes,
+    pack_scene,
+)
+from wildscav_engine.rendering.tracing.room import Rooms
+from wildscav_engine.rendering.tracing.rough import NEVER_SEEN, ROUNDED, SLACK
+
+NO_MEMBER = -1
 
 
 class Scene(NamedTuple):
@@ -20,6 +33,7 @@ class Scene(NamedTuple):
     world: World
     solids: Solids  # of the world, as it counts them
     packed: Packed  # for kernels: the same in the order of blocks, so that neighbours lie together
+    rooms: Rooms  # where they are made
 
 
 def scene_of(world: World) -> Scene:
@@ -34,18 +48,25 @@ def scene_of(world: World) -> Scene:
     spans = _spans_of_blocks(world, solids, start, members)
     shapes = shapes_of(solids, order, order)
     more = ((0, 0), (0, SQUARE - CORNERS * CORNERS))
+    heights = np.pad(_in_blocks(world, world.heights, CORNERS), more, mode="edge")
+    group_start, grouped = _in_groups(start, place[members])
+    middles, radii = _balls_of_blocks(world, spans)
     blocks = Blocks(
-        np.pad(_in_blocks(world, world.heights, CORNERS), more, mode="edge"),
+        heights,
         _in_blocks(world, world.water, BLOCK),
-        np.concatenate([_balls_of_blocks(world, spans), spans], axis=1),
+        spans,
         world.corner,
-        start,
-        place[members],
+        group_start,
+        np.maximum(grouped, 0),
+        (heights - spans[:, :1]).astype(np.float32),
+        middles,
+        radii,
+        _groups_of(world, shapes, spans[:, 0], group_start, grouped),
         world.water.shape[0],
         world.water.shape[1],
         _overhangs(world),
     )
-    return Scene(world, solids, pack_scene(blocks, shapes))
+    return Scene(world, solids, pack_scene(blocks, shapes), Rooms())
 
 
 def _overhangs(world: World) -> bool:
@@ -65,16 +86,53 @@ def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[
     return np.ascontiguousarray(picked.reshape(block_rows * block_columns, side * side))
 
 
-def _balls_of_blocks(world: World, spans: NDArray[np.float64]) -> NDArray[np.float64]:
-    columns = world.block_top.shape[1]
+def _balls_of_blocks(
+    world: World, spans: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return how high the middles of blocks are, and the radii of balls around them, (B,) m each."""
     surface = _in_blocks(world, world.water, BLOCK).max(axis=1)  # -inf where all is dry
     low, high = np.minimum(spans[:, 0], spans[:, 2]), np.maximum(spans[:, 1], spans[:, 3])
     high = np.maximum(high, surface)
-    side, block = BLOCK * CELL, np.arange(len(spans))
-    x = world.corner[0] + (block % columns + 0.5) * side
-    z = world.corner[1] + (block // columns + 0.5) * side
-    radius = np.sqrt(0.5 * side * side + 0.25 * (high - low) ** 2)
-    return np.stack([x, 0.5 * (low + high), z, radius], axis=1)
+    radius = np.sqrt(0.5 * (BLOCK * CELL) ** 2 + 0.25 * (high - low) ** 2)
+    return (0.5 * (low + high)).astype(np.float32), _rounded_up(radius)
+
+
+def _rounded_up(radii: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return radii in m that hold even what is rounded."""
+    return (radii * (1.0 + ROUNDED) + SLACK).astype(np.float32)
+
+
+def _in_groups(
+    start: NDArray[np.int64], members: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return where each block's groups start, and the members in groups of eight, -1 where there is none."""
+    counts = np.diff(start)
+    group_start = np.concatenate([np.zeros(1, np.int64), np.cumsum(-(-counts // LANES))])
+    grouped = np.full(LANES * group_start[-1], NO_MEMBER)
+    shift = np.repeat(LANES * group_start[:-1] - start[:-1], counts)
+    grouped[np.arange(len(members)) + shift] = members
+    return group_start, grouped
+
+
+def _groups_of(
+    world: World,
+    shapes: Shapes,
+    ground: NDArray[np.float64],
+    group_start: NDArray[np.int64],
+    grouped: NDArray[np.int64],
+) -> NDArray[np.float32]:
+    """Return (G, 72) groups; see ``Blocks``. The lowest ground of each block is given, (B,) m."""
+    columns = world.block_top.shape[1]
+    boxes = np.zeros((len(grouped), 9))
+    is_one = grouped != NO_MEMBER
+    boxes[is_one] = shapes.boxes[grouped[is_one]]
+    block = np.repeat(np.arange(len(group_start) - 1), LANES * np.diff(group_start))
+    boxes[:, 0] -= world.corner[0] + BLOCK * CELL * (block % columns)
+    boxes[:, 1] -= ground[block]
+    boxes[:, 2] -= world.corner[1] + BLOCK * CELL * (block // columns)
+    radii = np.where(is_one, _rounded_up(boxes[:, 3]), NEVER_SEEN)
+    ordered = np.concatenate([boxes[:, [0, 1, 2, 4, 5, 6, 7, 8]], radii[:, None]], axis=1)
+    return ordered.reshape(-1, LANES, 9).transpose(0, 2, 1).reshape(-1, GROUP).astype(np.float32)
 
 
 @array_kernel

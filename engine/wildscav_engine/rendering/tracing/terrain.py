@@ -10,68 +10,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import BLOCK, CELL
-from wildscav_engine.kernel import array_kernel, inlined_kernel, kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.canvas import Canvas, of_triangle, of_water
 from wildscav_engine.rendering.tracing.frustum import (
     Camera,
     Rectangle,
+    beside,
+    natural,
     no_outline,
     pixels_of,
     turned,
     widened,
 )
 from wildscav_engine.rendering.tracing.packing import CORNERS, SQUARE, Blocks
+from wildscav_engine.rendering.tracing.rough import NEAR, RoughCamera
 
 NARROW = 8  # columns; up to so many, ray after ray is faster than row after row
-NEAR = 1.0  # m; a cell that is nearer ahead is placed more precisely than in the sketch
-ROUNDED = 2e-5  # of the tangent of what is farther, the most by which rounding changes it in the sketch
 CELLS = 80  # of which 72 count; more make the loops over them even
 OVERLAP = 1e-8  # m that a triangle reaches beyond its edges, so that no ray slips through between two
+# A sketch of a block says where the corners of its cells, and the cells, lie on an image; row after row,
+# CORNERS a row. Each starts here: m east and north of the first corner; m before the camera; tangents to the
+# right and upwards; first and last columns and rows of a cell's pixels; whether a cell may have pixels.
+EAST, NORTH, AHEAD, RIGHT, ABOVE, FIRST, LAST, TOP, BOTTOM, SHOWN = (SQUARE * row for row in range(10))
 
 
-class Sketch(NamedTuple):
-    """Where the corners of a block's cells, and the cells, lie on an image; row after row, CORNERS a row.
-
-    Half as precise as all else, and so twice as fast: it only says which pixels to look at.
-    """
-
-    east: NDArray[np.float32]  # (96,) m from the first corner
-    north: NDArray[np.float32]  # (96,) m
-    up: NDArray[np.float32]  # (96,) m above the camera
-    ahead: NDArray[np.float32]  # (96,) m before the camera
-    inverse: NDArray[np.float32]  # (96,) 1 / m
-    right: NDArray[np.float32]  # (96,) tangents
-    above: NDArray[np.float32]  # (96,)
-    first: NDArray[np.float32]  # (96,) first and last column and row of a cell's pixels
-    last: NDArray[np.float32]
-    top: NDArray[np.float32]
-    bottom: NDArray[np.float32]
-    shown: NDArray[np.bool_]  # (96,) whether a cell may have pixels
-    cells: NDArray[np.int64]  # (65,) the cells that have
-
-
-@array_kernel
-def allocate_sketch() -> Sketch:
-    """Return room for the cells of a block."""
-    r = np.empty((11, SQUARE), np.float32)
-    shown = np.empty(SQUARE, np.bool_)
-    for at in range(SQUARE):
-        r[0, at], r[1, at] = at % CORNERS * CELL, min(at // CORNERS, BLOCK) * CELL
-    return Sketch(
-        r[0],
-        r[1],
-        r[2],
-        r[3],
-        r[4],
-        r[5],
-        r[6],
-        r[7],
-        r[8],
-        r[9],
-        r[10],
-        shown,
-        np.empty(BLOCK * BLOCK + 1, np.int64),
-    )
+def allocate_sketch() -> NDArray[np.float32]:
+    """Return room for the sketch of a block."""
+    sketch = np.zeros(10 * SQUARE, np.float32)
+    sketch[EAST:NORTH] = np.arange(SQUARE) % CORNERS * CELL
+    sketch[NORTH:AHEAD] = np.minimum(np.arange(SQUARE) // CORNERS, BLOCK) * CELL
+    return sketch
 
 
 class Square(NamedTuple):
@@ -98,116 +66,129 @@ def height_in(blocks: Blocks, row: int, column: int, camera: Camera) -> tuple[fl
     return h00 + (h11 - h10) * east + (h10 - h00) * north, 1
 
 
-@inlined_kernel
-def paint_terrain(blocks: Blocks, square: Square, camera: Camera, sketch: Sketch, canvas: Canvas) -> None:
+@kernel
+def paint_terrain(
+    blocks: Blocks,
+    square: Square,
+    camera: Camera,
+    rough: RoughCamera,
+    sketch: NDArray[np.float32],
+    cells: NDArray[np.int64],
+    canvas: Canvas,
+) -> None:
     """Let the rays of an image meet the terrain of a block.
 
     Args:
         blocks: The world.
         square: Which block.
         camera: The image's.
+        rough: The same.
         sketch: Room for the places of cells on the image.
+        cells: (65,) room for those that may be seen.
         canvas: The image, written.
     """
-    _sketch_corners(blocks, square, camera, sketch)
-    _sketch_cells(camera, sketch)
-    rows, columns = min(BLOCK, blocks.rows - square.row), min(BLOCK, blocks.columns - square.column)
+    _sketch_corners(
+        blocks.rises[square.block], square, blocks.spans[square.block, 0] - camera.y, rough, sketch
+    )
+    _sketch_cells(rough, sketch)
+    rows, columns = blocks.rows - square.row, blocks.columns - square.column
     count = 0
-    for row in range(rows):
-        for column in range(columns):
+    for row in range(BLOCK):
+        for column in range(BLOCK):
             # Written always, counted if shown: so nothing is to be guessed.
-            sketch.cells[count] = row * CORNERS + column
-            count += sketch.shown[row * CORNERS + column]
-    for cell in range(count):
-        at = sketch.cells[cell]
-        nearest = min(
-            sketch.ahead[at],
-            sketch.ahead[at + 1],
-            sketch.ahead[at + CORNERS],
-            sketch.ahead[at + CORNERS + 1],
-        )
-        if nearest <= NEAR:
-            pixels = _pixels_of_near_cell(blocks, square, camera, at)
+            cells[natural(count)] = row * CORNERS + column
+            count += int(sketch[SHOWN + row * CORNERS + column]) & (column < columns) & (row < rows)
+    for item in range(count):
+        cell = natural(cells[item])
+        if _nearest_of(sketch, cell) <= NEAR:
+            pixels = _pixels_of_near_cell(blocks, square, camera, cell)
         else:
             pixels = Rectangle(
-                int(sketch.first[at]),
-                int(sketch.last[at]) + 1,
-                int(sketch.top[at]),
-                int(sketch.bottom[at]) + 1,
+                int(sketch[FIRST + cell]),
+                int(sketch[LAST + cell]) + 1,
+                int(sketch[TOP + cell]),
+                int(sketch[BOTTOM + cell]) + 1,
             )
-        _paint_cell(blocks, square, camera, at, pixels, canvas)
+        if pixels.left < pixels.right:
+            _paint_cell(blocks, square, camera, cell, pixels, canvas)
 
 
 @inlined_kernel
-def _sketch_corners(blocks: Blocks, square: Square, camera: Camera, sketch: Sketch) -> None:
-    """Place the corners on the image: plain loops that write one array each, several corners at once."""
-    heights = blocks.heights[square.block]
-    east, north, up = sketch.east, sketch.north, sketch.up
-    ahead, inverse, right, above = sketch.ahead, sketch.inverse, sketch.right, sketch.above
-    sin_yaw, cos_yaw = np.float32(camera.sin_yaw), np.float32(camera.cos_yaw)
-    sin_pitch, cos_pitch = np.float32(camera.sin_pitch), np.float32(camera.cos_pitch)
-    level = np.float32(camera.sin_yaw * square.east + camera.cos_yaw * square.north)
-    beside = np.float32(camera.cos_yaw * square.east - camera.sin_yaw * square.north)
+def _nearest_of(sketch: NDArray[np.float32], cell: int) -> float:
+    """Return m that the nearest corner of a cell is ahead."""
+    first = AHEAD + cell
+    return float(min(sketch[first], sketch[first + 1], sketch[first + CORNERS], sketch[first + CORNERS + 1]))
+
+
+@inlined_kernel
+def _sketch_corners(
+    rises: NDArray[np.float32],
+    square: Square,
+    ground: float,
+    camera: RoughCamera,
+    sketch: NDArray[np.float32],
+) -> None:
+    """Place the corners on the image: several at once.
+
+    Args:
+        rises: (96,) m, heights of the corners above the lowest.
+        square: The block.
+        ground: m, height of the lowest corner above the camera.
+        camera: The image's.
+        sketch: Written.
+    """
+    sin_yaw, cos_yaw = camera.sin_yaw, camera.cos_yaw
+    sin_pitch, cos_pitch = camera.sin_pitch, camera.cos_pitch
+    east, north, bottom = np.float32(square.east), np.float32(square.north), np.float32(ground)
     one = np.float32(1.0)
     for at in range(SQUARE):
-        up[at] = heights[at] - camera.y
-    for at in range(SQUARE):
-        ahead[at] = cos_pitch * (level + sin_yaw * east[at] + cos_yaw * north[at]) - sin_pitch * up[at]
-    for at in range(SQUARE):
-        inverse[at] = one / ahead[at]
-    for at in range(SQUARE):
-        right[at] = (beside + cos_yaw * east[at] - sin_yaw * north[at]) * inverse[at]
-    for at in range(SQUARE):
-        far = level + sin_yaw * east[at] + cos_yaw * north[at]
-        above[at] = (cos_pitch * up[at] + sin_pitch * far) * inverse[at]
+        x, z, up = east + sketch[EAST + at], north + sketch[NORTH + at], bottom + rises[at]
+        level = sin_yaw * x + cos_yaw * z
+        ahead = cos_pitch * level - sin_pitch * up
+        inverse = one / ahead
+        sketch[AHEAD + at] = ahead
+        sketch[RIGHT + at] = (cos_yaw * x - sin_yaw * z) * inverse
+        sketch[ABOVE + at] = (cos_pitch * up + sin_pitch * level) * inverse
 
 
 @inlined_kernel
-def _sketch_cells(camera: Camera, sketch: Sketch) -> None:
+def _sketch_cells(camera: RoughCamera, sketch: NDArray[np.float32]) -> None:
     """Note the pixels of each cell; those of one that is near the camera are still to be found."""
-    ahead, right, above, shown = sketch.ahead, sketch.right, sketch.above, sketch.shown
-    first, last, top, bottom = sketch.first, sketch.last, sketch.top, sketch.bottom
-    scale, margin = np.float32(camera.scale), 0.01 + ROUNDED * camera.scale
     zero, near = np.float32(0.0), np.float32(NEAR)
-    last_column, last_row = np.float32(camera.width - 1), np.float32(camera.height - 1)
-    # Where pixels 0 begin and end to be touched.
-    left_edge, right_edge = (
-        np.float32(camera.width * 0.5 - 0.5 - margin),
-        np.float32(camera.width * 0.5 - 0.5 + margin),
-    )
-    top_edge, bottom_edge = (
-        np.float32(camera.height * 0.5 - 0.5 - margin),
-        np.float32(camera.height * 0.5 - 0.5 + margin),
-    )
     for at in range(CELLS):
-        least = min(right[at], right[at + 1], right[at + CORNERS], right[at + CORNERS + 1])
-        first[at] = max(zero, np.ceil(left_edge + least * scale))
-    for at in range(CELLS):
-        most = max(right[at], right[at + 1], right[at + CORNERS], right[at + CORNERS + 1])
-        last[at] = min(last_column, np.floor(right_edge + most * scale))
-    for at in range(CELLS):
-        most = max(above[at], above[at + 1], above[at + CORNERS], above[at + CORNERS + 1])
-        top[at] = max(zero, np.ceil(top_edge - most * scale))
-    for at in range(CELLS):
-        least = min(above[at], above[at + 1], above[at + CORNERS], above[at + CORNERS + 1])
-        bottom[at] = min(last_row, np.floor(bottom_edge - least * scale))
-    for at in range(CELLS):
-        nearest = min(ahead[at], ahead[at + 1], ahead[at + CORNERS], ahead[at + CORNERS + 1])
-        farthest = max(ahead[at], ahead[at + 1], ahead[at + CORNERS], ahead[at + CORNERS + 1])
-        has_pixels = (first[at] <= last[at]) & (top[at] <= bottom[at])
-        shown[at] = (farthest > -near) & ((nearest <= near) | has_pixels)
+        a, b = RIGHT + at, RIGHT + at + CORNERS
+        least = min(sketch[a], sketch[a + 1], sketch[b], sketch[b + 1])
+        most = max(sketch[a], sketch[a + 1], sketch[b], sketch[b + 1])
+        first = max(zero, np.ceil(camera.left + least * camera.scale))
+        last = min(camera.last_column, np.floor(camera.right + most * camera.scale))
+        a, b = ABOVE + at, ABOVE + at + CORNERS
+        least = min(sketch[a], sketch[a + 1], sketch[b], sketch[b + 1])
+        most = max(sketch[a], sketch[a + 1], sketch[b], sketch[b + 1])
+        top = max(zero, np.ceil(camera.top - most * camera.scale))
+        bottom = min(camera.last_row, np.floor(camera.bottom - least * camera.scale))
+        a, b = AHEAD + at, AHEAD + at + CORNERS
+        nearest = min(sketch[a], sketch[a + 1], sketch[b], sketch[b + 1])
+        farthest = max(sketch[a], sketch[a + 1], sketch[b], sketch[b + 1])
+        has_pixels = (first <= last) & (top <= bottom)
+        sketch[FIRST + at], sketch[LAST + at] = first, last
+        sketch[TOP + at], sketch[BOTTOM + at] = top, bottom
+        sketch[SHOWN + at] = np.float32((farthest > -near) & ((nearest <= near) | has_pixels))
 
 
 @inlined_kernel
 def _pixels_of_near_cell(blocks: Blocks, square: Square, camera: Camera, at: int) -> Rectangle:
     """Return the pixels of a cell that is near the camera, or has corners behind it."""
-    outline = no_outline()
-    for corner in (at, at + 1, at + CORNERS, at + CORNERS + 1):
-        east = square.east + corner % CORNERS * CELL
-        north = square.north + corner // CORNERS * CELL
-        up = blocks.heights[square.block, corner] - camera.y
-        outline = widened(outline, turned(camera, east, up, north))
-    return pixels_of(camera, outline)
+    east = square.east + at % CORNERS * CELL
+    north = square.north + at // CORNERS * CELL
+    heights = blocks.heights[square.block]
+    south_west = turned(camera, east, heights[at] - camera.y, north)
+    south_east = turned(camera, east + CELL, heights[at + 1] - camera.y, north)
+    north_west = turned(camera, east, heights[at + CORNERS] - camera.y, north + CELL)
+    north_east = turned(camera, east + CELL, heights[at + CORNERS + 1] - camera.y, north + CELL)
+    if beside(camera, south_west, south_east, north_west, north_east):
+        return Rectangle(0, 0, 0, 0)
+    outline = widened(widened(no_outline(), south_west), south_east)
+    return pixels_of(camera, widened(widened(outline, north_west), north_east))
 
 
 class Half(NamedTuple):
@@ -284,26 +265,26 @@ def _paint(cell: Cell, pixels: Rectangle, canvas: Canvas) -> None:
         return
     for row in range(pixels.top, pixels.bottom):
         for column in range(pixels.left, pixels.right):
-            east, up, north = canvas.east[row, column], canvas.up[row, column], canvas.north[row, column]
-            nearest, met = canvas.distance[row, column], canvas.met[row, column]
+            ray = natural(row * canvas.width + column)
+            east, up, north = canvas.east[ray], canvas.up[ray], canvas.north[ray]
+            nearest, met = canvas.distance[ray], canvas.met[ray]
             is_in, distance = _meet_half(cell, cell.south_east, 1.0, east, up, north)
             nearer = is_in & (distance < nearest)
             nearest, met = distance if nearer else nearest, cell.south_east.met if nearer else met
             is_in, distance = _meet_half(cell, cell.north_west, -1.0, east, up, north)
             nearer = is_in & (distance < nearest)
-            canvas.distance[row, column] = distance if nearer else nearest
-            canvas.met[row, column] = cell.north_west.met if nearer else met
+            canvas.distance[ray] = distance if nearer else nearest
+            canvas.met[ray] = cell.north_west.met if nearer else met
 
 
 @kernel
 def _paint_by_rows(cell: Cell, pixels: Rectangle, canvas: Canvas) -> None:
     """Do for whole rows what ``_paint`` does for a ray: several rays at once."""
-    left, right = pixels.left, pixels.right
     for row in range(pixels.top, pixels.bottom):
-        easts, ups = canvas.east[row, left:right], canvas.up[row, left:right]
-        norths = canvas.north[row, left:right]
-        distances, mets = canvas.distance[row, left:right], canvas.met[row, left:right]
-        for ray in range(right - left):
+        first, last = row * canvas.width + pixels.left, row * canvas.width + pixels.right
+        easts, ups, norths = canvas.east[first:last], canvas.up[first:last], canvas.north[first:last]
+        distances, mets = canvas.distance[first:last], canvas.met[first:last]
+        for ray in range(last - first):
             east, up, north = easts[ray], ups[ray], norths[ray]
             nearest, met = distances[ray], mets[ray]
             is_in, distance = _meet_half(cell, cell.south_east, 1.0, east, up, north)
@@ -315,7 +296,7 @@ def _paint_by_rows(cell: Cell, pixels: Rectangle, canvas: Canvas) -> None:
             mets[ray] = cell.north_west.met if nearer else met
 
 
-@inlined_kernel
+@kernel
 def paint_water(blocks: Blocks, square: Square, camera: Camera, canvas: Canvas) -> None:
     """Let the rays of an image meet the water of a block from above; see ``paint_terrain``."""
     for row in range(min(BLOCK, blocks.rows - square.row)):
