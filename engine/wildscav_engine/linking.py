@@ -83,15 +83,20 @@ class Unplaced:
 
 
 def _below(part: Part) -> list[Any]:
-    """Return the libraries that a part calls, directly or not."""
+    """Return the libraries that a part calls, directly or not, each after all that call it.
+
+    In another order some would be lost: what nobody calls yet is not linked in.
+    """
     found: dict[Any, None] = {}
-    waiting = list(part._linking_libraries)
-    while waiting:
-        library = waiting.pop()
-        if library not in found and library is not part:
-            found[library] = None
-            waiting.extend(library._linking_libraries)
-    return list(found)
+
+    def find(library: Any) -> None:
+        for called in library._linking_libraries:
+            if called not in found:
+                find(called)
+        found[library] = None
+
+    find(part)
+    return list(found)[-2::-1]
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
