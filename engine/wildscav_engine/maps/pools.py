@@ -1,8 +1,8 @@
 """Pools of maps that episodes are drawn from: random ones of a level, or numbered ones.
 
 Nobody trains on what is tested on, by construction: the random maps of the split ``train`` have even seeds
-and those of ``test`` odd ones, whatever the seed of the pool. All are below 2**63: evaluations keep the others
-for themselves. Numbered maps are what they are in both.
+and those of ``test`` odd ones, whatever the seed of the pool. All are below 2**63: evaluations keep the
+others for themselves. Numbered maps are what they are in both.
 """
 
 import functools
