@@ -91,7 +91,9 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     """
     others = _pack(moving)
     room = scene.rooms.of(scene.packed, others, hits.distance.shape[1:], cameras.half_width)
-    return _trace(with_water, *cameras, *others[:2], room.addresses, *hits, NO_DEPTHS)
+    return _trace(
+        with_water, *cameras, *others[:2], room.addresses, hits.distance, hits.solid, hits.face, NO_DEPTHS
+    )
 
 
 def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> bool:
@@ -108,7 +110,9 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
     """
     others = _pack(moving)
     room = scene.rooms.of(scene.packed, others, depths.shape[1:], cameras.half_width)
-    return _trace(False, *cameras, *others[:2], room.addresses, *NO_HITS, depths)
+    return _trace(
+        False, *cameras, *others[:2], room.addresses, NO_HITS.distance, NO_HITS.solid, NO_HITS.face, depths
+    )
 
 
 @kernel

@@ -27,22 +27,22 @@ ROOM = GROUP + 7 * LANES
 class RoughCamera(NamedTuple):
     """A camera half as precise; all float32."""
 
-    sin_yaw: float
-    cos_yaw: float
-    sin_pitch: float
-    cos_pitch: float
-    half_width: float  # see Camera
-    half_height: float
-    slant_x: float
-    slant_y: float
-    far: float
-    scale: float
-    last_column: float
-    last_row: float
-    left: float  # columns at tangent 0, where a pixel begins to be touched, and where it ends
-    right: float
-    top: float  # likewise rows
-    bottom: float
+    sin_yaw: np.float32
+    cos_yaw: np.float32
+    sin_pitch: np.float32
+    cos_pitch: np.float32
+    half_width: np.float32  # see Camera
+    half_height: np.float32
+    slant_x: np.float32
+    slant_y: np.float32
+    far: np.float32
+    scale: np.float32
+    last_column: np.float32
+    last_row: np.float32
+    left: np.float32  # columns at tangent 0, where a pixel begins to be touched, and where it ends
+    right: np.float32
+    top: np.float32  # likewise rows
+    bottom: np.float32
 
 
 @inlined_kernel
@@ -71,17 +71,19 @@ def roughly(camera: Camera) -> RoughCamera:
 
 
 @inlined_kernel
-def ball_shows(camera: RoughCamera, right: float, above: float, ahead: float, radius: float) -> bool:
+def ball_shows(
+    camera: RoughCamera, right: np.float32, above: np.float32, ahead: np.float32, radius: np.float32
+) -> bool:
     """Return whether a ball in the camera's axes, m, reaches into what the camera sees."""
     beside = abs(right) - camera.half_width * ahead - radius * camera.slant_x
     beyond = abs(above) - camera.half_height * ahead - radius * camera.slant_y
     # One comparison: of several, some would often be guessed wrong by the processor.
-    return max(beside, beyond, -ahead - radius, ahead - camera.far - radius) <= np.float32(0.0)
+    return bool(max(beside, beyond, -ahead - radius, ahead - camera.far - radius) <= np.float32(0.0))
 
 
 @kernel
 def place_boxes(
-    east: float, up: float, north: float, camera: RoughCamera, boxes: NDArray[np.float32]
+    east: np.float32, up: np.float32, north: np.float32, camera: RoughCamera, boxes: NDArray[np.float32]
 ) -> None:
     """Say where eight boxes lie on an image.
 
@@ -146,13 +148,13 @@ def place_boxes(
 @inlined_kernel
 def is_shown(boxes: NDArray[np.float32], lane: int) -> bool:
     """Return whether one of the boxes may be seen."""
-    return boxes[SHOWN + lane] > np.float32(0.0)
+    return bool(boxes[SHOWN + lane] > np.float32(0.0))
 
 
 @inlined_kernel
 def is_near(boxes: NDArray[np.float32], lane: int) -> bool:
     """Return whether one of the boxes that may be seen is still to be placed precisely."""
-    return boxes[IS_NEAR + lane] > np.float32(0.0)
+    return bool(boxes[IS_NEAR + lane] > np.float32(0.0))
 
 
 @inlined_kernel
