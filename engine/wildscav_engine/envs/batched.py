@@ -164,6 +164,8 @@ class BatchedArena:
             ValueError: An option is wrong.
         """
         self.config = several_config(track, options)
+        if matches < 1:
+            raise ValueError(f"matches is {matches}, must be at least 1")
         self.num_matches, self.num_agents = matches, self.config.agents
         self.arena = Arena(self.config, matches)
         self.autoreset_mode = AutoresetMode(autoreset_mode)

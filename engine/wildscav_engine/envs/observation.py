@@ -119,11 +119,11 @@ class Sight:
 
     def _read_still(self, batch: "Batch", found: Observation) -> None:
         """Look at the maps alone, which needs no more of the matches than where the learners are."""
-        agents, learners = batch.state.agents, self._learners
-        every = len(learners) == agents.yaw.shape[1]
-        eyes = (agents.position if every else agents.position[:, learners]) + EYES
-        yaws, pitches = (
-            (agents.yaw, agents.pitch) if every else (agents.yaw[:, learners], agents.pitch[:, learners])
+        agents, count = batch.state.agents, len(self._learners)
+        eyes, yaws, pitches = (
+            agents.position[:, :count] + EYES,
+            agents.yaw[:, :count],
+            agents.pitch[:, :count],
         )
         for name, sensor in self._still.items():
             found[name] = self._look(sensor, self._lenses[name], eyes, yaws, pitches)

@@ -45,6 +45,8 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             ValueError: An option is wrong.
         """
         self.config = single_config(track, options)
+        if num_envs < 1:
+            raise ValueError(f"num_envs is {num_envs}, must be at least 1")
         self.num_envs = num_envs
         self.render_mode = self.config.render_mode
         mode = AutoresetMode(autoreset_mode)

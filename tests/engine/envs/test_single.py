@@ -158,7 +158,10 @@ def test_the_paper_presets_hold_an_action_for_15_frames_and_play_its_matches() -
 def test_a_picture_a_depth_map_and_a_view_from_above() -> None:
     looks = {"render_size": (32, 18)}
     for mode, shape, dtype in (("rgb_array", (18, 32, 3), np.uint8), ("depth_array", (18, 32), np.float32)):
-        env = SingleEnv("battle", **options("battle", sensors={}, render_mode=mode, **looks))
+        env = SingleEnv(
+            "battle",
+            **options("battle", sensors={}, map=OPEN, start=(0.0, 0.0, -15.0), render_mode=mode, **looks),
+        )
         env.reset(seed=0)
         picture = env.render()
         assert (picture.shape, picture.dtype) == (shape, dtype)
