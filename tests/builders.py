@@ -10,7 +10,10 @@ from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.geometry.world import CELL, Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
+from wildscav_engine.sensors.visibility import Seen
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.state import Supplies
+from wildscav_engine.systems.supplies import index_boxes
 
 BOX_FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
@@ -58,11 +61,38 @@ def place(match: Match, seat: int, position: Sequence[float], yaw: float = 0.0, 
     agents.yaw[0, seat], agents.pitch[0, seat] = yaw, pitch
 
 
+def lay_boxes(
+    match: Match, *places: Sequence[float], quantity: int | Sequence[int] = 3, serial: int = 0
+) -> None:
+    """Lay exactly these boxes, in the first slots."""
+    supplies = match.state.supplies
+    supplies.quantity[:] = 0
+    count = len(places)
+    supplies.position[0, :count] = np.array(places).reshape(-1, 3)
+    supplies.quantity[0, :count] = quantity
+    supplies.appears[0, :count] = 0
+    supplies.serial[0, :count] = np.arange(serial, serial + count)
+    index_boxes_of(match)
+
+
+def index_boxes_of(match: Match) -> None:
+    """Let boxes be found that were laid by hand."""
+    supplies = Supplies(*(array[0] for array in match.state.supplies))
+    index_boxes(match.game_map.world, supplies, match.state.matches, 0)
+
+
+def seen_now(match: Match) -> Seen:
+    """What everybody sees of a state that was changed by hand since the last step."""
+    match._batch._is_seen = False
+    return match.seen
+
+
 def act(match: Match, steps: int = 1, **seats: dict[str, float]) -> None:
     """Play steps in which the named seats (``seat_0={"walk_speed": 5}``) do the same again and again."""
     rows: NDArray[np.float32] = np.zeros((match.seats, FIELDS), np.float32)
     for name, fields in seats.items():
         for field, value in fields.items():
             rows[int(name.removeprefix("seat_")), Field[field.upper()]] = value
+    index_boxes_of(match)
     for _ in range(steps):
         match.step(rows)

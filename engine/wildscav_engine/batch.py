@@ -16,7 +16,7 @@ from wildscav_engine.maps.bank import MapBank, world_at
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rows import clear_rows, fills_of
 from wildscav_engine.rules import Rules
-from wildscav_engine.sensors.visibility import allocate_seen
+from wildscav_engine.sensors.visibility import Seen, allocate_seen, look_at_match
 from wildscav_engine.set_up import MatchSetupError, place_match, plan_match
 from wildscav_engine.snapshot import History, decode, encode, map_for, write
 from wildscav_engine.spec import MatchSpec
@@ -56,13 +56,23 @@ class Batch:
         seats = max(len(spec.seats) for spec in self.specs)
         slots = max(setup.slots for setup in self.setups)
         phases = max(len(setup.zone) for setup in self.setups)
-        self.seen = allocate_seen(len(self.specs), seats)
+        self._seen = allocate_seen(len(self.specs), seats)
+        self._is_seen = False
         self._keep(allocate_state(len(self.specs), seats, slots, phases))
         self._numbers = np.array(self.rules, np.float64)
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
         self._nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
         self._open(self._rows)
+
+    @property
+    def seen(self) -> Seen:
+        """What every agent sees now. It is found out when it is asked for, once a step at most."""
+        if not self._is_seen:
+            agents, supplies, matches, seen = self._tables
+            look(self._bank.addresses, agents, supplies, matches, seen, self._numbers)
+            self._is_seen = True
+        return self._seen
 
     def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
         """Play one step of every match that is not over.
@@ -153,6 +163,7 @@ class Batch:
         setup = plan_match(spec, game_map)
         self._make_room(slots, phases)
         self._clear([row])
+        self._is_seen = False
         write(snapshot, self._tables, row)
         self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
         self._bank.add([game_map], in_use=self.maps)
@@ -169,7 +180,7 @@ class Batch:
         """Let go of everything that is shared and changes."""
         self.specs, self.maps, self.setups = list(self.specs), list(self.maps), list(self.setups)
         self._bank = self._bank.fork()
-        self.seen = _copies(self.seen)
+        self._seen = _copies(self._seen)
         self._keep(State(*map(_copies, self.state)))
 
     def _counts(self, row: int) -> tuple[int, int, int]:
@@ -200,6 +211,7 @@ class Batch:
         *,
         opening: bool,
     ) -> None:
+        self._is_seen = False
         play(
             self._bank.addresses,
             *self._tables,
@@ -219,7 +231,7 @@ class Batch:
     def _keep(self, state: State) -> None:
         """Make a state the batch's own."""
         self.state = state
-        self.handles = tuple(Handle(part) for part in (*state, self.seen))
+        self.handles = tuple(Handle(part) for part in (*state, self._seen))
 
     @property
     def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
@@ -327,7 +339,8 @@ matches_at = reader(_EXAMPLE.matches)
 rules_from = number_reader(Rules())
 
 
-def _play_batch(
+@kernel
+def _play_rows(
     bank: NDArray[np.int64],
     agents: Addresses,
     supplies: Addresses,
@@ -339,14 +352,13 @@ def _play_batch(
     frames_per_action: int,
     rules: NDArray[np.float64],
     opening: bool,
+    first: int,
+    last: int,
 ) -> None:
-    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
-
-    Both are in one kernel, because they share most of what there is to compile.
-    """
-    for index in numba.prange(rows.shape[0]):
+    """Open or play the matches from ``rows[first]`` to before ``rows[last]``; see ``play_batch``."""
+    matches = matches_at(every)
+    for index in range(first, last):
         match = rows[index]
-        matches = matches_at(every)
         if not matches.over[match]:
             seats = matches.seats[match]
             play_step(
@@ -364,5 +376,82 @@ def _play_batch(
             )
 
 
-play_batch = kernel(_play_batch)
-play_batch_in_threads = parallel_kernel(_play_batch)
+@kernel
+def play_batch(
+    bank: NDArray[np.int64],
+    agents: Addresses,
+    supplies: Addresses,
+    every: Addresses,
+    seen: Addresses,
+    rows: NDArray[np.int64],
+    actions: NDArray[np.float32],
+    allowed: NDArray[np.bool_],
+    frames_per_action: int,
+    rules: NDArray[np.float64],
+    opening: bool,
+) -> None:
+    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
+
+    Both are in one kernel, because they share most of what there is to compile.
+    """
+    played = (bank, agents, supplies, every, seen, rows, actions, allowed, frames_per_action, rules, opening)
+    _play_rows(*played, 0, rows.shape[0])
+
+
+@parallel_kernel
+def play_batch_in_threads(
+    bank: NDArray[np.int64],
+    agents: Addresses,
+    supplies: Addresses,
+    every: Addresses,
+    seen: Addresses,
+    rows: NDArray[np.int64],
+    actions: NDArray[np.float32],
+    allowed: NDArray[np.bool_],
+    frames_per_action: int,
+    rules: NDArray[np.float64],
+    opening: bool,
+) -> None:
+    """Do the same over threads, each of which plays its share of the rows."""
+    parts, count = numba.get_num_threads(), rows.shape[0]
+    for part in numba.prange(parts):
+        first, last = part * count // parts, (part + 1) * count // parts
+        _play_rows(
+            bank,
+            agents,
+            supplies,
+            every,
+            seen,
+            rows,
+            actions,
+            allowed,
+            frames_per_action,
+            rules,
+            opening,
+            first,
+            last,
+        )
+
+
+@kernel
+def look(
+    bank: NDArray[np.int64],
+    agents: Addresses,
+    supplies: Addresses,
+    every: Addresses,
+    seen: Addresses,
+    rules: NDArray[np.float64],
+) -> None:
+    """Find out what the agents of all matches see."""
+    matches = matches_at(every)
+    for match in range(matches.seats.shape[0]):
+        seats = matches.seats[match]
+        look_at_match(
+            world_at(bank[matches.map_index[match]]),
+            agents_of(agents, match, seats),
+            supplies_of(supplies, match, matches.slots[match]),
+            matches,
+            match,
+            rules_from(rules),
+            seen_of(seen, match, seats),
+        )

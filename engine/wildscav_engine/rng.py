@@ -65,10 +65,15 @@ def philox(seed: Word, stream: int, frame: int, agent: int, draw: int) -> tuple[
 
 
 @kernel
+def to_unit(word: Word) -> float:
+    """Return 64 random bits as a random number in [0, 1)."""
+    return np.float64(np.uint64(word) >> SHIFT_11) * TO_UNIT
+
+
+@kernel
 def uniform(seed: Word, stream: int, frame: int, agent: int, draw: int) -> float:
     """Return a random number in [0, 1)."""
-    word = np.uint64(philox(seed, stream, frame, agent, draw)[0])
-    return np.float64(word >> SHIFT_11) * TO_UNIT
+    return to_unit(philox(seed, stream, frame, agent, draw)[0])
 
 
 @kernel

@@ -76,6 +76,7 @@ def _lengths() -> list[NDArray[np.int64]]:
             fixed = Length.WHOLE if len(set(pair)) < 2 else Length.NOTHING
             kinds.append(of_pair.get(pair, fixed))
         found.append(np.array(kinds, np.int64))
+    found[-1][:] = Length.NOTHING  # what is seen is found out anew
     return found
 
 

@@ -4,6 +4,7 @@ B matches, A seats in the largest of them, S slots for supply boxes in the large
 match's slices, which have the same names and no B axis.
 """
 
+import math
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 NOBODY = -1  # in place of a seat
 NOT_OUT = -1  # in place of the frame of an elimination
 MEMORY = 8  # numbers that a robot can remember
+MOST_SQUARES = 64  # along each side of a map, in the grid of agents
+BOX_SQUARES = 16  # the same at most in the grid of boxes
 
 
 class Ending(IntEnum):
@@ -63,15 +66,18 @@ class Agents(NamedTuple):
     hit_by_seat: NDArray[np.int32]  # (B, A) who hit it, or NOBODY
     damage: NDArray[np.int32]  # (B, A) hp, lost at the end of a frame
     gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
+    # No state, but follows from where they are (``systems/crowd.py``).
+    next_in_square: NDArray[np.int32]  # (B, A) seat + 1 of the next agent in the same square, 0 = none
 
 
 class Supplies(NamedTuple):
     """The supply boxes, those of later waves and those dropped at deaths included."""
 
-    position: NDArray[np.float64]  # (B, S, 3) m, on the ground or floor
+    position: NDArray[np.float32]  # (B, S, 3) m, on the ground or floor
     quantity: NDArray[np.int32]  # (B, S) supplies in it, 0 = taken or a free slot
     appears: NDArray[np.int32]  # (B, S) frame from which it is there
     serial: NDArray[np.int32]  # (B, S) number of the box in its match, never used twice
+    next_in_square: NDArray[np.int32]  # (B, S) slot + 1 of the next box in the same square, 0 = none
 
 
 class Matches(NamedTuple):
@@ -99,6 +105,8 @@ class Matches(NamedTuple):
     # then x, z and radius before, x, z and radius after it in m, and hp a second outside
     phases: NDArray[np.int64]  # (B,) how many phases this match has; the rest of the Z are padding
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
+    crowd: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
+    box_squares: NDArray[np.int32]  # (B, 256) slot + 1 of the first box in each square, 0 = none
 
 
 class State(NamedTuple):
@@ -107,6 +115,11 @@ class State(NamedTuple):
     agents: Agents
     supplies: Supplies
     matches: Matches
+
+
+def squares_for(seats: int) -> int:
+    """Return how many squares the grid of agents has along each side of the map: two agents a square."""
+    return min(MOST_SQUARES, max(1, int(math.sqrt(seats * 0.5))))
 
 
 def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> State:
@@ -136,12 +149,14 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
         hit_by_seat=np.full((b, a), NOBODY, np.int32),
         damage=np.zeros((b, a), np.int32),
         gained=np.zeros((b, a), np.int32),
+        next_in_square=np.zeros((b, a), np.int32),
     )
     supplies = Supplies(
-        position=np.zeros((b, s, 3)),
+        position=np.zeros((b, s, 3), np.float32),
         quantity=np.zeros((b, s), np.int32),
         appears=np.zeros((b, s), np.int32),
         serial=np.zeros((b, s), np.int32),
+        next_in_square=np.zeros((b, s), np.int32),
     )
     return State(agents, supplies, _allocate_matches(b, a, phases))
 
@@ -175,6 +190,8 @@ def _allocate_matches(b: int, a: int, phases: int) -> Matches:
         zone=np.zeros((b, phases, 9)),
         phases=np.zeros(b, np.int64),
         digest=np.zeros(b, np.uint64),
+        crowd=np.zeros((b, squares_for(a) ** 2), np.int32),
+        box_squares=np.zeros((b, BOX_SQUARES * BOX_SQUARES), np.int32),
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.actions import FIELDS, MAX_WALK_SPEED, Field
-from wildscav_engine.digest import digest_step
+from wildscav_engine.digest import digest_boxes, digest_step
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import inlined_kernel, kernel
@@ -15,6 +15,7 @@ from wildscav_engine.rules import FRAME, Rules
 from wildscav_engine.sensors.visibility import Seen, look_around
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.systems.collision import Bodies
+from wildscav_engine.systems.crowd import index_agents
 from wildscav_engine.systems.damage import apply_damage, bring_back, equip
 from wildscav_engine.systems.elimination import rank_teams
 from wildscav_engine.systems.endings import (
@@ -24,14 +25,14 @@ from wildscav_engine.systems.endings import (
     end_at_time_limit,
 )
 from wildscav_engine.systems.motion import move_by
-from wildscav_engine.systems.supplies import pick_up
+from wildscav_engine.systems.supplies import index_boxes, pick_up
 from wildscav_engine.systems.turns import draw_turns, seat_at
-from wildscav_engine.systems.weapons import handle_weapon, shoot
+from wildscav_engine.systems.weapons import handle_weapons, shoot
 from wildscav_engine.systems.zone import hurt_outside
 from wildscav_engine.trig import cosine, sine, wrap
 
 
-@kernel
+@inlined_kernel
 def play_step(
     world: World,
     agents: Agents,
@@ -53,19 +54,17 @@ def play_step(
         supplies: Its boxes.
         matches: All matches.
         match: Which one it is.
-        seen: What the agents see; robots decide by it, and it is brought up to date at the end.
+        seen: What the agents see; robots look before they decide, the others' rows are left alone.
         actions: (A, FIELDS); becomes what was really played (robots decide, invalid rows do nothing).
         allowed: (FIELDS,) the track's action set.
         frames_per_action: How many frames the actions are held.
         rules: The rules.
-        opening: Whether the match is only opened: everybody is equipped and looks around.
+        opening: Whether the match is only opened: everybody is equipped, and the boxes are indexed.
     """
     if opening:
-        for seat in range(actions.shape[0]):
-            if agents.present[seat]:
-                equip(agents, seat, rules)
-        look_around(world, agents, supplies, matches.frame[match], rules, seen)
+        _open(world, agents, supplies, matches, match, rules)
         return
+    _let_robots_look(world, agents, supplies, matches, match, rules, seen)
     _clear_step_facts(agents)
     for seat in range(actions.shape[0]):
         action = actions[seat]
@@ -74,12 +73,10 @@ def play_step(
         if not matches.over[match]:
             play_frame(world, agents, supplies, matches, match, actions, rules)
     matches.step[match] += 1
-    frame = matches.frame[match]
-    matches.digest[match] = digest_step(matches.digest[match], agents, supplies, actions, frame)
-    look_around(world, agents, supplies, frame, rules, seen)
+    matches.digest[match] = digest_step(matches.digest[match], agents, actions, matches.frame[match])
 
 
-@kernel
+@inlined_kernel
 def play_frame(
     world: World,
     agents: Agents,
@@ -92,6 +89,8 @@ def play_frame(
     """Play one frame, in place. The order below is the rulebook."""
     seats = actions.shape[0]
     turns = draw_turns(matches.seed[match], matches.frame[match], seats)
+    # Collisions and shots of the whole frame go by where everybody is now.
+    index_agents(world, agents, matches, match)
     # Times are counted from the frame after: whoever dies now has the whole respawn time before it.
     bring_back(world, agents, matches, match, rules)
     for turn in range(seats):
@@ -99,16 +98,14 @@ def play_frame(
     matches.frame[match] += 1
     # The target is tested every frame, so that nobody runs through it between two steps.
     end_at_target(agents, matches, match, turns, rules)
-    pick_up(agents, supplies, actions, turns, matches.frame[match], rules)
+    pick_up(world, agents, supplies, matches, match, actions, turns, rules)
     end_at_supply_goal(agents, matches, match)
-    for seat in range(seats):
-        if agents.health[seat] > 0:
-            handle_weapon(agents, seat, actions[seat, Field.RELOAD] != 0.0, rules)
+    handle_weapons(agents, actions, rules)
     # Everyone has moved before anyone shoots, so no agent gains by coming first.
-    shoot(world, agents, actions, turns, rules)
+    shoot(world, agents, matches, match, actions, turns, rules)
     # Damage lands after the last shot: two agents can kill each other in one frame.
     hurt_outside(agents, matches, match)
-    apply_damage(agents, supplies, matches, match, rules)
+    apply_damage(world, agents, supplies, matches, match, rules)
     # After all deaths of the frame: teams that go out together share their placement.
     rank_teams(agents, matches, match)
     end_at_last_standing(matches, match)
@@ -116,14 +113,46 @@ def play_frame(
 
 
 @kernel
+def _open(
+    world: World, agents: Agents, supplies: Supplies, matches: Matches, match: int, rules: Rules
+) -> None:
+    for seat in range(agents.health.shape[0]):
+        if agents.present[seat]:
+            equip(agents, seat, rules)
+    index_boxes(world, supplies, matches, match)
+    matches.digest[match] = digest_boxes(matches.digest[match], supplies)
+
+
+@inlined_kernel
+def _let_robots_look(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    rules: Rules,
+    seen: Seen,
+) -> None:
+    is_indexed = False
+    for seat in range(agents.robot.shape[0]):
+        if agents.robot[seat] == 0 or agents.health[seat] <= 0:
+            continue
+        if not is_indexed:
+            index_agents(world, agents, matches, match)
+            is_indexed = True
+        look_around(world, agents, supplies, matches, match, seat, rules, seen)
+
+
+@inlined_kernel
 def _clear_step_facts(agents: Agents) -> None:
-    agents.fired[:] = False
-    agents.hit_seat[:] = NOBODY
-    agents.hit_by_seat[:] = NOBODY
-    agents.gained[:] = 0
+    for seat in range(agents.fired.shape[0]):
+        agents.fired[seat] = False
+        agents.hit_seat[seat] = NOBODY
+        agents.hit_by_seat[seat] = NOBODY
+        agents.gained[seat] = 0
 
 
-@kernel
+@inlined_kernel
 def _settle_action(
     agents: Agents,
     supplies: Supplies,
@@ -137,7 +166,8 @@ def _settle_action(
 ) -> None:
     """Turn an action row into what counts: a robot's choice, or what was sent as far as it is valid."""
     if agents.robot[seat] != 0:
-        action[:] = 0.0
+        for field in range(FIELDS):
+            action[field] = 0.0
         if agents.health[seat] > 0:
             frame, seed = matches.frame[match], matches.seed[match]
             skill = skill_of(agents.robot[seat])
@@ -151,7 +181,8 @@ def _settle_action(
             action[field] = 0.0
         valid = valid and np.isfinite(action[field])
     if not (valid and 0.0 <= action[Field.WALK_SPEED] <= MAX_WALK_SPEED):
-        action[:] = 0.0
+        for field in range(FIELDS):
+            action[field] = 0.0
     direction, speed = np.float64(action[Field.WALK_DIRECTION]), np.float64(action[Field.WALK_SPEED])
     agents.course[seat, 0], agents.course[seat, 1] = speed * sine(direction), speed * cosine(direction)
 

@@ -36,7 +36,7 @@ def row_of(batch: Batch, row: int) -> list[bytes]:
     seats, slots, phases = (int(count[row]) for count in (matches.seats, matches.slots, matches.phases))
     found = [array[row, :seats].tobytes() for array in (*agents, *batch.seen, matches.members_left)]
     found += [array[row, :slots].tobytes() for array in supplies]
-    skipped = {"map_index", "members_left", "zone"}
+    skipped = {"map_index", "members_left", "zone", "crowd"}
     found += [getattr(matches, name)[row].tobytes() for name in matches._fields if name not in skipped]
     return [*found, matches.zone[row, :phases].tobytes()]
 

@@ -147,6 +147,7 @@ class Arena:
         """Return what all learners are told now, and what became of them since the last reading."""
         batch, layout = self._batch, self.layout
         rows = np.empty((self.matches, len(self.learners), layout.width), np.float32)
+        _ = batch.seen  # what is seen is found out when it is asked for; the table is of these very arrays
         agents, matches, seen = self._tables
         write_rows(agents.addresses, matches.addresses, seen.addresses, self._desk.addresses, rows)
         self._desk, self._next_desk = self._next_desk, self._desk

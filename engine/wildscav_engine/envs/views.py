@@ -3,6 +3,7 @@
 from typing import Any, TypeVar
 
 from wildscav_engine.batch import Batch
+from wildscav_engine.sensors.visibility import Seen
 from wildscav_engine.state import State
 
 Arrays = TypeVar("Arrays")
@@ -27,12 +28,17 @@ class MatchView:
         self.track = batch.track
         self.seats = len(self.spec.seats)
         self.state = State(_some(agents, part), _some(supplies, part), _some(matches, part))
-        self.seen = _some(batch.seen, part)
+        self._batch, self._part = batch, part
 
     @property
     def as_match(self) -> Any:
         """The view, for what is typed to take a ``Match``."""
         return self
+
+    @property
+    def seen(self) -> Seen:
+        """What every agent of it sees now."""
+        return _some(self._batch.seen, self._part)
 
     @property
     def frame(self) -> int:

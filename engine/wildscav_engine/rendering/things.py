@@ -94,7 +94,7 @@ def things_of(match: "Match") -> Things:
     solids = allocate_parts(bodies + crates)
     write_parts(AGENT, BODY, agents.position[0], agents.yaw[0], seats, 0, solids)
     turns = TURN_OF_BOXES * supplies.serial.astype(np.float64)
-    write_parts(BOX, CRATE, supplies.position, turns, slots, bodies, solids)
+    write_parts(BOX, CRATE, supplies.position.astype(np.float64), turns, slots, bodies, solids)
     instance, color = np.empty(bodies + crates, np.int32), np.empty((bodies + crates, 3))
     teams, invincible_left = agents.team[0], agents.invincible_left[0]
     looks = _bodies_of_teams(int(teams.max(initial=0)) + 1)

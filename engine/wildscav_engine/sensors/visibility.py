@@ -7,12 +7,14 @@ from numpy.typing import NDArray
 
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray, make_ray, meet_solid
+from wildscav_engine.geometry.squares import Squares, column_of, row_of, squares_around
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rules import Rules
-from wildscav_engine.state import NOBODY, Agents, Supplies
-from wildscav_engine.systems.supplies import is_there
-from wildscav_engine.trig import arctangent, wrap
+from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
+from wildscav_engine.systems.crowd import Crowd, crowd_of, index_agents
+from wildscav_engine.systems.supplies import distance_to_box, is_there, squares_of_boxes
+from wildscav_engine.trig import arctangent, cosine, sine, wrap
 
 AGENT_LIMIT = 16  # agents at most in one observation
 SUPPLY_LIMIT = 32  # supply boxes at most
@@ -20,6 +22,7 @@ ASPECT = 9.0 / 16.0  # height of the view over its width, in degrees
 AXIS_POINTS = (0.95 * BODY_HEIGHT, 0.6 * BODY_HEIGHT, 0.2 * BODY_HEIGHT)  # m above the soles
 SIDE_HEIGHT = 0.7 * BODY_HEIGHT  # m above the soles, of a point to the left and one to the right
 SIDE = 0.8 * BODY_RADIUS  # m from the axis to those
+SLACK = 0.01  # m, more than all rounding of where squares end
 
 
 class Seen(NamedTuple):
@@ -49,47 +52,140 @@ def allocate_seen(matches: int, seats: int) -> Seen:
 
 @kernel
 def look_around(
-    world: World, agents: Agents, supplies: Supplies, frame: int, rules: Rules, seen: Seen
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seat: int,
+    rules: Rules,
+    seen: Seen,
 ) -> None:
-    """Find out what every agent of one match sees.
+    """Find out what one agent of a match sees.
 
     Args:
         world: The static world.
-        agents: The agents of the match.
+        agents: The agents of the match, which have been indexed since they moved.
         supplies: Its boxes.
-        frame: Its frame.
+        matches: All matches.
+        match: Which one it is.
+        seat: Who looks.
         rules: The rules.
-        seen: The match's slices, written.
+        seen: The match's slices; the seat's rows are written.
     """
-    seats = agents.health.shape[0]
-    for seat in range(seats):
-        seen.agent_count[seat] = 0
-        seen.supply_count[seat] = 0
-        seen.can_pick_up[seat] = False
-        seen.agents[seat] = NOBODY
-        seen.supplies[seat] = -1
-        if not agents.present[seat] or agents.health[seat] <= 0:
-            continue
-        _see_agents(world, agents, seat, rules.view_angle, seen)
-        _see_supplies(agents, supplies, seat, frame, rules, seen)
+    seen.agent_count[seat] = 0
+    seen.supply_count[seat] = 0
+    seen.can_pick_up[seat] = False
+    for place in range(AGENT_LIMIT):
+        seen.agents[seat, place], seen.agent_distance[seat, place] = NOBODY, 0.0
+    for place in range(SUPPLY_LIMIT):
+        seen.supplies[seat, place], seen.supply_distance[seat, place] = -1, 0.0
+    if not agents.present[seat] or agents.health[seat] <= 0:
+        return
+    if agents.health.shape[0] > 1:
+        crowd = crowd_of(world, agents, matches, match)
+        _see_agents(world, agents, crowd, seat, rules.view_angle, seen)
+    if supplies.quantity.shape[0] > 0:
+        _see_supplies(
+            world, agents, supplies, matches.box_squares[match], seat, matches.frame[match], rules, seen
+        )
 
 
 @kernel
-def _see_agents(world: World, agents: Agents, seat: int, view_angle: float, seen: Seen) -> None:
-    for other in range(agents.health.shape[0]):
-        if other == seat or not agents.present[other] or agents.health[other] <= 0:
-            continue
-        if sees_body(world, agents, seat, other, view_angle):
-            dx = agents.position[other, 0] - agents.position[seat, 0]
-            dy = agents.position[other, 1] - agents.position[seat, 1]
-            dz = agents.position[other, 2] - agents.position[seat, 2]
-            seen.agent_count[seat] = insert_nearest(
-                dx * dx + dy * dy + dz * dz,
-                other,
-                seen.agent_count[seat],
-                seen.agent_distance[seat],
-                seen.agents[seat],
-            )
+def look_at_match(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    rules: Rules,
+    seen: Seen,
+) -> None:
+    """Find out what every agent of a match sees; see ``look_around``."""
+    index_agents(world, agents, matches, match)
+    for seat in range(agents.health.shape[0]):
+        look_around(world, agents, supplies, matches, match, seat, rules, seen)
+
+
+class Cone(NamedTuple):
+    """The view of an agent from above."""
+
+    x: float  # m, where it looks from
+    z: float
+    along_x: float  # unit vector of where it looks
+    along_z: float
+    least: float  # cosine of half its angle
+
+
+@inlined_kernel
+def _may_be_in_view(cone: Cone, x: float, z: float, reach: float) -> bool:
+    """Return False only if no place up to ``reach`` m from (x, z) is in view, seen from above."""
+    dx, dz = x - cone.x, z - cone.z
+    along = dx * cone.along_x + dz * cone.along_z + reach
+    # A place p in view has p · along >= |p| cos, and both sides change by ``reach`` at most.
+    rest = along + reach * cone.least
+    return bool(rest >= 0.0 and rest * rest >= (dx * dx + dz * dz) * (cone.least * cone.least))
+
+
+@inlined_kernel
+def _see_agents(world: World, agents: Agents, crowd: Crowd, seat: int, view_angle: float, seen: Seen) -> None:
+    """List the nearest agents in view, ring after ring of squares around an agent.
+
+    It stops where all that is farther away would not get into the list.
+    """
+    squares = crowd.squares
+    x, z, yaw = agents.position[seat, 0], agents.position[seat, 2], agents.yaw[seat]
+    cone = Cone(x, z, sine(yaw), cosine(yaw), cosine(view_angle * 0.5))
+    middle_row, middle_column = row_of(squares, z), column_of(squares, x)
+    half = 0.5 * (squares.width + squares.depth)  # more than half a diagonal
+    for ring in range(squares.side):
+        if seen.agent_count[seat] == AGENT_LIMIT:
+            # Whoever is outside the rings before is at least so far away.
+            gap = max(0.0, (ring - 1) * min(squares.width, squares.depth) - SLACK)
+            if gap * gap > seen.agent_distance[seat, AGENT_LIMIT - 1]:
+                break
+        south, north = middle_row - ring, middle_row + ring
+        for row in range(max(0, south), min(squares.side - 1, north) + 1):
+            # The first and the last row of a ring are whole, of the others there are only the ends.
+            stride = 1 if row in (south, north) or ring == 0 else 2 * ring
+            for column in range(middle_column - ring, middle_column + ring + 1, stride):
+                if not 0 <= column < squares.side:
+                    continue
+                other = crowd.heads[row * squares.side + column] - 1
+                if other < 0 or not (ring == 0 or _square_may_be_in_view(squares, cone, row, column, half)):
+                    continue
+                while other >= 0:
+                    if other != seat:
+                        _look_at(world, agents, cone, seat, other, view_angle, seen)
+                    other = crowd.links[other] - 1
+
+
+@inlined_kernel
+def _square_may_be_in_view(squares: Squares, cone: Cone, row: int, column: int, half: float) -> bool:
+    """Return False only if no body in a square can be in view. What is outside the map counts as inside."""
+    if row in (0, squares.side - 1) or column in (0, squares.side - 1):
+        return True
+    x = squares.west + (column + 0.5) * squares.width
+    z = squares.south + (row + 0.5) * squares.depth
+    return _may_be_in_view(cone, x, z, half + BODY_RADIUS)
+
+
+@inlined_kernel
+def _look_at(
+    world: World, agents: Agents, cone: Cone, seat: int, other: int, view_angle: float, seen: Seen
+) -> None:
+    """Put another agent into an agent's list if it is in sight and there is room for it."""
+    if not _may_be_in_view(cone, agents.position[other, 0], agents.position[other, 2], BODY_RADIUS):
+        return
+    dx = agents.position[other, 0] - agents.position[seat, 0]
+    dy = agents.position[other, 1] - agents.position[seat, 1]
+    dz = agents.position[other, 2] - agents.position[seat, 2]
+    distance = dx * dx + dy * dy + dz * dz
+    keys, items, count = seen.agent_distance[seat], seen.agents[seat], seen.agent_count[seat]
+    if is_full_of_nearer(distance, other, count, keys, items):
+        return
+    if sees_body(world, agents, seat, other, view_angle):
+        seen.agent_count[seat] = insert_nearest(distance, other, count, keys, items)
 
 
 @kernel
@@ -170,10 +266,12 @@ def _sees_point(
     return hit.solid == NOTHING_HIT, hit.solid
 
 
-@kernel
+@inlined_kernel
 def _see_supplies(
+    world: World,
     agents: Agents,
     supplies: Supplies,
+    heads: NDArray[np.int32],
     seat: int,
     frame: int,
     rules: Rules,
@@ -181,18 +279,35 @@ def _see_supplies(
 ) -> None:
     sight = rules.supply_sight * rules.supply_sight
     reach = rules.pick_up_distance * rules.pick_up_distance
-    for slot in range(supplies.quantity.shape[0]):
-        if not is_there(supplies, slot, frame):
-            continue
-        dx = supplies.position[slot, 0] - agents.position[seat, 0]
-        dy = supplies.position[slot, 1] - agents.position[seat, 1]
-        dz = supplies.position[slot, 2] - agents.position[seat, 2]
-        distance = dx * dx + dy * dy + dz * dz
-        if distance <= sight:
-            seen.supply_count[seat] = insert_nearest(
-                distance, slot, seen.supply_count[seat], seen.supply_distance[seat], seen.supplies[seat]
-            )
-            seen.can_pick_up[seat] |= distance <= reach
+    squares = squares_of_boxes(world)
+    far = max(rules.supply_sight, 0.0)
+    around = squares_around(squares, agents.position[seat, 0], agents.position[seat, 2], far)
+    for row in range(around.south, around.north + 1):
+        for column in range(around.west, around.east + 1):
+            slot = heads[row * squares.side + column] - 1
+            while slot >= 0:
+                distance = distance_to_box(agents, supplies, seat, slot)
+                if distance <= sight and is_there(supplies, slot, frame):
+                    seen.supply_count[seat] = insert_nearest(
+                        distance,
+                        slot,
+                        seen.supply_count[seat],
+                        seen.supply_distance[seat],
+                        seen.supplies[seat],
+                    )
+                    seen.can_pick_up[seat] |= distance <= reach
+                slot = supplies.next_in_square[slot] - 1
+
+
+@inlined_kernel
+def is_full_of_nearer(
+    key: float, item: int, count: int, keys: NDArray[np.float64], items: NDArray[np.int32]
+) -> bool:
+    """Return whether a sorted list has no room for an item; of equal keys, the lesser item comes first."""
+    last = items.shape[0] - 1
+    if count <= last:
+        return False
+    return bool(keys[last] < key or (keys[last] == key and items[last] < item))
 
 
 @kernel
@@ -202,7 +317,7 @@ def insert_nearest(
     """Put an item into a list that is sorted by its key, dropping the last if it is full.
 
     Args:
-        key: Of the item; of equal keys, the first to come stays first.
+        key: Of the item; of equal keys, the lesser item comes first.
         item: What to put in.
         count: How many are in it.
         keys: (N,) of the items.
@@ -211,14 +326,11 @@ def insert_nearest(
     Returns:
         How many are in it now.
     """
-    capacity = items.shape[0]
-    if count == capacity:
-        if key >= keys[count - 1]:
-            return count
-        count -= 1
-    place = count
-    while place > 0 and keys[place - 1] > key:
+    if is_full_of_nearer(key, item, count, keys, items):
+        return count
+    place = min(count, items.shape[0] - 1)
+    while place > 0 and (keys[place - 1] > key or (keys[place - 1] == key and items[place - 1] > item)):
         keys[place], items[place] = keys[place - 1], items[place - 1]
         place -= 1
     keys[place], items[place] = key, item
-    return count + 1
+    return int(min(count + 1, items.shape[0]))

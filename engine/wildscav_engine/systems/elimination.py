@@ -1,6 +1,6 @@
 """Death for good: who is out of a match where nobody comes back, and which place its team takes."""
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.state import NOT_OUT, Agents, Matches
 
 
@@ -14,7 +14,7 @@ def eliminate(agents: Agents, matches: Matches, match: int, seat: int) -> None:
         matches.teams_left[match] -= 1
 
 
-@kernel
+@inlined_kernel
 def rank_teams(agents: Agents, matches: Matches, match: int) -> None:
     """Give the teams that went out in this frame their placement: one more than there are teams left."""
     if matches.respawns[match]:

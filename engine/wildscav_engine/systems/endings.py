@@ -1,6 +1,6 @@
 """What ends a match: the target reached, enough supplies, one team left, the time up."""
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rules import Rules
 from wildscav_engine.state import NOBODY, Agents, Ending, Matches
 from wildscav_engine.systems.turns import Turns, seat_at
@@ -8,7 +8,7 @@ from wildscav_engine.systems.turns import Turns, seat_at
 TIME_UP, GOAL, LAST_STANDING = int(Ending.TIME_UP), int(Ending.GOAL), int(Ending.LAST_STANDING)
 
 
-@kernel
+@inlined_kernel
 def end(matches: Matches, match: int, ending: int) -> None:
     """End a match; the first reason counts."""
     if not matches.over[match]:
@@ -16,7 +16,7 @@ def end(matches: Matches, match: int, ending: int) -> None:
         matches.ending[match] = ending
 
 
-@kernel
+@inlined_kernel
 def end_at_target(agents: Agents, matches: Matches, match: int, turns: Turns, rules: Rules) -> None:
     """End the match when agents are at the target (3D, from the soles): all of them have reached it.
 
@@ -49,7 +49,7 @@ def _tell_team(agents: Agents, team: int) -> None:
             agents.knows_target[seat] = True
 
 
-@kernel
+@inlined_kernel
 def end_at_supply_goal(agents: Agents, matches: Matches, match: int) -> None:
     """End the match when a team carries as much as its goal."""
     goal = matches.supply_goal[match]
@@ -72,7 +72,7 @@ def team_supplies(agents: Agents, team: int) -> int:
     return total
 
 
-@kernel
+@inlined_kernel
 def end_at_last_standing(matches: Matches, match: int) -> None:
     """End a match when one team of several is left, or nobody; a team on its own plays till it is out."""
     left = matches.teams_left[match]
@@ -80,7 +80,7 @@ def end_at_last_standing(matches: Matches, match: int) -> None:
         end(matches, match, LAST_STANDING)
 
 
-@kernel
+@inlined_kernel
 def end_at_time_limit(matches: Matches, match: int) -> None:
     """End the match when its time is up."""
     if matches.frame[match] >= matches.frame_limit[match]:

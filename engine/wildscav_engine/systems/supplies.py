@@ -10,12 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.actions import Field
-from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.digest import digest_box
+from wildscav_engine.geometry.squares import Squares, link, square_of, squares_around, squares_over, unlink
+from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.kernel import array_kernel, inlined_kernel, kernel
 from wildscav_engine.rng import Stream, Word, integer_in, uniform
 from wildscav_engine.rules import Rules
-from wildscav_engine.state import Agents, Matches, Supplies
+from wildscav_engine.state import BOX_SQUARES, Agents, Matches, Supplies
 from wildscav_engine.systems.turns import Turns, seat_at
 from wildscav_engine.trig import exponential
+
+BOX_SQUARE = 16.0  # m, the least side of a square in the grid of boxes
 
 
 @array_kernel
@@ -84,7 +89,7 @@ def fill_boxes(
     appears: int,
     seed: Word,
     first: int,
-    position: NDArray[np.float64],
+    position: NDArray[np.float32],
     quantity: NDArray[np.int32],
     appearance: NDArray[np.int32],
 ) -> None:
@@ -109,52 +114,123 @@ def fill_boxes(
         appearance[slot] = appears
 
 
-@kernel
+@inlined_kernel
 def is_there(supplies: Supplies, slot: int, frame: int) -> bool:
     """Return whether a slot holds a box in this frame."""
     return bool(supplies.quantity[slot] > 0 and supplies.appears[slot] <= frame)
 
 
+@inlined_kernel
+def squares_of_boxes(world: World) -> Squares:
+    """Return the grid of the boxes on a map."""
+    return squares_over(world, min(BOX_SQUARES, max(1, int(world.water.shape[1] * CELL / BOX_SQUARE))))
+
+
 @kernel
-def nearest_box(agents: Agents, supplies: Supplies, seat: int, frame: int, reach: float) -> int:
-    """Return the slot of the nearest box within reach (3D, from the soles), or -1."""
+def index_boxes(world: World, supplies: Supplies, matches: Matches, match: int) -> None:
+    """Put all boxes into the squares where they are, those that appear later included."""
+    squares, heads = squares_of_boxes(world), matches.box_squares[match]
+    for square in range(heads.shape[0]):
+        heads[square] = 0
+    for slot in range(supplies.quantity.shape[0] - 1, -1, -1):
+        if supplies.quantity[slot] > 0:
+            link(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
+
+
+@inlined_kernel
+def _square_of_box(squares: Squares, supplies: Supplies, slot: int) -> int:
+    return square_of(squares, np.float64(supplies.position[slot, 0]), np.float64(supplies.position[slot, 2]))
+
+
+@inlined_kernel
+def distance_to_box(agents: Agents, supplies: Supplies, seat: int, slot: int) -> float:
+    """Return the distance from an agent's soles to a box, m², squared."""
+    dx = supplies.position[slot, 0] - agents.position[seat, 0]
+    dy = supplies.position[slot, 1] - agents.position[seat, 1]
+    dz = supplies.position[slot, 2] - agents.position[seat, 2]
+    return float(dx * dx + dy * dy + dz * dz)
+
+
+@kernel
+def nearest_box(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    heads: NDArray[np.int32],
+    seat: int,
+    frame: int,
+    reach: float,
+) -> int:
+    """Return the slot of the nearest box within reach (3D, from the soles), or -1.
+
+    Of boxes equally near, it is the one in the first slot.
+    """
+    squares = squares_of_boxes(world)
+    around = squares_around(squares, agents.position[seat, 0], agents.position[seat, 2], reach)
     best, nearest = -1, reach * reach
-    for slot in range(supplies.quantity.shape[0]):
-        if is_there(supplies, slot, frame):
-            dx = supplies.position[slot, 0] - agents.position[seat, 0]
-            dy = supplies.position[slot, 1] - agents.position[seat, 1]
-            dz = supplies.position[slot, 2] - agents.position[seat, 2]
-            distance = dx * dx + dy * dy + dz * dz
-            if distance < nearest or (distance == nearest and best < 0):
-                best, nearest = slot, distance
+    for row in range(around.south, around.north + 1):
+        for column in range(around.west, around.east + 1):
+            slot = heads[row * squares.side + column] - 1
+            while slot >= 0:
+                if is_there(supplies, slot, frame):
+                    distance = distance_to_box(agents, supplies, seat, slot)
+                    if distance < nearest or (distance == nearest and (best < 0 or slot < best)):
+                        best, nearest = slot, distance
+                slot = supplies.next_in_square[slot] - 1
     return best
 
 
-@kernel
+@inlined_kernel
 def pick_up(
+    world: World,
     agents: Agents,
     supplies: Supplies,
+    matches: Matches,
+    match: int,
     actions: NDArray[np.float32],
     turns: Turns,
-    frame: int,
     rules: Rules,
 ) -> None:
     """Let every living agent that wants to pick up take the nearest box in reach, in the frame's order."""
+    if supplies.quantity.shape[0] == 0:
+        return
     for turn in range(turns.seats):
         seat = seat_at(turns, turn)
-        if agents.health[seat] <= 0 or actions[seat, Field.PICK_UP] == 0.0:
-            continue
-        slot = nearest_box(agents, supplies, seat, frame, rules.pick_up_distance)
-        if slot >= 0:
-            agents.supplies[seat] += supplies.quantity[slot]
-            agents.picked_up[seat] += supplies.quantity[slot]
-            agents.gained[seat] += supplies.quantity[slot]
-            supplies.quantity[slot] = 0
+        if actions[seat, Field.PICK_UP] != 0.0 and agents.health[seat] > 0:
+            _take_nearest(world, agents, supplies, matches, match, seat, rules.pick_up_distance)
+
+
+@kernel
+def _take_nearest(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seat: int,
+    reach: float,
+) -> None:
+    heads = matches.box_squares[match]
+    slot = nearest_box(world, agents, supplies, heads, seat, matches.frame[match], reach)
+    if slot < 0:
+        return
+    agents.supplies[seat] += supplies.quantity[slot]
+    agents.picked_up[seat] += supplies.quantity[slot]
+    agents.gained[seat] += supplies.quantity[slot]
+    supplies.quantity[slot] = 0
+    unlink(heads, supplies.next_in_square, _square_of_box(squares_of_boxes(world), supplies, slot), slot)
+    matches.digest[match] = digest_box(matches.digest[match], supplies, slot)
 
 
 @kernel
 def drop_supplies(
-    agents: Agents, supplies: Supplies, matches: Matches, match: int, seat: int, share: float
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seat: int,
+    share: float,
 ) -> None:
     """Leave a share of an agent's supplies, rounded down, where it died.
 
@@ -166,10 +242,15 @@ def drop_supplies(
     for slot in range(supplies.quantity.shape[0] - 1, -1, -1):
         if supplies.quantity[slot] == 0:
             agents.supplies[seat] -= dropped
+            squares, heads = squares_of_boxes(world), matches.box_squares[match]
+            # A box that was emptied by hand may still be listed.
+            unlink(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
             supplies.quantity[slot] = dropped
             for axis in range(3):
                 supplies.position[slot, axis] = agents.position[seat, axis]
             supplies.appears[slot] = matches.frame[match]
             supplies.serial[slot] = matches.next_serial[match]
             matches.next_serial[match] += 1
+            link(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
+            matches.digest[match] = digest_box(matches.digest[match], supplies, slot)
             return

@@ -5,8 +5,8 @@ Of any two seats, each comes before the other in half of all frames, so no seat 
 
 from typing import NamedTuple
 
-from wildscav_engine.kernel import kernel
-from wildscav_engine.rng import Stream, Word, integer_in, uniform
+from wildscav_engine.kernel import inlined_kernel
+from wildscav_engine.rng import Stream, Word, philox, to_unit
 
 
 class Turns(NamedTuple):
@@ -17,15 +17,20 @@ class Turns(NamedTuple):
     seats: int
 
 
-@kernel
+@inlined_kernel
 def draw_turns(seed: Word, frame: int, seats: int) -> Turns:
     """Return the order of a frame."""
-    first = integer_in(0, seats - 1, seed, Stream.TURNS, frame, 0, 0)
-    direction = 1 if uniform(seed, Stream.TURNS, frame, 0, 1) < 0.5 else -1
-    return Turns(first, direction, seats)
+    if seats == 1:
+        return Turns(0, 1, 1)
+    place, way = philox(seed, Stream.TURNS, frame, 0, 0)
+    first = min(seats - 1, int(to_unit(place) * seats))
+    return Turns(first, 1 if to_unit(way) < 0.5 else -1, seats)
 
 
-@kernel
+@inlined_kernel
 def seat_at(turns: Turns, turn: int) -> int:
     """Return whose turn it is, 0 being the first."""
-    return (turns.first + turns.direction * turn) % turns.seats
+    seat = turns.first + turns.direction * turn
+    if seat < 0:
+        return seat + turns.seats
+    return seat if seat < turns.seats else seat - turns.seats

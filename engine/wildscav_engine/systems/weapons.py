@@ -6,33 +6,51 @@ from numpy.typing import NDArray
 from wildscav_engine.actions import Field
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.squares import columns_along, row_of
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rules import Rules, frames
-from wildscav_engine.state import NOBODY, Agents
+from wildscav_engine.state import NOBODY, Agents, Matches
+from wildscav_engine.systems.crowd import LAG, Crowd, crowd_of
 from wildscav_engine.systems.turns import Turns, seat_at
 from wildscav_engine.trig import cosine, sine
 
 
-@kernel
-def handle_weapon(agents: Agents, seat: int, reload: bool, rules: Rules) -> None:
-    """Let the weapon of one agent cool down, and start or finish a reload.
+@inlined_kernel
+def handle_weapons(agents: Agents, actions: NDArray[np.float32], rules: Rules) -> None:
+    """Let the weapons of the living cool down, and start or finish reloads.
 
     A reload moves as many spare rounds into the clip as fit when it is done; until then the weapon is silent.
     """
-    agents.fire_left[seat] = max(0, agents.fire_left[seat] - 1)
-    if agents.reload_left[seat] > 0:
-        agents.reload_left[seat] -= 1
-        if agents.reload_left[seat] == 0:
-            moved = min(rules.clip_size - agents.clip[seat], agents.spare_ammo[seat])
-            agents.clip[seat] += moved
-            agents.spare_ammo[seat] -= moved
-    elif reload and agents.clip[seat] < rules.clip_size and agents.spare_ammo[seat] > 0:
-        agents.reload_left[seat] = frames(rules.reload_time)
+    for seat in range(agents.health.shape[0]):
+        if agents.health[seat] <= 0:
+            continue
+        agents.fire_left[seat] = max(0, agents.fire_left[seat] - 1)
+        if agents.reload_left[seat] > 0:
+            agents.reload_left[seat] -= 1
+            if agents.reload_left[seat] == 0:
+                moved = min(rules.clip_size - agents.clip[seat], agents.spare_ammo[seat])
+                agents.clip[seat] += moved
+                agents.spare_ammo[seat] -= moved
+        elif actions[seat, Field.RELOAD] != 0.0 and _can_reload(agents, seat, rules):
+            agents.reload_left[seat] = frames(rules.reload_time)
 
 
-@kernel
-def shoot(world: World, agents: Agents, actions: NDArray[np.float32], turns: Turns, rules: Rules) -> None:
+@inlined_kernel
+def _can_reload(agents: Agents, seat: int, rules: Rules) -> bool:
+    return bool(agents.clip[seat] < rules.clip_size and agents.spare_ammo[seat] > 0)
+
+
+@inlined_kernel
+def shoot(
+    world: World,
+    agents: Agents,
+    matches: Matches,
+    match: int,
+    actions: NDArray[np.float32],
+    turns: Turns,
+    rules: Rules,
+) -> None:
     """Fire the weapons of all agents that shoot in this frame.
 
     Nobody is hurt yet, the damage is only noted: two agents can kill each other in one frame.
@@ -40,31 +58,43 @@ def shoot(world: World, agents: Agents, actions: NDArray[np.float32], turns: Tur
     Args:
         world: The static world.
         agents: The agents of the match.
+        matches: All matches.
+        match: Which one it is.
         actions: (A, FIELDS).
         turns: The frame's order; of several hits on one agent, the last counts as who hit it.
         rules: The rules.
     """
     for turn in range(turns.seats):
         seat = seat_at(turns, turn)
-        if agents.health[seat] <= 0 or actions[seat, Field.SHOOT] == 0.0:
-            continue
-        if agents.clip[seat] <= 0 or agents.fire_left[seat] > 0 or agents.reload_left[seat] > 0:
-            continue
-        agents.clip[seat] -= 1
-        agents.fire_left[seat] = frames(rules.fire_interval)
-        agents.fired[seat] = True
-        agents.shots[seat] += 1
-        victim = _hit_by_shot(world, agents, seat, rules.bullet_range)
-        if victim != NOBODY and agents.team[victim] != agents.team[seat]:
-            agents.hits[seat] += 1
-            agents.hit_seat[seat] = victim
-            agents.hit_by_seat[victim] = seat
-            if agents.invincible_left[victim] == 0:
-                agents.damage[victim] += rules.shot_damage
+        if actions[seat, Field.SHOOT] != 0.0 and can_fire(agents, seat):
+            _fire(world, agents, matches, match, seat, rules)
+
+
+@inlined_kernel
+def can_fire(agents: Agents, seat: int) -> bool:
+    """Return whether an agent lives and its weapon is loaded, cool and not being reloaded."""
+    ready = agents.fire_left[seat] == 0 and agents.reload_left[seat] == 0
+    return bool(ready and agents.clip[seat] > 0 and agents.health[seat] > 0)
 
 
 @kernel
-def _hit_by_shot(world: World, agents: Agents, shooter: int, bullet_range: float) -> int:
+def _fire(world: World, agents: Agents, matches: Matches, match: int, seat: int, rules: Rules) -> None:
+    agents.clip[seat] -= 1
+    agents.fire_left[seat] = frames(rules.fire_interval)
+    agents.fired[seat] = True
+    agents.shots[seat] += 1
+    crowd = crowd_of(world, agents, matches, match)
+    victim = _hit_by_shot(world, agents, crowd, seat, rules.bullet_range)
+    if victim != NOBODY and agents.team[victim] != agents.team[seat]:
+        agents.hits[seat] += 1
+        agents.hit_seat[seat] = victim
+        agents.hit_by_seat[victim] = seat
+        if agents.invincible_left[victim] == 0:
+            agents.damage[victim] += rules.shot_damage
+
+
+@inlined_kernel
+def _hit_by_shot(world: World, agents: Agents, crowd: Crowd, shooter: int, bullet_range: float) -> int:
     """Return whose body a shot hits, or NOBODY, and note where the shot ends."""
     eye_x = agents.position[shooter, 0]
     eye_y = agents.position[shooter, 1] + EYE_HEIGHT
@@ -73,25 +103,53 @@ def _hit_by_shot(world: World, agents: Agents, shooter: int, bullet_range: float
     dx = sine(agents.yaw[shooter]) * level
     dy = -sine(agents.pitch[shooter])
     dz = cosine(agents.yaw[shooter]) * level
-    nearest = min(bullet_range, cast_ray(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
-    victim = NOBODY
-    for other in range(agents.health.shape[0]):
-        if other == shooter or agents.health[other] <= 0:
-            continue
-        distance = meet_body(
-            eye_x - agents.position[other, 0],
-            eye_y - agents.position[other, 1],
-            eye_z - agents.position[other, 2],
-            dx,
-            dy,
-            dz,
-        )
-        if distance < nearest:
-            nearest, victim = distance, other
-    agents.shot_end[shooter, 0] = eye_x + dx * nearest
-    agents.shot_end[shooter, 1] = eye_y + dy * nearest
-    agents.shot_end[shooter, 2] = eye_z + dz * nearest
+    far = min(bullet_range, cast_ray(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
+    distance, victim = first_body(agents, crowd, shooter, (eye_x, eye_y, eye_z), (dx, dy, dz), far)
+    agents.shot_end[shooter, 0] = eye_x + dx * distance
+    agents.shot_end[shooter, 1] = eye_y + dy * distance
+    agents.shot_end[shooter, 2] = eye_z + dz * distance
     return victim
+
+
+@inlined_kernel
+def first_body(
+    agents: Agents,
+    crowd: Crowd,
+    shooter: int,
+    eye: tuple[float, float, float],
+    way: tuple[float, float, float],
+    far: float,
+) -> tuple[float, int]:
+    """Return how far a ray runs until it meets a living body, and whose it is; ``far`` and NOBODY if none.
+
+    Of bodies that it meets equally soon, it is that of the first seat.
+
+    Args:
+        agents: The agents of the match.
+        crowd: Its grid.
+        shooter: Whose own body does not count.
+        eye: m, where the ray starts.
+        way: Unit vector of its direction.
+        far: m, bodies beyond are ignored.
+    """
+    squares, reach = crowd.squares, BODY_RADIUS + LAG
+    x, y, z = eye
+    dx, dy, dz = way
+    nearest, victim = far, NOBODY
+    for row in range(
+        row_of(squares, min(z, z + dz * far) - reach), row_of(squares, max(z, z + dz * far) + reach) + 1
+    ):
+        first, last = columns_along(squares, row, x, z, dx * far, dz * far, reach)
+        for column in range(first, last + 1):
+            other = crowd.heads[row * squares.side + column] - 1
+            while other >= 0:
+                if other != shooter and agents.health[other] > 0:
+                    place = agents.position[other]
+                    distance = meet_body(x - place[0], y - place[1], z - place[2], dx, dy, dz)
+                    if distance < nearest or (distance == nearest and victim > other):
+                        nearest, victim = distance, other
+                other = crowd.links[other] - 1
+    return nearest, victim
 
 
 @kernel

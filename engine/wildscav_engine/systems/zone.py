@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.rules import FRAMES_PER_SECOND
 from wildscav_engine.spec import ZoneConfig
@@ -83,7 +83,7 @@ def zone_at(matches: Matches, match: int, frame: int) -> Zone:
     return zone
 
 
-@kernel
+@inlined_kernel
 def hurt_outside(agents: Agents, matches: Matches, match: int) -> None:
     """Once a second, note the damage of everyone outside the safe zone; nobody is invincible to it."""
     frame = matches.frame[match]

@@ -1,0 +1,118 @@
+"""A uniform grid of squares over a map, as linked lists of what lies in each.
+
+Agents and supply boxes are found by it near a place, along a way or from near to far, so that nobody looks at
+all of them. A list's head and links hold numbers from 1 on, 0 ends it: arrays of zeros are empty lists.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.kernel import inlined_kernel, kernel
+
+
+class Squares(NamedTuple):
+    """Where the squares of a grid are."""
+
+    west: float  # m, of the south-western square's corner
+    south: float  # m
+    width: float  # m, of each square from west to east
+    depth: float  # m, from south to north
+    per_x: float  # squares a metre eastwards
+    per_z: float  # and northwards
+    side: int  # squares along each side of the map
+
+
+class Range(NamedTuple):
+    """The squares that a box from above touches, the last ones included."""
+
+    west: int  # columns
+    east: int
+    south: int  # rows
+    north: int
+
+
+@inlined_kernel
+def squares_over(world: World, side: int) -> Squares:
+    """Return a grid of ``side`` by ``side`` squares over a map."""
+    rows, columns = world.water.shape
+    width, depth = columns * CELL / side, rows * CELL / side
+    return Squares(world.corner[0], world.corner[1], width, depth, 1.0 / width, 1.0 / depth, side)
+
+
+@inlined_kernel
+def column_of(squares: Squares, x: float) -> int:
+    """Return the column of a place; outside the map, the nearest one."""
+    return min(squares.side - 1, max(0, int((x - squares.west) * squares.per_x)))
+
+
+@inlined_kernel
+def row_of(squares: Squares, z: float) -> int:
+    """Return the row of a place; outside the map, the nearest one."""
+    return min(squares.side - 1, max(0, int((z - squares.south) * squares.per_z)))
+
+
+@inlined_kernel
+def square_of(squares: Squares, x: float, z: float) -> int:
+    """Return the square that a place lies in."""
+    return row_of(squares, z) * squares.side + column_of(squares, x)
+
+
+@inlined_kernel
+def squares_around(squares: Squares, x: float, z: float, reach: float) -> Range:
+    """Return the squares that hold all places up to ``reach`` m away in x and z."""
+    return Range(
+        column_of(squares, x - reach),
+        column_of(squares, x + reach),
+        row_of(squares, z - reach),
+        row_of(squares, z + reach),
+    )
+
+
+@kernel
+def columns_along(
+    squares: Squares, row: int, x: float, z: float, dx: float, dz: float, reach: float
+) -> tuple[int, int]:
+    """Return the first and last square of a row that hold places up to ``reach`` m from a way in x and z.
+
+    Args:
+        squares: The grid.
+        row: Of squares.
+        x: m, where the way starts; so z.
+        z: m.
+        dx: m, the way; so dz.
+        dz: m.
+        reach: m.
+    """
+    enter, leave = 0.0, 1.0
+    if dz != 0.0:
+        # What lies outside the map is in its outermost rows.
+        low = squares.south + row * squares.depth - reach if row > 0 else -np.inf
+        high = squares.south + (row + 1) * squares.depth + reach if row < squares.side - 1 else np.inf
+        first, last = (low - z) / dz, (high - z) / dz
+        enter, leave = max(enter, min(first, last)), min(leave, max(first, last))
+    start, end = x + dx * enter, x + dx * leave
+    return column_of(squares, min(start, end) - reach), column_of(squares, max(start, end) + reach)
+
+
+@inlined_kernel
+def link(heads: NDArray[np.int32], links: NDArray[np.int32], square: int, item: int) -> None:
+    """Put an item at the head of a square's list."""
+    links[item] = heads[square]
+    heads[square] = item + 1
+
+
+@kernel
+def unlink(heads: NDArray[np.int32], links: NDArray[np.int32], square: int, item: int) -> None:
+    """Take an item out of a square's list, if it is there."""
+    if heads[square] == item + 1:
+        heads[square] = links[item]
+        return
+    before = heads[square]
+    while before != 0:
+        if links[before - 1] == item + 1:
+            links[before - 1] = links[item]
+            return
+        before = links[before - 1]
