@@ -1,5 +1,6 @@
 """Steps a second of the engine and of its environments: batches, matches, threads, with and without depth."""
 
+import functools
 import statistics
 import time
 from collections.abc import Callable
@@ -13,6 +14,7 @@ from report import Figure, JsonFile, publish
 from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.batch import Batch
 from wildscav_engine.maps import generate_map
+from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
 from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.spec import MapConfig, MatchSpec
@@ -26,6 +28,17 @@ EYE = np.array([0.0, 1.5, 0.0])
 def spec(index: int, track: str, *seats: str) -> MatchSpec:
     """A match that does not end while it is measured."""
     return MatchSpec(track=track, map=COUNTRY.spec, seed=index, seats=seats, time_limit=80_000)
+
+
+@functools.cache
+def wilds() -> GameMap:
+    """A large map."""
+    return generate_map(MapConfig(size=1000, houses=40), 1)
+
+
+def spec_on(game_map: GameMap, track: str, seats: int) -> MatchSpec:
+    """A match of submissions on a map that does not end while it is measured."""
+    return MatchSpec(track=track, map=game_map.spec, seats=("submission",) * seats, time_limit=80_000)
 
 
 def random_actions(matches: int, seats: int) -> np.ndarray:
@@ -65,6 +78,28 @@ def batch_figure(matches: int, threads: int, depth: bool) -> Figure:
     rate = steps_per_second(step, matches, 200)
     what = f"{matches} matches × 1 agent, {'10 × 10 depth' if depth else 'no sensors'}"
     return Figure(what, rate, "agent-steps/s", f"{threads} thread{'s' if threads > 1 else ''}")
+
+
+def crowd_figure(seats: int, against: float | None = None) -> Figure:
+    """Measure one battle with random actions on a large map: its cost, or that over another."""
+    match = Batch([spec_on(wilds(), "battle", seats)], [wilds()])
+    actions = random_actions(1, seats)
+    actions[..., Field.SHOOT :] = np.random.default_rng(1).random(actions[..., Field.SHOOT :].shape) < 0.3
+    steps = max(4, 2000 // seats)
+    rate = steps_per_second(lambda number: match.step(actions[number % 8]), seats, steps)
+    cost = 1e6 / rate
+    if against is None:
+        return Figure(f"one battle, {seats} agents, 1,000 × 1,000 m", cost, "µs/agent-step")
+    return Figure(f"the same, {seats:,} agents over 10", cost / against, "times", f"{cost:.2f} µs/agent-step")
+
+
+def memory_figure(seats: int) -> Figure:
+    """Tell how much memory a battle takes beside its map, over what it may take."""
+    batch = Batch([spec_on(wilds(), "battle", seats)], [wilds()])
+    used = sum(array.nbytes for part in (*batch.state, batch.seen) for array in part)
+    slots = batch.state.supplies.quantity.shape[1]
+    share = used / (20_000 + 2_000 * seats + 32 * slots)
+    return Figure(f"memory of it, {seats:,} agents", used / 1000, "kB", f"{share:.0%} of the limit")
 
 
 def match_figure(name: str, *seats: str) -> Figure:
@@ -127,6 +162,13 @@ def main(json_file: JsonFile = None) -> None:
         env_figure(depth=False),
         vector_figure(64, depth=True),
         vector_figure(64, depth=False),
+    ]
+    ten = crowd_figure(10)
+    figures += [
+        ten,
+        *(crowd_figure(seats, ten.value) for seats in (100, 1000)),
+        memory_figure(100),
+        memory_figure(1000),
     ]
     publish("Engine: steps per second", figures, json_file)
 

@@ -142,7 +142,7 @@ def _check_ways(given: Given, game_map: GameMap, place: NDArray[np.float64]) -> 
 
 def _come_to_rest(world: World, start: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (3,) m where a body comes to stand that starts in the air or on a steep slope."""
-    body = Bodies(start[np.newaxis].copy(), np.ones(1, np.int32), 0)
+    body = Bodies(start[np.newaxis].copy(), np.zeros(0, np.int32), 0)
     place: NDArray[np.float64] = body.position[0]
     rise, on_ground = 0.0, False
     for _ in range(LONGEST_FALL):

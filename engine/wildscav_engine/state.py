@@ -66,8 +66,9 @@ class Agents(NamedTuple):
     hit_by_seat: NDArray[np.int32]  # (B, A) who hit it, or NOBODY
     damage: NDArray[np.int32]  # (B, A) hp, lost at the end of a frame
     gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
-    # No state, but follows from where they are (``systems/crowd.py``).
+    # No state: these follow from where they are (``systems/crowd.py``).
     next_in_square: NDArray[np.int32]  # (B, A) seat + 1 of the next agent in the same square, 0 = none
+    near: NDArray[np.int32]  # (B, A) seats near the agent that moves
 
 
 class Supplies(NamedTuple):
@@ -150,6 +151,7 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
         damage=np.zeros((b, a), np.int32),
         gained=np.zeros((b, a), np.int32),
         next_in_square=np.zeros((b, a), np.int32),
+        near=np.zeros((b, a), np.int32),
     )
     supplies = Supplies(
         position=np.zeros((b, s, 3), np.float32),

@@ -15,7 +15,7 @@ from wildscav_engine.rules import FRAME, Rules
 from wildscav_engine.sensors.visibility import Seen, look_around
 from wildscav_engine.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.systems.collision import Bodies
-from wildscav_engine.systems.crowd import index_agents
+from wildscav_engine.systems.crowd import index_agents, others_near
 from wildscav_engine.systems.damage import apply_damage, bring_back, equip
 from wildscav_engine.systems.elimination import rank_teams
 from wildscav_engine.systems.endings import (
@@ -94,7 +94,7 @@ def play_frame(
     # Times are counted from the frame after: whoever dies now has the whole respawn time before it.
     bring_back(world, agents, matches, match, rules)
     for turn in range(seats):
-        _turn_and_move(world, agents, seat_at(turns, turn), actions, rules)
+        _turn_and_move(world, agents, matches, match, seat_at(turns, turn), actions, rules)
     matches.frame[match] += 1
     # The target is tested every frame, so that nobody runs through it between two steps.
     end_at_target(agents, matches, match, turns, rules)
@@ -191,6 +191,8 @@ def _settle_action(
 def _turn_and_move(
     world: World,
     agents: Agents,
+    matches: Matches,
+    match: int,
     seat: int,
     actions: NDArray[np.float32],
     rules: Rules,
@@ -203,9 +205,10 @@ def _turn_and_move(
     pitch = agents.pitch[seat] + np.float64(action[Field.LOOK])
     agents.pitch[seat] = min(90.0, max(-90.0, pitch))
     place = agents.position[seat]
+    others = agents.near[: others_near(world, agents, matches, match, seat)]
     moved = move_by(
         world,
-        Bodies(agents.position, agents.health, seat),
+        Bodies(agents.position, others, seat),
         agents.velocity[seat, 1],
         agents.on_ground[seat],
         agents.course[seat, 0],

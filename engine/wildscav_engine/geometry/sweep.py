@@ -186,7 +186,7 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
 @kernel
 def sweep_bodies(
     bodies: NDArray[np.float64],
-    health: NDArray[np.int32],
+    others: NDArray[np.int32],
     mover: int,
     x: float,
     y: float,
@@ -199,7 +199,7 @@ def sweep_bodies(
 
     Args:
         bodies: (A, 3) m, the soles of all bodies.
-        health: (A,) hp; the dead are no obstacles.
+        others: (N,) which of them can be met; the mover may be among them.
         mover: Which of them moves; it does not touch itself.
         x: m, the middle of its soles; so y and z.
         y: m.
@@ -213,8 +213,8 @@ def sweep_bodies(
     """
     first = FREE
     near = 2.0 * BODY_RADIUS
-    for other in range(bodies.shape[0]):
-        if other == mover or health[other] <= 0:
+    for other in others:
+        if other == mover:
             continue
         from_x, from_z = x - bodies[other, 0], z - bodies[other, 2]
         reach = near + SKIN + abs(dx) + abs(dz)
@@ -268,7 +268,7 @@ def _cut_by_circle(cut: Cut, x: float, z: float, dx: float, dz: float, radius: f
 @kernel
 def is_body_near(
     bodies: NDArray[np.float64],
-    health: NDArray[np.int32],
+    others: NDArray[np.int32],
     mover: int,
     x: float,
     y: float,
@@ -279,7 +279,7 @@ def is_body_near(
 
     Args:
         bodies: (A, 3) m, the soles of all bodies.
-        health: (A,) hp; the dead are no obstacles.
+        others: (N,) which of them can be met; the mover may be among them.
         mover: Which of them moves.
         x: m, the middle of its soles; so y and z.
         y: m.
@@ -287,8 +287,8 @@ def is_body_near(
         reach: m.
     """
     apart = 2.0 * BODY_RADIUS + reach
-    for other in range(bodies.shape[0]):
-        if other == mover or health[other] <= 0:
+    for other in others:
+        if other == mover:
             continue
         east, north = bodies[other, 0] - x, bodies[other, 2] - z
         if east * east + north * north <= apart * apart and abs(bodies[other, 1] - y) <= NEAR_HEIGHT:

@@ -23,10 +23,10 @@ ABOVE = BODY_HEIGHT + 1.6  # m, and over them: up a step, up a slope and up onto
 
 
 class Bodies(NamedTuple):
-    """All bodies of a match, as obstacles to the one that moves."""
+    """The bodies of a match, as obstacles to the one that moves."""
 
     position: NDArray[np.float64]  # (A, 3) m, soles
-    health: NDArray[np.int32]  # (A,) hp; the dead are no obstacles
+    others: NDArray[np.int32]  # (N,) the seats of those that can be met
     mover: int
 
 
@@ -61,7 +61,7 @@ def look_around(world: World, bodies: Bodies, here: Point, far: float) -> Around
     """Find what a body can touch in a move of up to ``far`` m sideways, at most 0.5 m."""
     reach = BODY_RADIUS + 2.0 * SKIN + far
     solids = solids_near(world, here.x, here.z, reach, here.y - BELOW, here.y + ABOVE)
-    has_bodies = is_body_near(bodies.position, bodies.health, bodies.mover, here.x, here.y, here.z, 2.0 * far)
+    has_bodies = is_body_near(bodies.position, bodies.others, bodies.mover, here.x, here.y, here.z, 2.0 * far)
     return Around(solids, is_anything_near(solids), has_bodies)
 
 
@@ -72,8 +72,8 @@ def sweep(world: World, bodies: Bodies, around: Around, at: Point, way: Point) -
     if around.has_solids:
         contact = sweep_near(world, around.solids, at.x, at.y, at.z, way.x, way.y, way.z)
     if around.has_bodies:
-        position, health, mover = bodies
-        other = sweep_bodies(position, health, mover, at.x, at.y, at.z, way.x, way.y, way.z)
+        position, others, mover = bodies
+        other = sweep_bodies(position, others, mover, at.x, at.y, at.z, way.x, way.y, way.z)
         if other.fraction < contact.fraction:
             contact = other
     return contact

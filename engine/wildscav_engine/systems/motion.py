@@ -115,8 +115,8 @@ def _is_open(
     row, column = cell_of(world.corner[1], here.z, rows), cell_of(world.corner[0], here.x, columns)
     if max(here.y, height) + BODY_HEIGHT + HEADROOM >= world.ceiling[row, column]:
         return False
-    position, health, mover = bodies
-    return not is_body_near(position, health, mover, here.x, here.y, here.z, 2.0 * FARTHEST)
+    position, others, mover = bodies
+    return not is_body_near(position, others, mover, here.x, here.y, here.z, 2.0 * FARTHEST)
 
 
 @kernel

@@ -249,7 +249,7 @@ def walk_at(species: int, *, jump: bool) -> float:
     solids, row = one_of(species, 7)
     world = on_level_ground(solids)
     position = np.array([[0.0, 0.0, -row[RADIUS] - 0.8]])
-    bodies = Bodies(position, np.array([100], np.int32), 0)
+    bodies = Bodies(position, np.zeros(0, np.int32), 0)
     rise, on_ground = 0.0, True
     for _ in range(200):
         speed = 3.0 if position[0, 2] < -0.3 else 0.0

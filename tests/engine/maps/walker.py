@@ -42,7 +42,7 @@ class Walker:
         return False
 
     def _move(self, direction: float, speed: float, jump: bool) -> None:
-        bodies = Bodies(self.position, np.array([True]), 0)
+        bodies = Bodies(self.position, np.zeros(0, np.int32), 0)
         moved = move(self.world, bodies, self.rise, self.on_ground, direction, speed, jump, 0.5)
         self.position[0] = moved.x, moved.y, moved.z
         self.rise, self.on_ground = moved.rise, moved.on_ground

@@ -44,7 +44,7 @@ def play(
     world: World,
     closed: World,
     position: NDArray[np.float64],
-    health: NDArray[np.int32],
+    others: NDArray[np.int32],
     nobody: NDArray[np.int32],
     rise: NDArray[np.float64],
     on_ground: NDArray[np.bool_],
@@ -59,8 +59,8 @@ def play(
         world: The static world.
         closed: The same, but its ceiling says that things are near everywhere.
         position: (A + 1, 3) m; the last body is a ghost that only tries things out.
-        health: (A + 1,) hp.
-        nobody: (A + 1,) zeros: whoever tries to get away meets nobody, for bodies go away themselves.
+        others: (A,) all bodies, which meet each other.
+        nobody: (0,) whoever tries to get away meets nobody, for bodies go away themselves.
         rise: (A,) m/s.
         on_ground: (A,).
         frames: To play.
@@ -74,7 +74,7 @@ def play(
             direction = 360.0 * uniform(seed, 1, choice // 4, seat, 0)
             speed = min(10.0, 14.0 * uniform(seed, 1, choice, seat, 1))
             jump = uniform(seed, 1, choice, seat, 2) < 0.3
-            bodies = Bodies(position, health, seat)
+            bodies = Bodies(position, others, seat)
             before, was_rise, walks = position[seat, 1], rise[seat], on_ground[seat] and not jump
             moved = move(world, bodies, rise[seat], on_ground[seat], direction, speed, jump, 0.5)
             other = move(closed, bodies, rise[seat], on_ground[seat], direction, speed, jump, 0.5)

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from builders import act, box, flat_world, make_match, seen_now
 from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.squares import squares_over
 from wildscav_engine.match import Match
 from wildscav_engine.rules import Rules
 from wildscav_engine.sensors.visibility import AGENT_LIMIT, sees_body
 from wildscav_engine.state import NOBODY, Agents, squares_for
+from wildscav_engine.systems.crowd import TOUCH, gather_near
 from wildscav_engine.systems.weapons import meet_body
 from wildscav_engine.trig import cosine, sine
 
@@ -91,6 +93,24 @@ def first_hit(agents: Agents, seat: int) -> int:
         if distance < nearest:
             nearest, victim = distance, other
     return victim
+
+
+@CROWDED
+@given(seed=st.integers(0, 10_000), spread=st.sampled_from([3.0, 12.0, 40.0]))
+def test_who_can_be_touched_is_what_a_look_at_all_pairs_finds(match: Match, seed: int, spread: float) -> None:
+    places = scatter(match, seed, spread)
+    agents = match.state.agents
+    seen_now(match)  # which indexes them
+    random = np.random.default_rng(seed)
+    places[:, ::2] += random.uniform(-0.2, 0.2, (SEATS, 2))  # as far as they may have moved since
+    grid = (agents.position[0], match.state.matches.crowd[0], agents.next_in_square[0])
+    for seat in range(SEATS):
+        near = np.zeros(SEATS, np.int32)
+        count = gather_near(squares_over(YARD, squares_for(SEATS)), *grid, seat, near)
+        away = np.abs(places - places[seat])
+        touched = (agents.health[0] > 0) & (away[:, 0] <= TOUCH) & (away[:, 2] <= TOUCH)
+        touched[seat] = False
+        assert sorted(near[:count].tolist()) == np.nonzero(touched)[0].tolist()
 
 
 def test_who_comes_back_keeps_away_from_the_living(match: Match) -> None:

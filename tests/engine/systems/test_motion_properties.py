@@ -29,8 +29,7 @@ def play_on(game_map: GameMap, agents: int, frames: int, seed: int) -> Worst:
             chosen = places[(dice.integer(0, len(places) - 1) + 7 * seat) % len(places)]
             position[seat] = chosen + np.array([0.0, 2 * SKIN, 0.0])
         apart = np.linalg.norm(position[:agents, None] - position[None, :agents], axis=2)
-        health = np.full(agents + 1, 100, np.int32)
-        health[agents] = 0  # the ghost is no obstacle
+        others = np.arange(agents, dtype=np.int32)  # the ghost is no obstacle
         # Who starts where another stands already comes in elsewhere: high above, falling.
         for seat in range(agents):
             if (apart[seat, :seat] < 2.0).any():
@@ -38,8 +37,8 @@ def play_on(game_map: GameMap, agents: int, frames: int, seed: int) -> Worst:
                 position[seat] = position[seat, 0], 60.0 + 3.0 * seat, position[seat, 1]
         rise, on_ground = np.zeros(agents), np.zeros(agents, np.bool_)
         length, actions = min(frames, 2000), 1000 * seed + part
-        nobody = np.zeros_like(health)
-        play(world, closed, position, health, nobody, rise, on_ground, length, actions, worst, stuck)
+        nobody = np.zeros(0, np.int32)
+        play(world, closed, position, others, nobody, rise, on_ground, length, actions, worst, stuck)
     assert worst[8] == 0, f"seed {seed}: no way out of {stuck}"
     return Worst(*worst)
 

@@ -110,7 +110,7 @@ def _no_leaps(room: int) -> Leaps:
 def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> tuple[Nodes, Leaps]:
     """Walk straight, across and by leaps from every node, until no new one is found."""
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
-    body = Bodies(np.zeros((1, 3)), np.ones(1, np.int32), 0)
+    body = Bodies(np.zeros((1, 3)), np.zeros(0, np.int32), 0)
     walked = joined = leapt = 0
     while leapt < nodes.found[0]:
         room = len(nodes.point)
