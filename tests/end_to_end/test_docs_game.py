@@ -1,0 +1,100 @@
+"""docs/rules.md tells of the game what the engine does, number by number."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.maps.game_map import SUPPLY_SPACING
+from wildscav_engine.robots import ROBOTS
+from wildscav_engine.robots.skill import EASY, HARD, NORMAL, Skill
+from wildscav_engine.rules import FRAMES_PER_SECOND, Rules
+from wildscav_engine.sensors.visibility import AGENT_LIMIT, ASPECT, SUPPLY_LIMIT
+from wildscav_engine.set_up import SPARE_SLOTS
+from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.starts import START_DISTANCE, TARGET_DISTANCE
+from wildscav_engine.systems.damage import RESPAWN_DISTANCE
+from wildscav_engine.tracks import TRACKS
+from wildscav_engine.tracks.rewards import REWARD_TERMS
+from wildscav_engine.tracks.royale import DAMAGES, SHARES, SHRINK, WAIT
+
+PAGE = (Path(__file__).parents[2] / "docs" / "rules.md").read_text("utf-8").partition("## Combat")[2]
+ROW = re.compile(r"^\| (?P<rule>[^|]+) \| (?P<value>[^|]+) \| (?P<unit>[^|]*)\| (?P<where>[^|]+) \|$", re.M)
+ROWS = {row["rule"]: row for row in ROW.finditer(PAGE) if row["rule"] != "rule"}
+HOLDERS = {
+    "MatchSpec": MatchSpec(track="battle"),
+    "Rules": Rules(),
+    "SupplyConfig": SupplyConfig(),
+    "SupplyWave": SupplyWave(),
+}
+CONSTANTS = {
+    "height of the body": BODY_HEIGHT,
+    "radius of the body": BODY_RADIUS,
+    "height of the eye": EYE_HEIGHT,
+    "distance kept from the living at a return": RESPAWN_DISTANCE,
+    "distance of places indoors": SUPPLY_SPACING,
+    "frames in a second of game time": FRAMES_PER_SECOND,
+    "least distance between two starts, where there is room": START_DISTANCE,
+    "least distance from start to target, where there is room": TARGET_DISTANCE,
+    "its height, of its width": ASPECT,
+    "agents listed at most, nearest first": AGENT_LIMIT,
+    "boxes listed at most, nearest first": SUPPLY_LIMIT,
+}
+
+
+def shown(value: float | tuple[int, int]) -> str:
+    return "–".join(map(str, value)) if isinstance(value, tuple) else f"{value:g}"
+
+
+@pytest.mark.parametrize("rule", [rule for rule, row in ROWS.items() if row["where"] != "constant"])
+def test_every_rule_that_can_be_changed_is_told_with_its_default(rule: str) -> None:
+    row = ROWS[rule]
+    holder, field = row["where"].strip("`").split(".")
+    assert row["value"] == shown(getattr(HOLDERS[holder], field))
+
+
+@pytest.mark.parametrize("rule", CONSTANTS)
+def test_every_constant_is_told_as_it_is(rule: str) -> None:
+    assert ROWS[rule]["where"] == "constant"
+    assert ROWS[rule]["value"] == shown(CONSTANTS[rule])
+
+
+@pytest.mark.parametrize("section", ["start_health", "shot_damage", "supply_loss", "pick_up_distance"])
+def test_rules_of_combat_and_supplies_are_all_told(section: str) -> None:
+    assert f"`Rules.{section}`" in PAGE
+
+
+def test_the_text_agrees_with_the_tables() -> None:
+    assert SPARE_SLOTS == 4
+    assert "with four more than the waves need for each seat" in PAGE
+
+
+@pytest.mark.parametrize("name", TRACKS)
+def test_every_track_is_told_with_what_it_pays(name: str) -> None:
+    paid = ", ".join(f"`{term}` {weight:g}" for term, weight in TRACKS[name].rewards.items())
+    assert f"| `{name}` | {paid} |".replace("-1", "−1") in PAGE
+    assert len(re.findall(rf"^\| `{name}` ", PAGE, re.M)) == 2
+
+
+@pytest.mark.parametrize("name", REWARD_TERMS)
+def test_every_reward_term_is_told(name: str) -> None:
+    assert f"| `{name}` | {REWARD_TERMS[name].title} |" in PAGE
+
+
+@pytest.mark.parametrize("phase", range(len(SHARES)))
+def test_every_phase_of_the_zone_is_told(phase: int) -> None:
+    row = re.search(rf"^\| {phase + 1} \| ([\d.]+)[^|]*\| ([\d.]+)[^|]*\| ([\d.]+) \| (\d+) \|$", PAGE, re.M)
+    assert row is not None
+    assert tuple(map(float, row.groups())) == (WAIT, SHRINK, SHARES[phase], DAMAGES[phase])
+
+
+@pytest.mark.parametrize(("level", "skill"), [("easy", EASY), ("normal", NORMAL), ("hard", HARD)])
+def test_every_level_of_robots_is_told(level: str, skill: Skill) -> None:
+    numbers = (skill.wander_speed, skill.speed, skill.turn_limit, skill.aim_error)
+    assert f"| {level} | {' | '.join(f'{number:g}' for number in numbers)} |" in PAGE
+
+
+def test_every_robot_is_told() -> None:
+    told = set(re.findall(r"^\| `(\w+)` \| ([^|`]+) \|$", PAGE, re.M))
+    assert {(robot.name, robot.title) for robot in ROBOTS.values() if "-" not in robot.name} <= told
