@@ -21,6 +21,11 @@ help: ## Show this list.
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@touch $@ .venv/.run
 
+# What the tests of training need: large, so only the slow tests ask for it.
+.venv/.training: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
+	@touch $@ .venv/.dev .venv/.run
+
 demo: .venv/.run ## Evaluate the three baselines on the three tracks (under 5 minutes).
 	$(BIN)/wildscav evaluate submissions/random submissions/homing submissions/hunter \
 		--suite quick --replays first --out out/demo --db out/demo/wildscav.db
@@ -28,7 +33,7 @@ demo: .venv/.run ## Evaluate the three baselines on the three tracks (under 5 mi
 test: .venv/.dev ## Run the tests (under 10 minutes).
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
-test-slow: .venv/.dev ## Run what is too slow for every day.
+test-slow: .venv/.training ## Run what is too slow for every day.
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
 
 check: .venv/.dev ## Lint, formatting, types and import contracts.

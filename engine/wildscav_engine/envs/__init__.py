@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
     from wildscav_engine.envs.presets import PRESETS
     from wildscav_engine.envs.single import SingleEnv
+    from wildscav_engine.envs.stable_baselines import StableVector
     from wildscav_engine.envs.vector import VectorArena
     from wildscav_engine.envs.wrappers import FlatActions, FlatObservations
 
@@ -20,6 +21,7 @@ _HOMES = {
     "parallel_env": "parallel",
     "PRESETS": "presets",
     "SingleEnv": "single",
+    "StableVector": "stable_baselines",
     "VectorArena": "vector",
     "FlatActions": "wrappers",
     "FlatObservations": "wrappers",
@@ -33,6 +35,7 @@ __all__ = [
     "FlatObservations",
     "ParallelArena",
     "SingleEnv",
+    "StableVector",
     "VectorArena",
     "aec_env",
     "parallel_env",

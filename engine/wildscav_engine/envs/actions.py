@@ -95,17 +95,17 @@ class DictMode(ActionMode):
     def decode(self, actions: Any, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
         """Write (N,) numbers of each field into its column."""
         rows[:] = 0.0
-        self._fill(actions, rows, len(rows))
+        self._fill(actions, rows)
 
     def decode_one(self, action: Any, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
-        """Write one number of each field."""
-        self._fill(action, rows, None)
+        """Write one number of each field, which may lie in an array of one."""
+        self._fill(action, rows)
 
-    def _fill(self, actions: Any, rows: Rows, count: int | None) -> None:
+    def _fill(self, actions: Any, rows: Rows) -> None:
         names = self._names
         if not isinstance(actions, Mapping) or len(actions) != len(names):
             raise ActionError(f"action is {actions!r}, must be a mapping of {', '.join(names)}")
-        columns = rows[0] if count is None else rows.T
+        columns = rows.T
         try:
             for name, column in names.items():
                 columns[column] = actions[name]

@@ -13,7 +13,8 @@ from wildscav_engine.envs.columns import EVENTS, STANDING, Part
 from wildscav_engine.envs.config import EnvConfig
 from wildscav_engine.envs.episodes import Episode, Episodes, pool_of
 from wildscav_engine.envs.facts import allocate_desk, write_rows
-from wildscav_engine.envs.observation import Observation, Sight, layout_of
+from wildscav_engine.envs.flat import Flattener
+from wildscav_engine.envs.observation import Observation, Readings, Sight, layout_of, readings_space
 from wildscav_engine.envs.views import MatchView
 from wildscav_engine.handles import Handle
 from wildscav_engine.state import State
@@ -24,7 +25,7 @@ from wildscav_engine.tracks.rewards import RewardSum
 class Reading(NamedTuple):
     """What all learners are told after a step or a restart; nobody writes into it later."""
 
-    observation: Observation  # by name (B, L, …)
+    observation: Observation  # by name (B, L, …), or (B, L, n) if flat
     rows: NDArray[np.float32]  # (B, L, width) as ``Layout`` says
 
 
@@ -43,6 +44,7 @@ class Arena:
         self.template = config.match_spec()
         self.layout = layout_of(config)
         self.mode = action_mode(config)
+        self._flattener = Flattener(readings_space(config)) if config.flat else None
         self.learners = range(config.agents)
         self.metrics = tuple(metric.name for metric in self.track.metrics)
         self.terms = tuple(config.reward_weights)
@@ -151,9 +153,10 @@ class Arena:
         agents, matches, seen = self._tables
         write_rows(agents.addresses, matches.addresses, seen.addresses, self._desk.addresses, rows)
         self._desk, self._next_desk = self._next_desk, self._desk
-        observation: Observation = {name: rows[..., first:last] for name, first, last in layout.groups}
-        self.sight.read(batch, self.view, observation)
-        return Reading(observation, rows)
+        found: Readings = {name: rows[..., first:last] for name, first, last in layout.groups}
+        self.sight.read(batch, self.view, found)
+        flattener = self._flattener
+        return Reading(found if flattener is None else flattener.flatten(found, axes=2), rows)
 
     def view(self, match: int) -> MatchView:
         """Return one match, for what looks at matches one by one."""

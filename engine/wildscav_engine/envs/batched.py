@@ -21,7 +21,7 @@ Flags = NDArray[np.bool_]
 class Outcome(NamedTuple):
     """What came out of a step, for all matches and learners."""
 
-    observation: Observation  # by name (B, L, …)
+    observation: Observation  # by name (B, L, …), or (B, L, n) if flat
     rewards: NDArray[np.float64]  # (B, L)
     terminated: Flags  # (B, L)
     truncated: Flags  # (B, L)

@@ -73,6 +73,7 @@ class EnvConfig(Spec):
     sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's
     action_mode: ActionMode = "dict"
+    flat: bool = False  # one row of numbers for the Dict of observations, and arrays for those of infos
     # What is shown, and how it is run.
     render_mode: RenderMode | None = None
     render_view: Literal["eyes", "top"] = "eyes"
@@ -185,7 +186,8 @@ def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvC
     unknown = sorted(given.keys() - set(EnvConfig.model_fields))
     if unknown:
         known = ", ".join(name for name in EnvConfig.model_fields if name != "track")
-        raise ValueError(f"there is no option {unknown[0]!r}; the options are preset, {known}")
+        # Said as Python does: some trainers try what an environment takes.
+        raise TypeError(f"unexpected keyword argument {unknown[0]!r}; the options are preset, {known}")
     try:
         return EnvConfig(**{**defaults, **base, **given, "track": track})
     except ValidationError as error:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.envs.columns import EVENTS, GROUPS, PARTS, STANDING, Part, parts_of
 from wildscav_engine.envs.config import EnvConfig
+from wildscav_engine.envs.flat import Flattener
 from wildscav_engine.envs.views import MatchView
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
 
 EYES = np.array([0.0, EYE_HEIGHT, 0.0])
-Observation = dict[str, NDArray[Any]]
+Readings = dict[str, NDArray[Any]]  # by the names of groups and sensors
+Observation = Readings | NDArray[np.float32]  # the latter if the environment is flat
 
 
 class Layout(NamedTuple):
@@ -58,8 +60,22 @@ def layout_of(config: EnvConfig) -> Layout:
     return Layout(start, tuple(groups), told, column)
 
 
-def observation_space(config: EnvConfig) -> Dict:
+def observation_space(config: EnvConfig) -> Dict | Box:
     """Return the space of one learner's observation."""
+    space = readings_space(config)
+    return Flattener(space).space if config.flat else space
+
+
+def part_of(observation: Observation, place: Any) -> Observation:
+    """Return what lies at a place of the first axes: some learners' observations, or one's."""
+    if isinstance(observation, dict):
+        return {name: values[place] for name, values in observation.items()}
+    part: NDArray[np.float32] = observation[place]
+    return part
+
+
+def readings_space(config: EnvConfig) -> Dict:
+    """Return the space of what one learner reads, by name."""
     spaces: dict[str, Space[Any]] = {}
     for part in parts_of(TRACKS[config.track]):
         name, columns = GROUPS[part]
@@ -108,7 +124,7 @@ class Sight:
             for sensor in self._still.values():
                 sensor.prepare(game_map)
 
-    def read(self, batch: "Batch", view: Callable[[int], MatchView], found: Observation) -> None:
+    def read(self, batch: "Batch", view: Callable[[int], MatchView], found: Readings) -> None:
         """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
         if self._still:
             self._read_still(batch, found)
@@ -117,7 +133,7 @@ class Sight:
             readings = [sensor.read(view(match).as_match, self._learners) for match in matches]
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
 
-    def _read_still(self, batch: "Batch", found: Observation) -> None:
+    def _read_still(self, batch: "Batch", found: Readings) -> None:
         """Look at the maps alone, which needs no more of the matches than where the learners are."""
         agents, count = batch.state.agents, len(self._learners)
         eyes, yaws, pitches = (

@@ -13,8 +13,8 @@ from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.batched import several_config
 from wildscav_engine.envs.columns import Part
 from wildscav_engine.envs.episodes import Episodes
-from wildscav_engine.envs.infos import info_of
-from wildscav_engine.envs.observation import Observation, observation_space
+from wildscav_engine.envs.infos import flat_mask, info_of
+from wildscav_engine.envs.observation import Observation, observation_space, part_of
 from wildscav_engine.envs.overview import overview, overview_space
 from wildscav_engine.envs.render import Picture
 from wildscav_engine.envs.saving import load, save
@@ -141,16 +141,15 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
             arena.mode.decode_one(action, yaws[seat : seat + 1], self._rows[seat])
 
     def _observations(self, reading: Reading) -> dict[str, Observation]:
-        return {
-            agent: {name: values[0, self._seats[agent]] for name, values in reading.observation.items()}
-            for agent in self.agents
-        }
+        return {agent: part_of(reading.observation, (0, self._seats[agent])) for agent in self.agents}
 
     def _info(self, reading: Reading, agent: str, *, ended: bool) -> dict[str, Any]:
         seat = self._seats[agent]
         row = reading.rows[0, seat]
         info: dict[str, Any] = {**info_of(self.arena, 0, seat, row, ended=ended)}
         mask = self.arena.mode.mask(bool(row[self._alive]))
+        if self.config.flat:
+            mask = flat_mask(mask)
         if mask is not None:
             info["action_mask"] = mask
         return info

@@ -65,7 +65,7 @@ class _Watch(MetaPathFinder):
     """Waits until a library is imported."""
 
     def __init__(self, library: str, enter: Callable[[], None]) -> None:
-        self._library, self._enter = library, enter
+        self._library, self._enter, self._asking = library, enter, False
 
     def find_spec(
         self,
@@ -74,13 +74,22 @@ class _Watch(MetaPathFinder):
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
         """Find the library as everybody else would, with a word to say once it is there."""
-        if fullname != self._library:
+        if fullname != self._library or self._asking:
             return None
-        sys.meta_path.remove(self)
-        spec = find_spec(fullname)
+        self._asking = True
+        try:
+            spec = find_spec(fullname)
+        finally:
+            self._asking = False
         if spec is not None and spec.loader is not None:
-            spec.loader = _Loader(spec.loader, self._enter)
+            spec.loader = _Loader(spec.loader, self._loaded)
         return spec
+
+    def _loaded(self) -> None:
+        """Enter the ids, and watch no longer: those who asked before only looked whether it is there."""
+        if self in sys.meta_path:
+            sys.meta_path.remove(self)
+        self._enter()
 
 
 class _Loader(Loader):

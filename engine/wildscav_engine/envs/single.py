@@ -11,7 +11,7 @@ from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.config import EnvConfig, read_config
 from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.infos import info_of
-from wildscav_engine.envs.observation import Observation, observation_space
+from wildscav_engine.envs.observation import Observation, observation_space, part_of
 from wildscav_engine.envs.render import Picture
 from wildscav_engine.envs.saving import load, save
 
@@ -148,4 +148,4 @@ def single_config(track: str, options: dict[str, Any]) -> EnvConfig:
 
 
 def _of_first(reading: Reading) -> Observation:
-    return {name: values[0, 0] for name, values in reading.observation.items()}
+    return part_of(reading.observation, (0, 0))

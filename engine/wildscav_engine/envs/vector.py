@@ -12,7 +12,7 @@ from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.batched import Outcome, Resetter
 from wildscav_engine.envs.columns import EVENTS
 from wildscav_engine.envs.infos import info_of
-from wildscav_engine.envs.observation import Observation, observation_space
+from wildscav_engine.envs.observation import Observation, observation_space, part_of
 from wildscav_engine.envs.render import Picture
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_config
 
@@ -47,20 +47,19 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         self.config = single_config(track, options)
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}, must be at least 1")
-        self.num_envs = num_envs
+        self.num_envs, self.autoreset_mode = num_envs, AutoresetMode(autoreset_mode)
         self.render_mode = self.config.render_mode
-        mode = AutoresetMode(autoreset_mode)
         self.metadata = {
             "render_modes": RENDER_MODES,
             "render_fps": STEPS_PER_SECOND,
-            "autoreset_mode": mode,
+            "autoreset_mode": self.autoreset_mode,
         }
         self.arena = Arena(self.config, num_envs)
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._resetter = Resetter(self.arena, mode)
+        self._resetter = Resetter(self.arena, self.autoreset_mode)
         self._picture = Picture(self.config)
         self._everybody = np.ones(num_envs, np.bool_)
         self._everybody.flags.writeable = False
@@ -150,13 +149,23 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             for column, values in enumerate(measured):
                 values[list(ended)] = metrics[:, 0, column]
         return {
-            "events": _masked(EVENTS, counted, chosen),
+            "events": self._masked(EVENTS, counted, chosen),
             "_events": chosen,
-            "reward_terms": _masked(arena.terms, paid, chosen),
+            "reward_terms": self._masked(arena.terms, paid, chosen),
             "_reward_terms": chosen,
-            "metrics": _masked(arena.metrics, measured, chosen),
+            "metrics": self._masked(arena.metrics, measured, chosen),
             "_metrics": chosen,
         }
+
+    def _masked(self, names: tuple[str, ...], values: Any, chosen: NDArray[np.bool_]) -> Any:
+        """Return (N,) arrays by name, each with the mask of those told of; (N, len(names)) if flat."""
+        if self.config.flat:
+            return np.stack(values, axis=1) if names else np.zeros((self.num_envs, 0))
+        told: Infos = {}
+        for name, column in zip(names, values, strict=True):
+            told[name] = column
+            told[f"_{name}"] = chosen
+        return told
 
     def _with_final(self, infos: Infos, outcome: Outcome, final: Reading) -> Infos:
         """Return the infos of new episodes, with what was told at the end of those before."""
@@ -164,13 +173,20 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         mask[list(outcome.ended)] = True
         observations = np.full(self.num_envs, None, object)
         for row in outcome.ended:
-            observations[row] = {name: values[row, 0] for name, values in final.observation.items()}
+            observations[row] = part_of(final.observation, (row, 0))
         ended: Infos = {}
         for place, row in enumerate(outcome.ended):
             info: Infos = dict(info_of(self.arena, row, 0, outcome.rows[row, 0], ended=False))
-            info["metrics"] = dict(zip(self.arena.metrics, outcome.metrics[place, 0].tolist(), strict=True))
+            measured = outcome.metrics[place, 0]
+            if self.config.flat:
+                info["metrics"] = measured
+            else:
+                info["metrics"] = dict(zip(self.arena.metrics, measured.tolist(), strict=True))
             ended = self._add_info(ended, info, row)
         for name in ("events", "reward_terms", "metrics"):
+            if self.config.flat:
+                infos[name] = np.where(mask[:, np.newaxis], infos[name].dtype.type(0), infos[name])
+                continue
             for key, values in infos[name].items():
                 if not key.startswith("_"):
                     infos[name][key] = np.where(mask, values.dtype.type(0), values)
@@ -214,13 +230,4 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
 
 
 def _squeezed(observation: Observation) -> Observation:
-    return {name: values[:, 0] for name, values in observation.items()}
-
-
-def _masked(names: tuple[str, ...], values: Any, chosen: NDArray[np.bool_]) -> Infos:
-    """Return arrays by name, each with the mask of the environments that it is told of."""
-    told: Infos = {}
-    for name, column in zip(names, values, strict=True):
-        told[name] = column
-        told[f"_{name}"] = chosen
-    return told
+    return part_of(observation, (slice(None), 0))

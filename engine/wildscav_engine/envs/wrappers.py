@@ -7,19 +7,14 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, Space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.columns import GROUPS
-from wildscav_engine.envs.observation import Observation
-
-# What is usual for a number, by its unit: it is divided by this. What sensors read is divided by the bound of
-# its space, or by 100 where that is larger than any picture needs.
-SCALES = {"m": 100.0, "m/s": 10.0, "degrees": 180.0, "s": 100.0, "hp": 100.0, "0 or 1": 1.0}
-COUNT, LARGEST_BOUND = 10.0, 2000.0
+from wildscav_engine.envs.flat import Flattener
+from wildscav_engine.envs.observation import Readings
 
 
-class FlatObservations(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Observation]):
+class FlatObservations(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Readings]):
     """One row of numbers instead of a Dict: all groups and sensors end to end, mostly in [-1, 1]."""
 
-    def __init__(self, env: gymnasium.Env[Observation, Any]) -> None:
+    def __init__(self, env: gymnasium.Env[Readings, Any]) -> None:
         """Wrap an environment whose observations are a Dict of Boxes.
 
         Raises:
@@ -32,57 +27,18 @@ class FlatObservations(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Ob
         self._flattener = Flattener(space)
         self.observation_space = self._flattener.space
 
-    def observation(self, observation: Observation) -> NDArray[np.float32]:
+    def observation(self, observation: Readings) -> NDArray[np.float32]:
         """Return (n,) the numbers of an observation."""
         return self._flattener.flatten(observation)
 
 
-class Flattener:
-    """Turns observations into rows of numbers."""
-
-    def __init__(self, space: Dict) -> None:
-        """Take the space of one learner's observations: a Dict of Boxes."""
-        boxes: dict[str, Any] = dict(space.spaces)
-        self._names = tuple(boxes)
-        scales = np.concatenate([_scales_of(name, box).reshape(-1) for name, box in boxes.items()])
-        self._factors = (1.0 / scales).astype(np.float32)
-        low = np.concatenate([box.low.reshape(-1) for box in boxes.values()])
-        high = np.concatenate([box.high.reshape(-1) for box in boxes.values()])
-        low, high = (low * self._factors).astype(np.float32), (high * self._factors).astype(np.float32)
-        self.space = Box(low, high, dtype=np.float32)
-
-    def flatten(self, observation: Observation) -> NDArray[np.float32]:
-        """Return (n,) the numbers of one learner's observation."""
-        flat = np.concatenate([observation[name].reshape(-1) for name in self._names], dtype=np.float32)
-        flat *= self._factors
-        return flat
-
-    def flatten_all(self, observation: Observation, axes: int = 1) -> NDArray[np.float32]:
-        """Return (…, n) the numbers of many learners' observations, which lie along the first axes."""
-        parts = [observation[name] for name in self._names]
-        flat = np.concatenate(
-            [part.reshape(*part.shape[:axes], -1) for part in parts], axis=-1, dtype=np.float32
-        )
-        flat *= self._factors
-        return flat
-
-
-def _scales_of(name: str, box: Box) -> NDArray[np.float64]:
-    """Return what is usual for each number of a group or sensor."""
-    for group in GROUPS.values():
-        if group.name == name:
-            return np.array([SCALES.get(column.unit, COUNT) for column in group.columns])
-    bound = np.maximum(np.abs(box.low.astype(np.float64)), np.abs(box.high.astype(np.float64)))
-    return np.where(bound > LARGEST_BOUND, 100.0, np.maximum(bound, 1e-6))
-
-
-class FlatActions(gymnasium.ActionWrapper[Observation, NDArray[np.float32], dict[str, Any]]):
+class FlatActions(gymnasium.ActionWrapper[Readings, NDArray[np.float32], dict[str, Any]]):
     """Numbers in [-1, 1] instead of a Dict of fields, each stretched to the range of its field.
 
     A choice between n things is the n-th part of the way from -1 to 1 in which the number lies.
     """
 
-    def __init__(self, env: gymnasium.Env[Observation, dict[str, Any]]) -> None:
+    def __init__(self, env: gymnasium.Env[Readings, dict[str, Any]]) -> None:
         """Wrap an environment in the action mode ``dict``.
 
         Raises:

@@ -116,7 +116,6 @@ def test_train_and_test_episodes_share_neither_seeds_nor_maps(split: str, odd: i
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"time": 3}, "there is no option 'time'; the options are preset, map"),
         ({"sensors": {"sonar": {}}}, "there is no sensor 'sonar'"),
         ({"rewards": {"luck": 1.0}}, "there is no reward term 'luck'"),
         (
@@ -136,6 +135,12 @@ def test_wrong_options_are_refused_in_one_line(wrong: dict[str, Any], message: s
     with pytest.raises(ValueError, match=message) as raised:
         SingleEnv("navigation", **wrong)
     assert "\n" not in str(raised.value)
+
+
+def test_an_unknown_option_is_refused_as_python_refuses_unknown_arguments() -> None:
+    """TorchRL tells by the kind of the error, and by these words, that it may leave an argument out."""
+    with pytest.raises(TypeError, match=r"^unexpected keyword argument 'time'; the options are preset, map"):
+        SingleEnv("navigation", time=3)
 
 
 def test_an_episode_can_be_put_elsewhere() -> None:

@@ -8,7 +8,7 @@ from gymnasium.utils.env_checker import check_env
 from tests.engine.envs.common import TRACK_NAMES, options
 
 from wildscav_engine.envs import FlatActions, FlatObservations, SingleEnv
-from wildscav_engine.envs.wrappers import Flattener
+from wildscav_engine.envs.flat import Flattener
 
 SENSORS = {"depth": {"width": 4, "height": 3, "far": 50.0}, "teammates": {"limit": 1}}
 
@@ -33,7 +33,7 @@ def test_flat_numbers_are_those_of_the_dict_over_what_is_usual() -> None:
     start = sum(observation[name].size for name in names[: names.index("depth")])
     assert flat[start : start + 12] == pytest.approx(observation["depth"].reshape(-1) / 50.0)
     many = {name: np.stack([values, values]) for name, values in observation.items()}
-    assert flattener.flatten_all(many).tobytes() == np.stack([flat, flat]).tobytes()
+    assert flattener.flatten(many, axes=1).tobytes() == np.stack([flat, flat]).tobytes()
 
 
 def test_flat_actions_are_stretched_over_their_fields() -> None:

@@ -1,0 +1,244 @@
+"""The trainers of ``docs/training.md`` take the environments as they are: its code trains, in small."""
+
+import copy
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from wildscav_engine.envs import SingleEnv, parallel_env
+from wildscav_engine.spec import MapConfig, MapSpec
+
+# The trainers warn of much, most of all of one another.
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
+
+TEXT = (Path(__file__).parents[2] / "docs" / "training.md").read_text("utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+NAVIGATION = "wildscav_engine:WildScav/Navigation-v0"
+TINY = MapSpec(config=MapConfig(size=40, relief=0, water=0, houses=0, vegetation=0), seed=1)
+SHORT = {"map": TINY, "time_limit": 4.0}
+MODES = ("box", "baseline", "multidiscrete")
+# The page trains on real maps for an hour; here it is some hundred steps on a lawn.
+IN_SMALL = {
+    '"level": "easy"': '"map": TINY, "time_limit": 2.0',
+    'level="easy"': "map=TINY, time_limit=2.0",
+    "1_000_000": "512",
+    "n_steps=256": "n_steps=32",
+    "=4096": "=256",
+    "=2048": "=256",
+    "=512": "=64",
+    "range(250)": "range(2)",
+    'save("navigation")': "get_parameters()",
+}
+
+
+@pytest.fixture(autouse=True)
+def one_thread() -> None:
+    """Let small networks not fight for cores."""
+    torch = pytest.importorskip("torch")
+    torch.set_num_threads(1)
+
+
+def block(first_import: str, place: int = 0) -> tuple[str, str]:
+    """Return code of the page by how it begins, in small: up to the line that trains, and the rest."""
+    (code,) = [text for text in BLOCKS if text.startswith(first_import)][place : place + 1]
+    for long, short in IN_SMALL.items():
+        code = code.replace(long, short)
+    training = re.search(r"^(for |model\.learn)", code, re.MULTILINE)
+    assert training is not None
+    return code[: training.start()], code[training.start() :]
+
+
+def run(code: str, names: dict[str, Any]) -> dict[str, Any]:
+    exec(compile(code, "docs/training.md", "exec"), names)  # noqa: S102
+    return names
+
+
+def changed(before: dict[str, Any], after: dict[str, Any]) -> bool:
+    """Say whether learning moved weights, all of which are numbers still."""
+    assert before.keys() == after.keys()
+    assert all(np.isfinite(np.asarray(value)).all() for value in after.values())
+    return any(not np.array_equal(before[name], after[name]) for name in before)
+
+
+def weights_of(module: Any) -> dict[str, Any]:
+    return {name: value.detach().cpu().numpy().copy() for name, value in module.state_dict().items()}
+
+
+@pytest.mark.parametrize("code", BLOCKS, ids=range(len(BLOCKS)))
+def test_each_trainer_takes_less_than_twenty_lines(code: str) -> None:
+    assert len([line for line in code.splitlines() if line.strip()]) < 20
+
+
+def test_what_the_page_says_of_going_on_are_options() -> None:
+    lines = re.findall(r"`((?:rewards|start_range|opponents|split)=[^`]+)`", TEXT)
+    assert len(lines) == 4
+    for line in lines:
+        SingleEnv("battle" if line.startswith("opponents") else "navigation", **eval(f"dict({line})"))  # noqa: S307
+
+
+def test_stable_baselines_trains_as_the_page_says() -> None:
+    pytest.importorskip("stable_baselines3")
+    start, train = block("from stable_baselines3")
+    names = run(start, {"TINY": TINY})
+    model = names["model"]
+    before = weights_of(model.policy)
+    run(train, names)
+    assert model.num_timesteps >= 512
+    assert changed(before, weights_of(model.policy))
+    assert math.isfinite(model.logger.name_to_value["train/loss"])
+    assert model.ep_info_buffer  # episodes ended, and the monitor saw it
+
+
+def test_stable_baselines_trains_on_a_single_environment_with_a_dict_of_observations() -> None:
+    stable_baselines3 = pytest.importorskip("stable_baselines3")
+    env = gymnasium.make(NAVIGATION, action_mode="box", **SHORT)
+    model = stable_baselines3.PPO("MultiInputPolicy", env, n_steps=64, n_epochs=2, device="cpu", seed=0)
+    before = weights_of(model.policy)
+    model.learn(128)
+    assert changed(before, weights_of(model.policy))
+
+
+@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize("mode", MODES)
+def test_the_checker_of_stable_baselines_finds_nothing(mode: str, flat: bool) -> None:
+    checker = pytest.importorskip("stable_baselines3.common.env_checker")
+    checker.check_env(SingleEnv("navigation", action_mode=mode, flat=flat, **SHORT))
+
+
+def test_the_vector_of_stable_baselines_is_the_single_environments_row_by_row() -> None:
+    pytest.importorskip("stable_baselines3")
+    from wildscav_engine.envs import StableVector
+
+    options: dict[str, Any] = {"action_mode": "box", "flat": True, "map": TINY, "time_limit": 1.0}
+    vector = StableVector("navigation", 2, **options)
+    vector.seed(5)
+    singles = [SingleEnv("navigation", **options) for _ in range(2)]
+    wanted = np.stack([env.reset(seed=5 + row)[0] for row, env in enumerate(singles)])
+    np.testing.assert_array_equal(vector.reset(), wanted)
+    generator = np.random.default_rng(0)
+    for step in range(1, 26):
+        actions = generator.uniform(-1, 1, (2, *vector.action_space.shape)).astype(np.float32)
+        observations, rewards, done, infos = vector.step(actions)
+        for row, env in enumerate(singles):
+            last, reward, terminated, truncated, _ = env.step(actions[row])
+            assert (rewards[row], done[row]) == (np.float32(reward), terminated or truncated)
+            if terminated or truncated:
+                np.testing.assert_array_equal(infos[row]["terminal_observation"], last)
+                assert infos[row]["TimeLimit.truncated"] == (truncated and not terminated)
+                last, _ = env.reset()
+            np.testing.assert_array_equal(observations[row], last)
+        assert done.all() == (step % 10 == 0)  # ten steps are the second that a match takes
+
+
+@pytest.fixture
+def ray() -> Iterator[Any]:
+    ray = pytest.importorskip("ray")
+    pytest.importorskip("ray.rllib")
+    ray.init(num_cpus=1, include_dashboard=False, log_to_driver=False)
+    yield ray
+    ray.shutdown()
+
+
+def test_rllib_trains_as_the_page_says(ray: Any) -> None:
+    for place, policy in enumerate(("default_policy", "everybody")):  # one learner, then several
+        start, train = block("from ray.rllib", place)
+        names = run(start, {"TINY": TINY})
+        algorithm = names["algorithm"]
+        before = copy.deepcopy(algorithm.get_weights()[policy])
+        run(train, names)
+        assert changed(before, algorithm.get_weights()[policy])
+        result = algorithm.train()
+        assert math.isfinite(result["learners"][policy]["total_loss"])
+        assert result["env_runners"]["num_env_steps_sampled_lifetime"] >= 512
+        assert result["env_runners"]["num_episodes_lifetime"] > 0
+        algorithm.stop()
+
+
+def test_torchrl_trains_as_the_page_says() -> None:
+    torch = pytest.importorskip("torch")
+    pytest.importorskip("torchrl")
+    torch.manual_seed(0)
+    start, train = block("import torch")
+    names = run(start, {"TINY": TINY})
+    before = {part: weights_of(names[part]) for part in ("actor", "critic")}
+    run(train, names)
+    for part, weights in before.items():
+        assert changed(weights, weights_of(names[part])), part
+    losses = names["loss"](names["batch"])
+    assert all(torch.isfinite(losses[name]).all() for name in ("loss_objective", "loss_critic"))
+
+
+@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize("mode", [*MODES, "dict"])
+def test_the_checker_of_torchrl_finds_nothing(mode: str, flat: bool) -> None:
+    envs = pytest.importorskip("torchrl.envs")
+    envs.check_env_specs(envs.GymEnv(NAVIGATION, action_mode=mode, flat=flat, **SHORT))
+
+
+@pytest.mark.parametrize("autoreset", ["Disabled", "SameStep"])
+def test_torchrl_plays_a_vector_past_the_end_of_matches(autoreset: str) -> None:
+    envs = pytest.importorskip("torchrl.envs")
+    vector = gymnasium.make_vec(
+        NAVIGATION,
+        num_envs=3,
+        vectorization_mode="vector_entry_point",
+        autoreset_mode=autoreset,
+        action_mode="box",
+        flat=True,
+        **SHORT,
+    )
+    played = envs.GymWrapper(vector).rollout(90, break_when_any_done=False)
+    assert played.batch_size == (3, 90)
+    assert played["next", "truncated"].sum() == 6  # 40 steps are the 4 s that a match takes
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_torchrl_plays_with_several_learners(mode: str) -> None:
+    envs = pytest.importorskip("torchrl.envs")
+    zoo = parallel_env("battle", agents=3, action_mode=mode, flat=True, **SHORT)
+    env = envs.PettingZooWrapper(zoo, return_state=True)
+    envs.check_env_specs(env)
+    played = env.rollout(5)
+    assert played["agent", "observation"].shape[:2] == (5, 3)
+    assert ("agent", "action_mask") in played.keys(include_nested=True) or mode == "box"
+
+
+def test_torchrl_learns_from_several_learners_some_of_which_may_leave() -> None:
+    torch = pytest.importorskip("torch")
+    envs = pytest.importorskip("torchrl.envs")
+    from tensordict.nn import TensorDictModule
+    from torchrl.modules import MLP, ProbabilisticActor
+    from torchrl.objectives import ClipPPOLoss
+
+    torch.manual_seed(0)
+    zoo = parallel_env("royale", agents=3, action_mode="baseline", flat=True, **SHORT)
+    env = envs.PettingZooWrapper(zoo, use_mask=True, categorical_actions=True)
+    seen, scores, value = ("agent", "observation"), ("agent", "logits"), ("agent", "state_value")
+    numbers = env.observation_spec[seen].shape[-1]
+    actor = ProbabilisticActor(
+        TensorDictModule(MLP(numbers, int(zoo.action_space("agent_0").n)), [seen], [scores]),
+        in_keys=[scores],
+        out_keys=[env.action_key],
+        distribution_class=torch.distributions.Categorical,
+        return_log_prob=True,
+    )
+    loss = ClipPPOLoss(actor, TensorDictModule(MLP(numbers, 1), [seen], [value]))
+    ends = {name: ("agent", name) for name in ("reward", "done", "terminated")}
+    loss.set_keys(action=env.action_key, value=value, sample_log_prob=("agent", "action_log_prob"), **ends)
+    before = weights_of(actor)
+    with torch.no_grad():
+        played = env.rollout(30, actor)
+    assert played["agent", "mask"].shape == (30, 3)
+    loss.value_estimator(
+        played, params=loss.critic_network_params, target_params=loss.target_critic_network_params
+    )
+    terms = loss(played)
+    sum(terms[name] for name in ("loss_objective", "loss_critic", "loss_entropy")).backward()
+    torch.optim.Adam(loss.parameters()).step()
+    assert changed(before, weights_of(actor))

@@ -1,0 +1,28 @@
+"""When Gymnasium and PettingZoo know the ids of the environments."""
+
+import subprocess
+import sys
+
+import pytest
+
+LATER = "import wildscav_engine, sys; assert 'gymnasium' not in sys.modules; "
+# TorchRL and others look whether a library is there before they import it.
+LOOK = "from importlib.util import find_spec; assert find_spec('gymnasium') and find_spec('pettingzoo'); "
+KNOWN = (
+    "import gymnasium, pettingzoo; assert 'WildScav/Battle-v0' in gymnasium.registry; "
+    "assert 'wildscav/battle-v0' in pettingzoo.parallel_registry"
+)
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        LATER + KNOWN,
+        LATER + LOOK + LOOK + KNOWN,
+        "import gymnasium, pettingzoo, wildscav_engine; " + KNOWN,
+    ],
+    ids=["imported before", "looked for", "imported after"],
+)
+def test_the_ids_are_known_whatever_is_imported_first(code: str) -> None:
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
