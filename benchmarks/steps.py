@@ -1,6 +1,7 @@
 """Steps a second of the engine and of its environments: batches, matches, threads, with and without depth."""
 
 import functools
+import itertools
 import statistics
 import time
 from collections.abc import Callable
@@ -15,11 +16,14 @@ from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.batch import Batch
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.match import Match
 from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.spec import MapConfig, MatchSpec
 
 REPEATS = 5
+POOL = 64  # maps
+EPISODE = 40.0  # s, 400 steps as in the paper
 COUNTRY = generate_map(MapConfig(size=100, houses=4), 1)
 ENV = "wildscav_engine:WildScav/Navigation-v0"
 EYE = np.array([0.0, 1.5, 0.0])
@@ -62,22 +66,63 @@ def steps_per_second(step: Callable[[int], None], agents: int, steps: int) -> fl
     return statistics.median(rates[1:])
 
 
-def batch_figure(matches: int, threads: int, depth: bool) -> Figure:
-    """Measure a batch of gathering matches of one agent."""
-    batch = Batch([spec(index, "gathering", "submission") for index in range(matches)], [COUNTRY] * matches)
-    actions = random_actions(matches, 1)
-    camera = DepthCamera(10, 10)
-    agents = batch.state.agents
+@functools.cache
+def pool() -> tuple[GameMap, ...]:
+    """The maps that matches begin anew on."""
+    maps = random_maps("easy", size=POOL)
+    return tuple(maps[number] for number in range(POOL))
 
-    def step(number: int) -> None:
-        batch.step(actions[number % 8], threads=threads)
-        if depth:
+
+class Play:
+    """A batch of navigation matches of one agent, each begun anew on the next map when it ends."""
+
+    def __init__(self, matches: int, threads: int, *, resets: bool, depth: bool) -> None:
+        self.threads, self.camera = threads, DepthCamera(10, 10) if depth else None
+        limit = EPISODE if resets else 80_000.0
+        # Ends spread over time, as in training.
+        self.specs = [
+            MatchSpec(
+                track="navigation", map=game_map.spec, seed=index, time_limit=limit * (index + 1) / matches
+            )
+            for index, game_map in zip(range(matches), itertools.cycle(pool()), strict=False)
+        ]
+        self.maps = [pool()[index % POOL] for index in range(matches)]
+        self.limit, self.begun = limit, matches
+        self.batch = Batch(self.specs, self.maps, pool=pool())
+        self.actions = random_actions(matches, 1)
+
+    def step(self, number: int) -> None:
+        """Play one step of all matches, begin anew those that end, and look."""
+        self.batch.step(self.actions[number % 8], threads=self.threads)
+        for row in np.flatnonzero(self.batch.state.matches.over).tolist():
+            self.maps[row] = pool()[self.begun % POOL]
+            spec = self.specs[row].varied(seed=self.begun, map=self.maps[row].spec, time_limit=self.limit)
+            self.batch.restart([row], [spec], [self.maps[row]])
+            self.begun += 1
+        if self.camera is not None:
+            agents = self.batch.state.agents
             eyes = agents.position[:, 0] + EYE
-            camera.render(COUNTRY, eyes, agents.yaw[:, 0], agents.pitch[:, 0])
+            for row, game_map in enumerate(self.maps):
+                here = slice(row, row + 1)
+                self.camera.render(game_map, eyes[here], agents.yaw[here, 0], agents.pitch[here, 0])
 
-    rate = steps_per_second(step, matches, 200)
-    what = f"{matches} matches × 1 agent, {'10 × 10 depth' if depth else 'no sensors'}"
+
+def batch_figure(threads: int, *, depth: bool = False, resets: bool = True) -> Figure:
+    """Measure a batch of 64 matches of one agent on 64 maps."""
+    play = Play(64, threads, resets=resets, depth=depth)
+    rate = steps_per_second(play.step, 64, 400)
+    what = f"64 matches × 1 agent, {seen(depth)}{'' if resets else ', no resets'}"
     return Figure(what, rate, "agent-steps/s", f"{threads} thread{'s' if threads > 1 else ''}")
+
+
+def reset_figure() -> Figure:
+    """Measure how long it takes to begin a match anew, on a map of the pool."""
+    play = Play(1, 1, resets=True, depth=False)
+    specs = [play.specs[0].varied(seed=seed, map=pool()[seed % POOL].spec) for seed in range(200)]
+    started = time.perf_counter()
+    for seed, fresh in enumerate(specs):
+        play.batch.restart([0], [fresh], [pool()[seed % POOL]])
+    return Figure("a navigation match begun anew", (time.perf_counter() - started) * 1e6 / 200, "µs")
 
 
 def crowd_figure(seats: int, against: float | None = None) -> Figure:
@@ -152,9 +197,11 @@ def seen(depth: bool) -> str:
 def main(json_file: JsonFile = None) -> None:
     """Measure and print."""
     figures = [
-        batch_figure(64, 1, depth=False),
-        batch_figure(64, 2, depth=False),
-        batch_figure(64, 1, depth=True),
+        batch_figure(1, depth=True),
+        batch_figure(1),
+        batch_figure(2),
+        batch_figure(1, resets=False),
+        reset_figure(),
         match_figure("one match, 1 agent", "submission"),
         match_figure("one match, 10 agents", *["submission"] * 10),
         match_figure("one match, 10 robots that fight", *["fighter"] * 10),

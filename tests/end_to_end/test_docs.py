@@ -27,9 +27,7 @@ def test_the_researchers_lines_run_as_they_stand(tmp_path: Path) -> None:
     (code,) = blocks(ROOT / "README.md", "python")
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    walker, gatherer = ast.literal_eval(done.stdout)
-    assert set(walker) == {"supplies"}
-    assert gatherer["supplies"] > 0
+    assert done.stdout.endswith("(10, 10)\n")
 
 
 def test_every_make_command_of_the_pages_is_a_target() -> None:
