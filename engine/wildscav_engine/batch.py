@@ -95,7 +95,7 @@ class Batch:
         if threads != 1:
             numba.set_num_threads(threads)
             play = play_batch_in_threads
-        self._play(play, self._rows, rows, opening=False)
+        self._play(play, self._rows, rows, opening=False, parts=threads)
         return rows
 
     def restart(
@@ -210,6 +210,7 @@ class Batch:
         actions: NDArray[np.float32],
         *,
         opening: bool,
+        parts: int = 1,
     ) -> None:
         self._is_seen = False
         play(
@@ -221,6 +222,7 @@ class Batch:
             self.frames_per_action,
             self._numbers,
             opening,
+            parts,
         )
 
     def _make_room(self, slots: int, phases: int) -> None:
@@ -389,6 +391,7 @@ def play_batch(
     frames_per_action: int,
     rules: NDArray[np.float64],
     opening: bool,
+    parts: int,  # noqa: ARG001 - so that both are called alike
 ) -> None:
     """Open the matches in some rows, or play one step of those not over; the actions become what was played.
 
@@ -411,9 +414,11 @@ def play_batch_in_threads(
     frames_per_action: int,
     rules: NDArray[np.float64],
     opening: bool,
+    parts: int,
 ) -> None:
-    """Do the same over threads, each of which plays its share of the rows."""
-    parts, count = numba.get_num_threads(), rows.shape[0]
+    """Do the same over threads, each of which plays its part of the rows."""
+    # How many parts comes from outside: to ask for the threads in here would keep this from being cached.
+    count = rows.shape[0]
     for part in numba.prange(parts):
         first, last = part * count // parts, (part + 1) * count // parts
         _play_rows(

@@ -111,7 +111,7 @@ def test_another_process_goes_on_in_the_same_way(tmp_path: Path) -> None:
     match = play(Match(MatchSpec(track="battle", map=small, seats=SEATS)), 0, STEPS)
     (tmp_path / "state").write_bytes(match.get_state())
     code = (
-        "import sys, test_snapshot as t; from pathlib import Path\n"
+        "import sys; sys.path.append(sys.argv[2]); import test_snapshot as t; from pathlib import Path\n"
         "from wildscav_engine.match import Match\n"
         "from wildscav_engine.snapshot import decode\n"
         "data = Path(sys.argv[1]).read_bytes()\n"
@@ -119,7 +119,7 @@ def test_another_process_goes_on_in_the_same_way(tmp_path: Path) -> None:
         "print(t.play(match, t.STEPS, 2 * t.STEPS).digests[-1])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "state")],
+        [sys.executable, "-c", code, str(tmp_path / "state"), str(Path(__file__).parents[1])],
         cwd=Path(__file__).parent,
         capture_output=True,
         text=True,

@@ -177,7 +177,7 @@ def test_an_evaluation_into_a_used_folder_replaces_what_was_there_and_no_more(
         (
             ["{walker}", "--track", "fishing"],
             2,
-            "no track 'fishing'; the tracks are navigation, gathering, battle",
+            "no track 'fishing'; the tracks are navigation, gathering, capture, battle, royale",
         ),
         (["{walker}", "--track", "battle"], 2, "'walker' does not play battle"),
         (["{walker}", "{walker}"], 2, "two submissions are called 'walker'"),

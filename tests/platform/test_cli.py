@@ -99,11 +99,11 @@ def test_a_new_submission_plays_every_track_unchanged(tmp_path: Path) -> None:
     folder = tmp_path / "Fine Agent"
     manifest = tomllib.loads((folder / "submission.toml").read_text())
     assert manifest["name"] == "fine-agent"
-    assert manifest["tracks"] == list(TRACKS)
+    assert manifest["tracks"] == ["navigation", "gathering", "battle"]
 
     async def play(server: MatchServer, address: str) -> None:
         for track in TRACKS:
-            filled_by = ("submission", "fighter") if track == "battle" else ("submission",)
+            filled_by = ("submission", "fighter") if track in ("battle", "royale") else ("submission",)
             hosted = await host(server, small_spec(track, seconds=10.0, filled_by=filled_by))
             agent = await start_agent(manifest["entry_point"], address, hosted.tokens[0], folder)
             outcome = await hosted.finished()

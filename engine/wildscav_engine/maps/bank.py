@@ -5,13 +5,24 @@ from typing import Any
 
 import numpy as np
 
-from wildscav_engine.geometry.world import World, build_world
+from wildscav_engine.geometry.world import World
 from wildscav_engine.handles import Handle, reader
 from wildscav_engine.maps.game_map import GameMap
 
 LIMIT = 128  # maps in a bank before those that no match is played on are dropped
 
-_EXAMPLE = build_world((0.0, 0.0), np.zeros((2, 2)), np.zeros((1, 1)), [], np.zeros((1, 3)))
+_WHOLE = ("cell_start", "cell_solids", "solid_start")
+_AXES = {"corner": 1, "face_reach": 1, "solid_kind": 1, **dict.fromkeys(_WHOLE, 1)}
+# The types and axes of a world's arrays, made by hand: to build a world would compile at every import.
+_EXAMPLE = World(
+    **{
+        name: np.zeros(
+            (0,) * _AXES.get(name, 2),
+            np.int8 if name == "solid_kind" else np.int64 if name in _WHOLE else np.float64,
+        )
+        for name in World._fields
+    }
+)
 # A kernel: takes a world out of its table, without copying.
 world_at = reader(_EXAMPLE)
 

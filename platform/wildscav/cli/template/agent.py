@@ -44,9 +44,12 @@ class MyAgent(Agent):
         if observation.supply_boxes:
             return observation.supply_boxes[0].position
         if flat_distance(observation.position, self.goal) < 3.0 or self.detour == 1:
-            wave = self.random.choice(self.match.supply_waves)
+            center, radius = (0.0, 0.0), self.match.map_size / 4
+            if self.match.supply_waves:
+                wave = self.random.choice(self.match.supply_waves)
+                center, radius = wave.center, wave.radius
             edge = self.match.map_size / 2 - 2.0
-            x, z = (self.random.gauss(middle, wave.radius) for middle in wave.center)
+            x, z = (self.random.gauss(middle, radius) for middle in center)
             self.goal = (max(-edge, min(edge, x)), 0.0, max(-edge, min(edge, z)))
         return self.goal
 
