@@ -1,7 +1,8 @@
 """Steps a second beside those of ViZDoom, in the same run: a fight with others, a depth map in every step.
 
-ViZDoom plays its own deathmatch (``pip install vizdoom``); Wildscav a battle of ten, through Gymnasium. The two take
-turns, so that both meet the same machine. A tic of ViZDoom is 1/35 s of game time, a step of Wildscav 1/10 s.
+ViZDoom plays its own deathmatch (``pip install vizdoom``); Wildscav a battle of ten, through Gymnasium. The
+two take turns, so that both meet the same machine. A tic of ViZDoom is 1/35 s of game time, a step of
+Wildscav 1/10 s.
 """
 
 import statistics
