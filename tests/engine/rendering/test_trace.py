@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.engine.rendering.brute_force import (
@@ -146,6 +146,7 @@ def test_rays_along_the_axes(village: Country, x: int, z: int, up: float) -> Non
 
 @settings(max_examples=25)
 @given(st.floats(-29, 29), st.floats(-29, 29), st.floats(0.1, 20), st.integers(-15, 15), st.integers(-15, 15))
+@example(x=3.0, z=0.0, up=1.0, column=0, row=1)
 def test_rays_through_corners_of_the_terrain(
     village: Country, x: float, z: float, up: float, column: int, row: int
 ) -> None:
