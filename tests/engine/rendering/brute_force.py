@@ -191,11 +191,11 @@ def _is_below_ground(surface: Surface, eye: NDArray[np.float64], margin: float) 
 
 
 def a_hair_aside(way: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (96, 3) directions around one: enough for the narrow wedges of six triangles at a corner."""
+    """Return (720, 3) directions around one: enough for the wedges of six triangles at a corner, seen aslant."""
     helper = [0.0, 1.0, 0.0] if abs(way[1]) < 0.9 else [1.0, 0.0, 0.0]
     right = np.cross(helper, way)
     right /= np.linalg.norm(right)
-    angles = np.arange(32)[:, None] * np.pi / 16
+    angles = np.arange(240)[:, None] * np.pi / 120
     around = np.cos(angles) * right + np.sin(angles) * np.cross(way, right)
     turned = np.concatenate([way + turn * around for turn in TURNS])
     unit: NDArray[np.float64] = turned / np.linalg.norm(turned, axis=1)[:, None]
