@@ -191,7 +191,7 @@ def _is_below_ground(surface: Surface, eye: NDArray[np.float64], margin: float) 
 
 
 def a_hair_aside(way: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (720, 3) directions around one: enough for the wedges of six triangles at a corner, seen aslant."""
+    """Return (720, 3) directions around one, enough for the wedges of six triangles that meet aslant."""
     helper = [0.0, 1.0, 0.0] if abs(way[1]) < 0.9 else [1.0, 0.0, 0.0]
     right = np.cross(helper, way)
     right /= np.linalg.norm(right)
