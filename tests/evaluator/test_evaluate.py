@@ -117,6 +117,7 @@ def check_table(output: str) -> None:
     assert ".rrd" in output
 
 
+@pytest.mark.slow
 def test_invalid_actions_are_counted_and_told(wildscav: Command, submit: Submit, tmp_path: Path) -> None:
     runner = submit("runner", "    def act(self, observation): return Action(walk_speed=99.0, shoot=True)")
     walker = submit("walker", WALKER)
@@ -151,6 +152,7 @@ def test_a_record_with_one_action_changed_no_longer_holds(
     assert wildscav("verify", tmp_path / "records" / "navigation-001-walker.wsr").returncode == 0
 
 
+@pytest.mark.slow
 def test_an_evaluation_into_a_used_folder_replaces_what_was_there_and_no_more(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:

@@ -49,7 +49,7 @@ def run(jobs: list[Job], count: int) -> dict[tuple[str, int], JobResult]:
         return {(result.job.submission.name, result.job.index): result for result in workers.run(jobs)}
 
 
-@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_worker_that_is_killed_costs_its_match_alone(submit: Submit, out: Path, count: int) -> None:
     walker, killer = submit("walker", WALKER), submit("killer", WORKER_KILLER)
     jobs = [job(walker, 0, out), job(killer, 0, out), job(walker, 1, out), job(walker, 2, out)]
@@ -78,6 +78,7 @@ def test_a_record_that_cannot_be_written_costs_its_match_alone(submit: Submit, o
     assert results["walker", 1].row.fault is None
 
 
+@pytest.mark.slow
 def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Submit, out: Path) -> None:
     sleeper = submit("sleeper", SLEEPER)
     only = job(sleeper, 0, out)

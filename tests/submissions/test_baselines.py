@@ -72,6 +72,7 @@ def test_the_same_match_is_played_the_same_way(workers: Workers, tmp_path: Path,
         assert (one.out / one.record).read_bytes() == (other.out / other.record).read_bytes()
 
 
+@pytest.mark.slow
 def test_homing_reaches_most_targets_and_random_few(workers: Workers, tmp_path: Path) -> None:
     wanted = [
         job

@@ -148,7 +148,9 @@ def test_locations_are_dots_where_they_are(storey: int | None, shown: list[tuple
     assert marked.sum() < 150 * len(shown)
 
 
-@pytest.mark.parametrize(("storey", "shown"), [(None, True), (1, False), (2, False)])
+@pytest.mark.parametrize(
+    ("storey", "shown"), [(None, True), (1, False), pytest.param(2, False, marks=pytest.mark.slow)]
+)
 def test_locations_on_a_roof_go_with_the_roof(storey: int | None, shown: bool) -> None:
     game_map = replace(house_map(), outdoor=np.array([(0.0, 6.2, 0.0), (12.0, 0.0, 12.0)]))
     without = replace(game_map, outdoor=game_map.outdoor[1:])
