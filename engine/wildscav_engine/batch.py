@@ -1,16 +1,15 @@
 """A batch: many matches played as one, serially or over threads. A single match is a batch of one."""
 
 import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, Field, no_actions
 from wildscav_engine.handles import Addresses, Handle, number_reader, reader, row_reader
-from wildscav_engine.kernel import kernel, parallel_kernel
+from wildscav_engine.kernel import kernel
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank, world_at
 from wildscav_engine.maps.game_map import GameMap
@@ -22,7 +21,10 @@ from wildscav_engine.snapshot import History, decode, encode, map_for, write
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.state import State, allocate_state, with_room
 from wildscav_engine.step import play_step
+from wildscav_engine.threads import share
 from wildscav_engine.tracks import TRACKS
+
+PARTS_A_THREAD = 2  # of a step
 
 
 class Batch:
@@ -87,15 +89,20 @@ class Batch:
             (B, A, FIELDS), the actions as they were played.
 
         Raises:
-            ValueError: The actions have another shape or are no real numbers, or there are too few or too
-                many threads.
+            ValueError: The actions have another shape or are no real numbers, or there is no thread.
         """
         rows = check_actions(actions, self.state.agents.present.shape)
-        play = play_batch
-        if threads != 1:
-            numba.set_num_threads(threads)
-            play = play_batch_in_threads
-        self._play(play, self._rows, rows, opening=False, parts=threads)
+        if threads < 1:
+            raise ValueError(f"threads is {threads}, must be at least 1")
+        if threads == 1:
+            self._play(self._rows, rows, opening=False)
+            return rows
+
+        def play(part: slice) -> bool:
+            self._play(self._rows[part], rows, opening=False)
+            return True
+
+        share(play, len(self._rows), min(PARTS_A_THREAD * threads, len(self._rows)), threads)
         return rows
 
     def restart(
@@ -197,7 +204,7 @@ class Batch:
         for row in rows.tolist():
             place_match(self.state, row, self.setups[row])
         self._number_maps(rows)
-        self._play(play_batch, rows, self._nothing, opening=True)
+        self._play(rows, self._nothing, opening=True)
 
     def _number_maps(self, rows: NDArray[np.int64]) -> None:
         for row in rows.tolist():
@@ -205,15 +212,13 @@ class Batch:
 
     def _play(
         self,
-        play: Callable[..., None],
         rows: NDArray[np.int64],
         actions: NDArray[np.float32],
         *,
         opening: bool,
-        parts: int = 1,
     ) -> None:
         self._is_seen = False
-        play(
+        play_batch(
             self._bank.addresses,
             *self._tables,
             rows,
@@ -222,7 +227,6 @@ class Batch:
             self.frames_per_action,
             self._numbers,
             opening,
-            parts,
         )
 
     def _make_room(self, slots: int, phases: int) -> None:
@@ -342,7 +346,7 @@ rules_from = number_reader(Rules())
 
 
 @kernel
-def _play_rows(
+def play_batch(
     bank: NDArray[np.int64],
     agents: Addresses,
     supplies: Addresses,
@@ -354,12 +358,13 @@ def _play_rows(
     frames_per_action: int,
     rules: NDArray[np.float64],
     opening: bool,
-    first: int,
-    last: int,
 ) -> None:
-    """Open or play the matches from ``rows[first]`` to before ``rows[last]``; see ``play_batch``."""
+    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
+
+    Both are in one kernel, because they share most of what there is to compile.
+    """
     matches = matches_at(every)
-    for index in range(first, last):
+    for index in range(rows.shape[0]):
         match = rows[index]
         if not matches.over[match]:
             seats = matches.seats[match]
@@ -376,66 +381,6 @@ def _play_rows(
                 rules_from(rules),
                 opening,
             )
-
-
-@kernel
-def play_batch(
-    bank: NDArray[np.int64],
-    agents: Addresses,
-    supplies: Addresses,
-    every: Addresses,
-    seen: Addresses,
-    rows: NDArray[np.int64],
-    actions: NDArray[np.float32],
-    allowed: NDArray[np.bool_],
-    frames_per_action: int,
-    rules: NDArray[np.float64],
-    opening: bool,
-    parts: int,  # noqa: ARG001 - so that both are called alike
-) -> None:
-    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
-
-    Both are in one kernel, because they share most of what there is to compile.
-    """
-    played = (bank, agents, supplies, every, seen, rows, actions, allowed, frames_per_action, rules, opening)
-    _play_rows(*played, 0, rows.shape[0])
-
-
-@parallel_kernel
-def play_batch_in_threads(
-    bank: NDArray[np.int64],
-    agents: Addresses,
-    supplies: Addresses,
-    every: Addresses,
-    seen: Addresses,
-    rows: NDArray[np.int64],
-    actions: NDArray[np.float32],
-    allowed: NDArray[np.bool_],
-    frames_per_action: int,
-    rules: NDArray[np.float64],
-    opening: bool,
-    parts: int,
-) -> None:
-    """Do the same over threads, each of which plays its part of the rows."""
-    # How many parts comes from outside: to ask for the threads in here would keep this from being cached.
-    count = rows.shape[0]
-    for part in numba.prange(parts):
-        first, last = part * count // parts, (part + 1) * count // parts
-        _play_rows(
-            bank,
-            agents,
-            supplies,
-            every,
-            seen,
-            rows,
-            actions,
-            allowed,
-            frames_per_action,
-            rules,
-            opening,
-            first,
-            last,
-        )
 
 
 @kernel

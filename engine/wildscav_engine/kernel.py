@@ -90,11 +90,6 @@ def array_kernel(function: Callable[Params, Returned]) -> Callable[Params, Retur
     return cast(Callable[Params, Returned], Kernel(function))
 
 
-def parallel_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
-    """Compile a function whose ``prange`` loops run over threads. Only vector environments use these."""
-    return cast(Callable[Params, Returned], _compile(function, parallel=True))
-
-
 def _compile(function: Callable[..., Any], **options: Any) -> Any:
     with _caching_in(function, "-".join(sorted(options)) or "plain"):
         return njit(cache=True, **EXACTLY, **options)(function)

@@ -1,11 +1,8 @@
 """What all sensors share that look out of the eyes of agents, or from any other place."""
 
-import os
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from functools import lru_cache
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
@@ -16,6 +13,7 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids, gather_solids
 from wildscav_engine.rendering.things import things_of
 from wildscav_engine.sensors.base import Sensor, rows_of
+from wildscav_engine.threads import share
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
@@ -130,7 +128,8 @@ class OpticalSensor(Sensor):
             def look_at(part: slice) -> bool:
                 return self.look(game_map, solids, some_of(cameras, part), images[part])
 
-            is_done = _over_threads(look_at, len(images), threads)
+            parts = max(1, min(len(images) // LEAST_PART, PARTS_A_THREAD * threads))
+            is_done = share(look_at, len(images), parts, threads)
         if not is_done:
             _refuse_numbers(cameras.eyes, cameras.yaws, cameras.pitches)
         return images
@@ -232,33 +231,3 @@ def _refuse_numbers(*arrays: NDArray[np.float64]) -> NoReturn:
         if not np.isfinite(values).all():
             raise ValueError(f"{name} hold {values[~np.isfinite(values)][0]}, must be finite")
     raise ValueError("positions, yaws and pitches add up to what is not finite")
-
-
-def _over_threads(work: Callable[[slice], bool], count: int, threads: int) -> bool:
-    """Do work on parts of ``range(count)`` until one fails, and return whether none did.
-
-    They are many for each thread, since some take longer than others. The calling thread works, too: the
-    others take a while to wake up.
-    """
-    parts = max(1, min(count // LEAST_PART, PARTS_A_THREAD * threads))
-    ends = [count * part // parts for part in range(parts + 1)]
-    left = iter([slice(start, end) for start, end in pairwise(ends)])
-
-    def share() -> bool:
-        return all(work(part) for part in left)
-
-    helpers = [_pool(threads - 1).submit(share) for _ in range(min(threads, parts) - 1)]
-    is_done = share()
-    for helper in helpers:
-        is_done = (helper.cancel() or helper.result()) and is_done
-    return is_done
-
-
-@lru_cache(maxsize=4)
-def _pool(threads: int) -> ThreadPoolExecutor:
-    """Return threads that wait for work: to start them takes longer than a few images."""
-    return ThreadPoolExecutor(threads, thread_name_prefix="wildscav-sensors")
-
-
-# A forked process has no threads but its first: it makes its own.
-os.register_at_fork(after_in_child=_pool.cache_clear)
