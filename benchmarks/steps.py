@@ -18,7 +18,6 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.match import Match
-from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.spec import MapConfig, MatchSpec
 
 REPEATS = 5
@@ -26,7 +25,6 @@ POOL = 64  # maps
 EPISODE = 40.0  # s, 400 steps as in the paper
 COUNTRY = generate_map(MapConfig(size=100, houses=4), 1)
 ENV = "wildscav_engine:WildScav/Navigation-v0"
-EYE = np.array([0.0, 1.5, 0.0])
 
 
 def spec(index: int, track: str, *seats: str) -> MatchSpec:
@@ -76,8 +74,8 @@ def pool() -> tuple[GameMap, ...]:
 class Play:
     """A batch of navigation matches of one agent, each begun anew on the next map when it ends."""
 
-    def __init__(self, matches: int, threads: int, *, resets: bool, depth: bool) -> None:
-        self.threads, self.camera = threads, DepthCamera(10, 10) if depth else None
+    def __init__(self, matches: int, threads: int, *, resets: bool) -> None:
+        self.threads = threads
         limit = EPISODE if resets else 80_000.0
         # Ends spread over time, as in training.
         self.specs = [
@@ -92,32 +90,26 @@ class Play:
         self.actions = random_actions(matches, 1)
 
     def step(self, number: int) -> None:
-        """Play one step of all matches, begin anew those that end, and look."""
+        """Play one step of all matches, and begin anew those that end."""
         self.batch.step(self.actions[number % 8], threads=self.threads)
         for row in np.flatnonzero(self.batch.state.matches.over).tolist():
             self.maps[row] = pool()[self.begun % POOL]
             spec = self.specs[row].varied(seed=self.begun, map=self.maps[row].spec, time_limit=self.limit)
             self.batch.restart([row], [spec], [self.maps[row]])
             self.begun += 1
-        if self.camera is not None:
-            agents = self.batch.state.agents
-            eyes = agents.position[:, 0] + EYE
-            for row, game_map in enumerate(self.maps):
-                here = slice(row, row + 1)
-                self.camera.render(game_map, eyes[here], agents.yaw[here, 0], agents.pitch[here, 0])
 
 
-def batch_figure(threads: int, *, depth: bool = False, resets: bool = True) -> Figure:
+def batch_figure(threads: int, *, resets: bool = True) -> Figure:
     """Measure a batch of 64 matches of one agent on 64 maps."""
-    play = Play(64, threads, resets=resets, depth=depth)
+    play = Play(64, threads, resets=resets)
     rate = steps_per_second(play.step, 64, 400)
-    what = f"64 matches × 1 agent, {seen(depth)}{'' if resets else ', no resets'}"
+    what = f"64 matches × 1 agent, no sensors{'' if resets else ', no resets'}"
     return Figure(what, rate, "agent-steps/s", f"{threads} thread{'s' if threads > 1 else ''}")
 
 
 def reset_figure() -> Figure:
     """Measure how long it takes to begin a match anew, on a map of the pool."""
-    play = Play(1, 1, resets=True, depth=False)
+    play = Play(1, 1, resets=True)
     specs = [play.specs[0].varied(seed=seed, map=pool()[seed % POOL].spec) for seed in range(200)]
     started = time.perf_counter()
     for seed, fresh in enumerate(specs):
@@ -197,7 +189,6 @@ def seen(depth: bool) -> str:
 def main(json_file: JsonFile = None) -> None:
     """Measure and print."""
     figures = [
-        batch_figure(1, depth=True),
         batch_figure(1),
         batch_figure(2),
         batch_figure(1, resets=False),
