@@ -207,6 +207,7 @@ def test_bad_options_are_usage_errors(wildscav: Command, arguments: list[str]) -
     assert wildscav("evaluate", *arguments, *(["folder"] if arguments else [])).returncode == 2
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_clear_line_a_file_after_the_tables(submit: Submit, tmp_path: Path) -> None:
     walker, out = submit("walker", WALKER), tmp_path / "out"
     with writing(out / "db"):

@@ -10,6 +10,7 @@ from wildscav_engine.envs.single import SingleEnv
 from wildscav_engine.view import live
 
 
+@pytest.mark.slow
 def test_a_match_is_shown_step_by_step_in_one_recording(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[Any] = []
 
