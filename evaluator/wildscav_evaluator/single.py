@@ -17,9 +17,11 @@ from rich.text import Text
 from wildscav.console import command, console
 from wildscav.errors import UserError, describe
 from wildscav.server import HostedMatch
+from wildscav_engine.actions import Field
 from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
+from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.complaints import raise_all
 from wildscav_evaluator.conduct import remark
 from wildscav_evaluator.jobs import FINISHED
@@ -35,7 +37,6 @@ from wildscav_evaluator.warm import warm
 if TYPE_CHECKING:
     from wildscav_engine.result import SeatResult
 
-COMBAT_TRACKS = ("battle", "royale")  # that are filled up with robots
 BATTLE_SEATS = 6  # unless asked otherwise
 MAX_SEATS = 1000  # that a spec may have
 HOUSE_AREA = 2500.0  # m² of map for each house
@@ -59,7 +60,7 @@ def make_spec(
     if size % 2:
         raise UserError(f"--size is {size}, must be even", exit_code=2)
     if robots is None:
-        robots = max(0, BATTLE_SEATS - submissions) if track in COMBAT_TRACKS else 0
+        robots = max(0, BATTLE_SEATS - submissions) if Field.SHOOT in TRACKS[track].fields else 0
     if submissions + robots > MAX_SEATS:
         raise UserError(f"--robots is {robots}, must leave at most {MAX_SEATS:,} seats in all", exit_code=2)
     filled_by = [BATTLE_ROBOTS[number % len(BATTLE_ROBOTS)] for number in range(robots)]

@@ -27,7 +27,7 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
 
     game_map = warm_map()
     for track in TRACKS:
-        seats = (SUBMISSION, "fighter") if TRACKS[track].fields >= {Field.SHOOT} else (SUBMISSION,)
+        seats = (SUBMISSION, "fighter") if Field.SHOOT in TRACKS[track].fields else (SUBMISSION,)
         spec = MatchSpec(track=track, map=game_map.spec, seats=seats, time_limit=0.5)
         match = Match(spec, game_map)
         while not match.over:

@@ -11,6 +11,7 @@ from wildscav_engine.kernel import kernel
 from wildscav_engine.rules import FRAME
 from wildscav_engine.sensors.visibility import allocate_seen
 from wildscav_engine.state import NOBODY, NOT_OUT, Agents, Ending, Matches, allocate_state
+from wildscav_engine.systems.supplies import team_supplies
 from wildscav_engine.tracks.rewards import FACTS, Fact, Facts, Plan, RewardSum, pay, write_facts
 from wildscav_engine.trig import cosine, sine
 
@@ -140,7 +141,8 @@ def _write_task(
         supplies = row[start[SUPPLIES] :]
         supplies[0] = agents.supplies[match, seat]
         supplies[1] = agents.gained[match, seat]
-        supplies[2] = _carried_by_team(agents, matches, match, seat)
+        count, team = matches.seats[match], agents.team[match, seat]
+        supplies[2] = team_supplies(agents.team[match, :count], agents.supplies[match, :count], team)
         supplies[3] = can_pick_up[match, seat]
     if start[VITALS] >= 0:
         vitals = row[start[VITALS] :]
@@ -163,15 +165,6 @@ def _write_target(agents: Agents, matches: Matches, match: int, seat: int, targe
         target[1 + axis], target[4 + axis] = place, way
         square += way * way
     target[7] = np.sqrt(square)
-
-
-@kernel
-def _carried_by_team(agents: Agents, matches: Matches, match: int, seat: int) -> int:
-    carried = 0
-    for mate in range(matches.seats[match]):
-        if agents.team[match, mate] == agents.team[match, seat]:
-            carried += agents.supplies[match, mate]
-    return carried
 
 
 @kernel

@@ -109,6 +109,14 @@ def sensor(kind: type[SensorType]) -> type[SensorType]:
     return cast(type[SensorType], made)
 
 
+def table_space(limit: int, low: Sequence[float], high: Sequence[float]) -> "Box":
+    """Return the space of a table with so many rows, given the bounds of its columns."""
+    from gymnasium.spaces import Box
+
+    least, most = np.array(low, np.float32), np.array(high, np.float32)
+    return Box(np.tile(least, (limit, 1)), np.tile(most, (limit, 1)), dtype=np.float32)
+
+
 def rows_of(match: "Match", seats: Sequence[int]) -> NDArray[np.int64]:
     """Return seats as rows of the state's arrays.
 

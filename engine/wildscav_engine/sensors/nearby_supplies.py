@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.sensors.base import Sensor, rows_of, sensor, table_space
 from wildscav_engine.sensors.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
@@ -36,12 +36,9 @@ class NearbySupplies(Sensor):
     @property
     def space(self) -> "Box":
         """(limit, 6): present, quantity, x, y, z in m, distance in m."""
-        from gymnasium.spaces import Box
-
         reach = self.range
-        low = np.array([0.0, 0.0, -reach, -reach, -reach, 0.0], np.float32)
-        high = np.array([1.0, MOST_SUPPLIES, reach, reach, reach, reach], np.float32)
-        return Box(np.tile(low, (self.limit, 1)), np.tile(high, (self.limit, 1)), dtype=np.float32)
+        low = (0.0, 0.0, -reach, -reach, -reach, 0.0)
+        return table_space(self.limit, low, (1.0, MOST_SUPPLIES, reach, reach, reach, reach))
 
     def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 6).

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.rules import FRAME
 from wildscav_engine.sensors.base import Sensor, rows_of, sensor
-from wildscav_engine.systems.zone import zone_at
+from wildscav_engine.systems.zone import phase_at, zone_at
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -53,12 +53,10 @@ class SafeZone(Sensor):
         rows = rows_of(match, seats)
         readings = np.zeros((len(rows), len(HIGH)), np.float32)
         matches, frame = match.state.matches, match.frame
-        phases = int(matches.phases[0])
-        if phases == 0:
+        phase = phase_at(matches, 0, frame)
+        if phase < 0:
             return readings
         zone = zone_at(matches, 0, frame)
-        ends = matches.zone[0, :phases, 1]
-        phase = min(int(np.searchsorted(ends, frame, side="right")), phases - 1)
         start, end, *_, next_x, next_z, next_radius, _ = matches.zone[0, phase]
         x, z = match.state.agents.position[0, rows][:, [0, 2]].T
         to_x, to_z = zone.x - x, zone.z - z

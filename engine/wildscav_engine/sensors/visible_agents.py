@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.sensors.base import Sensor, rows_of, sensor, table_space
 from wildscav_engine.sensors.visibility import AGENT_LIMIT
 
 if TYPE_CHECKING:
@@ -42,10 +42,7 @@ class VisibleAgents(Sensor):
     @property
     def space(self) -> "Box":
         """(limit, 13)."""
-        from gymnasium.spaces import Box
-
-        low, high = np.array(LOW, np.float32), np.array(HIGH, np.float32)
-        return Box(np.tile(low, (self.limit, 1)), np.tile(high, (self.limit, 1)), dtype=np.float32)
+        return table_space(self.limit, LOW, HIGH)
 
     def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 13).

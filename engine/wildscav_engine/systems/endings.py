@@ -3,6 +3,7 @@
 from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rules import Rules
 from wildscav_engine.state import NOBODY, Agents, Ending, Matches
+from wildscav_engine.systems.supplies import team_supplies
 from wildscav_engine.systems.turns import Turns, seat_at
 
 TIME_UP, GOAL, LAST_STANDING = int(Ending.TIME_UP), int(Ending.GOAL), int(Ending.LAST_STANDING)
@@ -57,19 +58,9 @@ def end_at_supply_goal(agents: Agents, matches: Matches, match: int) -> None:
         return
     for seat in range(agents.team.shape[0]):
         # Only who found something in this step can have brought the team to its goal.
-        if agents.gained[seat] > 0 and team_supplies(agents, agents.team[seat]) >= goal:
+        if agents.gained[seat] > 0 and team_supplies(agents.team, agents.supplies, agents.team[seat]) >= goal:
             end(matches, match, GOAL)
             return
-
-
-@kernel
-def team_supplies(agents: Agents, team: int) -> int:
-    """Return what all seats of a team carry."""
-    total = 0
-    for seat in range(agents.team.shape[0]):
-        if agents.team[seat] == team:
-            total += agents.supplies[seat]
-    return total
 
 
 @inlined_kernel

@@ -254,3 +254,19 @@ def drop_supplies(
             link(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
             matches.digest[match] = digest_box(matches.digest[match], supplies, slot)
             return
+
+
+@kernel
+def team_supplies(teams: NDArray[np.int32], supplies: NDArray[np.int32], team: int) -> int:
+    """Return what all seats of a team carry.
+
+    Args:
+        teams: (A,) the team of each seat of a match.
+        supplies: (A,) what each carries.
+        team: Which team.
+    """
+    total = 0
+    for seat in range(teams.shape[0]):
+        if teams[seat] == team:
+            total += supplies[seat]
+    return total

@@ -66,21 +66,29 @@ def _circle_inside(
 
 
 @kernel
+def phase_at(matches: Matches, match: int, frame: int) -> int:
+    """Return the phase that runs in a frame, the last one once it is over; -1 without any phase."""
+    last = matches.phases[match] - 1
+    for phase in range(last):
+        if frame < matches.zone[match, phase, 1]:
+            return phase
+    return int(last)
+
+
+@kernel
 def zone_at(matches: Matches, match: int, frame: int) -> Zone:
     """Return the safe zone in a frame; without any phase, it is the whole plane."""
-    zone = Zone(0.0, 0.0, np.inf, 0.0)
-    for phase in range(matches.phases[match]):
-        row = matches.zone[match, phase]
-        part = min(1.0, max(0.0, (frame - row[0]) / (row[1] - row[0])))
-        zone = Zone(
-            row[2] + (row[5] - row[2]) * part,
-            row[3] + (row[6] - row[3]) * part,
-            row[4] + (row[7] - row[4]) * part,
-            row[8],
-        )
-        if frame < row[1]:
-            break
-    return zone
+    phase = phase_at(matches, match, frame)
+    if phase < 0:
+        return Zone(0.0, 0.0, np.inf, 0.0)
+    row = matches.zone[match, phase]
+    part = min(1.0, max(0.0, (frame - row[0]) / (row[1] - row[0])))
+    return Zone(
+        row[2] + (row[5] - row[2]) * part,
+        row[3] + (row[6] - row[3]) * part,
+        row[4] + (row[7] - row[4]) * part,
+        row[8],
+    )
 
 
 @inlined_kernel

@@ -10,7 +10,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
 from wildscav_engine.sensors import ColorCamera, DepthCamera
 from wildscav_engine.state import Agents
-from wildscav_engine.systems.zone import zone_at
+from wildscav_engine.systems.zone import phase_at, zone_at
 from wildscav_engine.view import cameras
 
 DEPTH_CAMERA = DepthCamera(width=64, height=36, far=200.0)
@@ -101,12 +101,11 @@ def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tupl
 def _zone(match: Match, frames: NDArray[np.int64]) -> NDArray[np.float64] | None:
     """Return the safe zone in some frames, and the circle that it draws in to then, if there is one."""
     matches = match.state.matches
-    phases = int(matches.phases[0])
-    if phases == 0:
+    if matches.phases[0] == 0:
         return None
-    now = [zone_at(matches, 0, int(frame))[:3] for frame in frames]
-    phase = np.searchsorted(matches.zone[0, :phases, 1], frames, side="right")
-    return np.hstack([now, matches.zone[0, np.minimum(phase, phases - 1), 5:8]])
+    now = [zone_at(matches, 0, frame)[:3] for frame in frames.tolist()]
+    phases = [phase_at(matches, 0, frame) for frame in frames.tolist()]
+    return np.hstack([now, matches.zone[0, phases, 5:8]])
 
 
 def _depth_maps(game_map: GameMap, agents: Agents, seat: int) -> Film:
