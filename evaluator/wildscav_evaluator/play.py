@@ -11,7 +11,7 @@ from pathlib import Path
 from wildscav.server import Clock, HostedMatch, MatchServer, SeatReport, SeatStatus
 from wildscav_engine.match import Match
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent, Sandbox
+from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, RunningAgent, Sandbox
 from wildscav_evaluator.seating import display_names, submission_seats
 from wildscav_evaluator.submission import Submission
 
@@ -87,7 +87,7 @@ async def play_match(
 
 async def _play_hosted(hosted: HostedMatch, seating: Seating, address: str, sandbox: Sandbox) -> Played:
     agents: list[RunningAgent] = []
-    watchers: dict[int, asyncio.Task[str]] = {}
+    watchers: dict[int, asyncio.Task[Ending]] = {}
     try:
         for seat, submission, log in zip(seating.seats, seating.submissions, seating.logs, strict=True):
             launch = Launch(
@@ -112,21 +112,21 @@ async def _play_hosted(hosted: HostedMatch, seating: Seating, address: str, sand
         await asyncio.gather(*ends, return_exceptions=True)
 
 
-async def _watch(hosted: HostedMatch, seat: int, agent: RunningAgent) -> str:
+async def _watch(hosted: HostedMatch, seat: int, agent: RunningAgent) -> Ending:
     """Tell the match when an agent's process is gone, so that nobody waits for it; return how it ended."""
     ending = await agent.ended()
-    hosted.give_up(seat, ending)
+    hosted.give_up(seat, str(ending))
     return ending
 
 
-def _explained(report: SeatReport, ending: str | None) -> SeatReport:
+def _explained(report: SeatReport, ending: Ending | None) -> SeatReport:
     """Return a report that says how the process ended, where that is why the seat was empty.
 
     The server may notice first that the agent's stream is gone, and knows no more than that.
     """
     if ending is None or report.status not in (SeatStatus.LEFT, SeatStatus.NEVER_JOINED):
         return report
-    return replace(report, detail=ending)
+    return replace(report, detail=str(ending))
 
 
 @contextmanager

@@ -11,31 +11,32 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent
-from wildscav_evaluator.sandbox.log import LOG_LIMIT
+from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, RunningAgent
 from wildscav_evaluator.submission import Submission
 
 Submit = Callable[..., Submission]
 PROCESS = SANDBOXES["process"]
+LOG_LIMIT = 1_000_000  # bytes
 
 
-def launch(submission: Submission, log: Path) -> Launch:
+def launch(submission: Submission, log: Path, limits: Limits) -> Launch:
     return Launch(
         folder=submission.folder,
         entry_point=submission.manifest.entry_point,
         address="unix:/nowhere",
         token="of the seat",  # noqa: S106
         log=log,
+        limits=limits,
     )
 
 
-async def start(submission: Submission, log: Path) -> RunningAgent:
-    return await PROCESS.start(launch(submission, log))
+async def start(submission: Submission, log: Path, **limits: float) -> RunningAgent:
+    return await PROCESS.start(launch(submission, log, Limits(**limits)))  # type: ignore[arg-type]
 
 
-def run_to_end(submission: Submission, log: Path) -> str:
-    async def run() -> str:
-        agent = await start(submission, log)
+def run_to_end(submission: Submission, log: Path, **limits: float) -> Ending:
+    async def run() -> Ending:
+        agent = await start(submission, log, **limits)
         try:
             return await agent.ended()
         finally:
@@ -49,15 +50,21 @@ def test_an_agent_that_does_not_import_says_so_in_its_last_words(submit: Submit,
 
     ending = run_to_end(submission, tmp_path / "log")
 
-    assert "exit code 3" in ending
-    assert "ModuleNotFoundError: No module named 'no_such_module'" in ending
+    assert ending.exit_code == 3
+    assert ending.last_words == "ModuleNotFoundError: No module named 'no_such_module'"
+    assert str(ending) == f"the agent's process ended (exit code 3): {ending.last_words}"
+    assert "import no_such_module" in "".join(ending.last_lines)
     assert "agent.py" in (tmp_path / "log").read_text()
 
 
 def test_a_killed_agent_is_reported_by_its_signal(submit: Submit, tmp_path: Path) -> None:
     submission = submit("suicidal", code="import os\nos.kill(os.getpid(), 9)")
 
-    assert "killed by SIGKILL" in run_to_end(submission, tmp_path / "log")
+    ending = run_to_end(submission, tmp_path / "log")
+
+    assert ending.killed_by == "SIGKILL"
+    assert ending.exit_code is None
+    assert "killed by SIGKILL" in str(ending)
 
 
 def test_an_agent_sees_nothing_of_the_users_environment(
@@ -87,13 +94,31 @@ def test_the_log_of_a_talkative_agent_is_cut_and_the_agent_never_blocks(
     size = (tmp_path / "log").stat().st_size
     assert LOG_LIMIT <= size < LOG_LIMIT + 100
     assert (tmp_path / "log").read_text().endswith("[the log is cut here]\n")
-    assert "exit code" in ending
+    assert ending.exit_code is not None
+
+
+@pytest.mark.parametrize("limit", [4096, 50_000])
+def test_a_log_is_as_long_as_its_limit_allows(submit: Submit, tmp_path: Path, limit: int) -> None:
+    submission = submit("talkative", code="print('x' * 100_000)")
+
+    run_to_end(submission, tmp_path / "log", output=limit)
+
+    assert (tmp_path / "log").read_bytes().partition(b"\n[")[0] == b"x" * limit
+
+
+def test_an_agent_ends_with_its_wall_clock(submit: Submit, tmp_path: Path) -> None:
+    submission = submit("sleeper", code="import time\nprint('good night', flush=True)\ntime.sleep(600)")
+
+    ending = run_to_end(submission, tmp_path / "log", wall_clock=1.0)
+
+    assert ending.limit == "wall clock"
+    assert "its wall clock is used up" in str(ending)
 
 
 def test_a_log_that_cannot_be_written_costs_the_log_alone(submit: Submit) -> None:
     submission = submit("plain", code="print('hello')")
 
-    assert "exit code" in run_to_end(submission, Path("/dev/full"))
+    assert run_to_end(submission, Path("/dev/full")).exit_code is not None
 
 
 CHILDREN = """

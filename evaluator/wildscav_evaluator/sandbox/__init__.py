@@ -1,10 +1,21 @@
 """Sandboxes: the ways to run an agent. One file each, all behind one interface."""
 
-from wildscav_evaluator.sandbox.base import Launch, RunningAgent, Sandbox
+from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, RunningAgent, Sandbox, SandboxError
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 
 SANDBOXES: dict[str, Sandbox] = {
     "process": ProcessSandbox(),
 }
 
-__all__ = ["SANDBOXES", "Launch", "RunningAgent", "Sandbox"]
+__all__ = [
+    "DEFAULT_LIMITS",
+    "SANDBOXES",
+    "Ending",
+    "Launch",
+    "Limits",
+    "Promise",
+    "RunningAgent",
+    "Sandbox",
+    "SandboxError",
+]

@@ -1,26 +1,71 @@
-"""What every sandbox does: start an agent, tell when it ends, and leave nothing of it behind."""
+"""What every sandbox does: start an agent, tell how it ended, and leave nothing of it behind."""
 
-from dataclasses import dataclass
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
+
+from wildscav.errors import UserError
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+
+
+class SandboxError(UserError):
+    """A sandbox cannot keep what it promises on this machine, or cannot start an agent at all."""
 
 
 @dataclass(frozen=True)
 class Launch:
     """All that a sandbox needs to start one agent for one match."""
 
-    folder: Path  # the submission's; the agent's working directory
+    folder: Path  # the submission's; read-only for the agent, and its working directory
     entry_point: str  # "module:Class"
-    address: str  # of the match server; a unix socket, so that a sandbox can do without network
+    address: str  # of the match server: "unix:/path" of a socket that is this seat's alone
     token: str  # of the seat
     log: Path  # where what the agent prints goes
+    limits: Limits = field(default=DEFAULT_LIMITS)
+    image: str | None = None  # of a submission that was built or came as an image
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How an agent's process ended by itself, or by a limit."""
+
+    exit_code: int | None = None  # none if a signal ended it
+    killed_by: str = ""  # the signal, such as SIGKILL
+    out_of_memory: bool = False  # it was ended because it wanted more memory than it may have
+    limit: str = ""  # the limit that ended it, such as "wall clock"
+    last_words: str = ""  # the exception it died of, or its last line
+    last_lines: tuple[str, ...] = ()  # of its output
+
+    def __str__(self) -> str:
+        """Return it in one line."""
+        if self.out_of_memory:
+            how = "out of memory"
+        elif self.limit:
+            how = f"its {self.limit} is used up"
+        elif self.killed_by:
+            how = f"killed by {self.killed_by}"
+        else:
+            how = f"exit code {self.exit_code}"
+        return f"the agent's process ended ({how})" + (f": {self.last_words}" if self.last_words else "")
+
+
+@dataclass(frozen=True)
+class Promise:
+    """One thing that a sandbox promises, and whether it is kept on this machine: tried, not assumed."""
+
+    name: str
+    kept: bool
+    found: str  # what was seen when it was tried
+    remedy: str = ""  # what to install or set, if it is not kept
 
 
 class RunningAgent(Protocol):
     """One agent that was started."""
 
-    async def ended(self) -> str:
-        """Wait until the agent's process is gone by itself and return how it ended, in one line."""
+    async def ended(self) -> Ending:
+        """Wait until the agent's process is gone by itself, or by a limit, and return how it ended."""
         ...
 
     async def stop(self) -> None:
@@ -31,12 +76,26 @@ class RunningAgent(Protocol):
 class Sandbox(Protocol):
     """A way to run agents."""
 
+    name: str
     isolated: bool  # whether it keeps an agent from the host's files, network and other processes
+
+    def promises(self, limits: Limits) -> Sequence[Promise]:
+        """Try everything that the sandbox promises on this machine, with these limits. Takes a second."""
+        ...
 
     async def start(self, launch: Launch) -> RunningAgent:
         """Start an agent.
 
         Raises:
+            SandboxError: A limit cannot be kept; says which.
             OSError: No process could be started, or the log cannot be written.
         """
         ...
+
+
+def signal_name(number: int) -> str:
+    """Return a signal's name, such as SIGKILL."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

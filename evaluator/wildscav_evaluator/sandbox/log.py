@@ -3,33 +3,42 @@
 import asyncio
 from pathlib import Path
 
-LOG_LIMIT = 1_000_000  # bytes kept of one agent in one match
 TAIL = 4096  # bytes remembered for the reason of a failure
+LAST_LINES = 20  # of the tail
 CHUNK = 65_536  # bytes
+BEYOND = 0.005  # s between chunks beyond the limit, so that a flood costs its writer and not us
 TRACEBACK = "Traceback (most recent call last):"
 
 
 class CappedLog:
-    """Copies a stream into a file until the limit, and reads on so that the writer never blocks."""
+    """Copies a stream into a file until the limit, and reads on, unhurriedly, so that the writer gets on.
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    Args:
+        path: Of the file; what is in it stays.
+        limit: Bytes kept.
+    """
+
+    def __init__(self, path: Path, limit: int) -> None:
+        self._path, self._left = path, limit
         self._tail = b""
 
     async def copy(self, stream: asyncio.StreamReader) -> None:
         """Copy until the stream ends. A log that cannot be written costs the log, never the match."""
-        left = LOG_LIMIT
         while chunk := await stream.read(CHUNK):
             self._tail = (self._tail + chunk)[-TAIL:]
-            kept = chunk[:left]
-            if left > 0:
-                left -= len(kept) if self._append(kept) else left
-                if left == 0:
-                    self._append(b"\n[the log is cut here]\n")
+            if self._left > 0:
+                self._keep(chunk[: self._left])
+            else:
+                await asyncio.sleep(BEYOND)
+
+    def _keep(self, chunk: bytes) -> None:
+        self._left -= len(chunk) if self._append(chunk) else self._left
+        if self._left == 0:
+            self._append(b"\n[the log is cut here]\n")
 
     def last_words(self) -> str:
         """Return the first line of the exception that the log ends with, else its last line, or nothing."""
-        lines = self._tail.decode("utf-8", "replace").splitlines()
+        lines = self._lines()
         starts = [number for number, line in enumerate(lines) if line.startswith(TRACEBACK)]
         if starts:
             # The frames are indented; a message may have many lines after its first.
@@ -37,6 +46,13 @@ class CappedLog:
                 if line.strip() and not line[0].isspace():
                     return line.strip()
         return next((line.strip() for line in reversed(lines) if line.strip()), "")
+
+    def last_lines(self) -> tuple[str, ...]:
+        """Return the last lines, at most twenty and four kilobytes of them."""
+        return tuple(self._lines()[-LAST_LINES:])
+
+    def _lines(self) -> list[str]:
+        return self._tail.decode("utf-8", "replace").splitlines()
 
     def _append(self, content: bytes) -> bool:
         try:

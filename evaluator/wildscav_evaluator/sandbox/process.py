@@ -2,27 +2,26 @@
 
 The agent runs as the user who started the evaluation, sees that user's files and has the network. What is
 kept is the tidiness of the host: a session of its own, a bare environment, one thread for numerics, a
-bounded log, and an end together with the evaluation, whatever ends that.
+bounded log, a wall clock, and an end together with the evaluation, whatever ends that.
 """
 
-import asyncio
 import contextlib
 import os
 import signal
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
-from wildscav_evaluator.sandbox.base import Launch
-from wildscav_evaluator.sandbox.log import CappedLog
+from wildscav_evaluator.sandbox.base import Launch, Promise, SandboxError
+from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
 
-GRACE = 0.5  # s, for an ended agent's output to end; less than a match waits for the agent's last words
 KILL_ROUNDS = 1000  # the most looks at a session that keeps forking
-
-# Numerics libraries start a thread a core each; matches run side by side, one a core.
-ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1"
-)
 PASSED_ON = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "LD_LIBRARY_PATH")
+WARNING = (
+    "agents run as plain processes: they have your files, your network and all of the machine. "
+    "For code that you would not run yourself use --sandbox oci or bubblewrap (`wildscav doctor`)"
+)
 
 # Like `python -m wildscav.sdk`, but on Linux the kernel ends the agent when its parent is gone, so that not
 # even a killed evaluation leaves agents behind.
@@ -39,100 +38,54 @@ runpy.run_module("wildscav.sdk", run_name="__main__", alter_sys=True)
 class ProcessSandbox:
     """Runs an agent as a plain process."""
 
+    name = "process"
     isolated = False
 
-    async def start(self, launch: Launch) -> "AgentProcess":
+    def promises(self, limits: Limits) -> Sequence[Promise]:  # noqa: ARG002 - it keeps none of them
+        """Say that nothing is promised. See ``Sandbox.promises``."""
+        return ()
+
+    async def start(self, launch: Launch) -> AgentProcess:
         """Start an agent. See ``Sandbox.start``."""
+        if launch.image is not None:
+            raise SandboxError(f"image {launch.image} needs --sandbox oci: a plain process runs folders only")
         arguments = [sys.executable, "-c", STARTER]
         if sys.platform == "linux":
             arguments.append(str(os.getpid()))
-        # A pipe of our own: asyncio's would keep `wait` waiting for every child that holds it open.
-        ours, theirs = os.pipe()
-        try:
-            process = await asyncio.create_subprocess_exec(
-                *arguments,
-                launch.entry_point,
-                cwd=launch.folder,
-                env=environment(launch),
-                stdin=asyncio.subprocess.DEVNULL,
-                stdout=theirs,
-                stderr=asyncio.subprocess.STDOUT,
-                start_new_session=True,
-            )
-        except BaseException:
-            os.close(ours)
-            raise
-        finally:
-            os.close(theirs)
-        return AgentProcess(process, CappedLog(launch.log), *await _open_stream(ours))
-
-
-async def _open_stream(pipe: int) -> tuple[asyncio.StreamReader, asyncio.ReadTransport]:
-    """Return the reading end of a pipe as a stream, and what closes it."""
-    stream = asyncio.StreamReader()
-    transport, _ = await asyncio.get_running_loop().connect_read_pipe(
-        lambda: asyncio.StreamReaderProtocol(stream), os.fdopen(pipe, "rb", buffering=0)
-    )
-    return stream, transport
+        hold = SessionHold()
+        agent = await start_process(
+            [*arguments, launch.entry_point],
+            launch,
+            hold,
+            environment=environment(launch),
+            folder=launch.folder,
+        )
+        hold.session = agent.pid
+        return agent
 
 
 def environment(launch: Launch) -> dict[str, str]:
     """Return the agent's environment variables: what Python and the SDK need, nothing of the user's own."""
     passed_on = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
-    return {
-        **passed_on,
-        **ONE_THREAD,
-        "PYTHONUNBUFFERED": "1",  # so that the log has the last words of an agent that is killed
-        "PYTHONDONTWRITEBYTECODE": "1",  # a submission's folder stays as it was digested
-        "WILDSCAV_ADDRESS": launch.address,
-        "WILDSCAV_TOKEN": launch.token,
-    }
+    return passed_on | agent_variables(launch.address, launch.token)
 
 
-class AgentProcess:
-    """One agent's process and all that it started."""
+class SessionHold:
+    """A hold on the session of processes that an agent is."""
 
-    def __init__(
-        self,
-        process: asyncio.subprocess.Process,
-        log: CappedLog,
-        output: asyncio.StreamReader,
-        pipe: asyncio.ReadTransport,
-    ) -> None:
-        self._process, self._log, self._pipe = process, log, pipe
-        self._copying = asyncio.create_task(log.copy(output))
+    session: int | None = None
 
-    async def ended(self) -> str:
-        """Wait for the process to end. See ``RunningAgent.ended``."""
-        code = await self._process.wait()
-        await self._finish_log()
-        words = f"exit code {code}" if code >= 0 else f"killed by {signal_name(-code)}"
-        last = self._log.last_words()
-        return f"the agent's process ended ({words})" + (f": {last}" if last else "")
+    async def kill(self) -> None:
+        """Kill the session. See ``Hold.kill``."""
+        if self.session is not None:
+            kill_session(self.session)
 
-    async def stop(self) -> None:
-        """Kill the agent's whole session. See ``RunningAgent.stop``."""
-        kill_session(self._process.pid)
-        await self._process.wait()
-        kill_session(self._process.pid)
-        await self._finish_log()
+    async def out_of_memory(self) -> bool:
+        """Return False: nobody counts."""
+        return False
 
-    async def _finish_log(self) -> None:
-        # A child that outlives its parent may hold the pipe open: the log then ends without it.
-        _, late = await asyncio.wait([self._copying], timeout=GRACE)
-        if late:
-            self._copying.cancel()
-            await asyncio.wait([self._copying])
-        self._pipe.close()
-        await asyncio.sleep(0)  # in which it is closed
-
-
-def signal_name(number: int) -> str:
-    """Return a signal's name, such as SIGKILL."""
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
+    async def release(self) -> None:
+        """Do nothing: there is nothing besides the processes."""
 
 
 def kill_session(session: int) -> None:

@@ -1,0 +1,28 @@
+"""What an agent may use of the machine."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ByteSize, ConfigDict, Field
+
+MEBIBYTE = 1 << 20
+
+
+class Limits(BaseModel):
+    """The limits of one agent in one match. Sizes may be texts such as "512MiB".
+
+    An agent's files lie in memory, so those in ``/tmp`` count as memory too.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    cpus: Annotated[float, Field(ge=0.05, le=1024)] = 1.0  # cores' worth of processor time
+    memory: Annotated[ByteSize, Field(ge=64 * MEBIBYTE)] = ByteSize(2048 * MEBIBYTE)  # bytes, no swap
+    processes: Annotated[int, Field(ge=16, le=100_000)] = 256  # processes and threads together
+    open_files: Annotated[int, Field(ge=64, le=1_000_000)] = 1024  # of each process
+    tmp_size: Annotated[ByteSize, Field(ge=MEBIBYTE)] = ByteSize(256 * MEBIBYTE)  # bytes in /tmp
+    output: Annotated[ByteSize, Field(ge=4096)] = ByteSize(1_000_000)  # bytes kept of what it prints
+    wall_clock: Annotated[float, Field(gt=0, le=604_800)] = 7200.0  # s from its start; a match ends it before
+
+
+# What a track's matches allow an agent unless their suite says otherwise.
+DEFAULT_LIMITS = Limits()

@@ -1,0 +1,160 @@
+"""An agent that runs: its process, its log, its wall clock, and its end. The same in every sandbox."""
+
+import asyncio
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from wildscav_evaluator.sandbox.base import Ending, Launch, signal_name
+from wildscav_evaluator.sandbox.log import CappedLog
+
+GRACE = 0.5  # s, for an ended agent's output to end; less than a match waits for the agent's last words
+SIGNALLED = 128  # exit codes beyond are signals, by the custom of shells, bubblewrap and containers
+
+# Numerics libraries start a thread a core each; matches run side by side, one a core.
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1"
+)
+
+
+def agent_variables(address: str, token: str) -> dict[str, str]:
+    """Return the environment variables that every agent gets.
+
+    Args:
+        address: Of the match server, as the agent sees it.
+        token: Of its seat.
+    """
+    return {
+        **ONE_THREAD,
+        "PYTHONUNBUFFERED": "1",  # so that the log has the last words of an agent that is killed
+        "PYTHONDONTWRITEBYTECODE": "1",  # a submission's folder stays as it was digested
+        "WILDSCAV_ADDRESS": address,
+        "WILDSCAV_TOKEN": token,
+    }
+
+
+class Hold(Protocol):
+    """A sandbox's hold on all that one agent started."""
+
+    async def kill(self) -> None:
+        """Kill every process of the agent. May be called often."""
+        ...
+
+    async def out_of_memory(self) -> bool:
+        """Return whether a process of the agent was ended for want of memory."""
+        ...
+
+    async def release(self) -> None:
+        """Remove what the sandbox set up for the agent; nothing of it runs any more. May be called twice."""
+        ...
+
+
+class AgentProcess:
+    """One agent's process and all that it started."""
+
+    def __init__(
+        self,
+        process: asyncio.subprocess.Process,
+        output: tuple[asyncio.StreamReader, asyncio.ReadTransport],
+        launch: Launch,
+        hold: Hold,
+    ) -> None:
+        self._process, self._hold = process, hold
+        stream, self._pipe = output
+        self._log = CappedLog(launch.log, launch.limits.output)
+        self._limit = ""  # that ended it
+        self._stopping = False
+        self._copying = asyncio.create_task(self._log.copy(stream))
+        self._clock = asyncio.create_task(self._watch_clock(launch.limits.wall_clock))
+
+    @property
+    def pid(self) -> int:
+        """The number of its process, which is its session's, too."""
+        return self._process.pid
+
+    async def ended(self) -> Ending:
+        """Wait for the process to end. See ``RunningAgent.ended``."""
+        code = await self._process.wait()
+        out_of_memory = await self._hold.out_of_memory()
+        # Whatever it left behind ends with it, and so does its output.
+        await self._hold.kill()
+        await self._finish_log()
+        signalled = -code if code < 0 else code - SIGNALLED if code > SIGNALLED else 0
+        return Ending(
+            exit_code=None if signalled else code,
+            killed_by=signal_name(signalled) if signalled else "",
+            out_of_memory=out_of_memory and code != 0,
+            limit=self._limit,
+            last_words=self._log.last_words(),
+            last_lines=self._log.last_lines(),
+        )
+
+    async def stop(self) -> None:
+        """Kill all of the agent. See ``RunningAgent.stop``."""
+        self._clock.cancel()
+        await self._hold.kill()
+        await self._process.wait()
+        await self._hold.kill()
+        await self._finish_log()
+        await self._hold.release()
+
+    async def _watch_clock(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+        self._limit = "wall clock"
+        await self._hold.kill()
+
+    async def _finish_log(self) -> None:
+        # A child that outlives its parent may hold the pipe open: the log then ends without it.
+        _, late = await asyncio.wait([self._copying], timeout=GRACE)
+        if late:
+            self._copying.cancel()
+            await asyncio.wait([self._copying])
+        self._pipe.close()
+        await asyncio.sleep(0)  # in which it is closed
+
+
+async def start_process(
+    arguments: Sequence[str], launch: Launch, hold: Hold, *, environment: Mapping[str, str], folder: Path
+) -> AgentProcess:
+    """Start a process in a session of its own, with its output into the launch's log.
+
+    Args:
+        arguments: The command.
+        launch: What is started.
+        hold: The sandbox's hold on it, made before.
+        environment: All of its variables.
+        folder: Its working directory.
+
+    Raises:
+        OSError: It could not be started; the hold is released.
+    """
+    # A pipe of our own: asyncio's would keep `wait` waiting for every child that holds it open.
+    ours, theirs = os.pipe()
+    output = await _open_stream(ours)
+    try:
+        process = await asyncio.create_subprocess_exec(
+            *arguments,
+            cwd=folder,
+            env=dict(environment),
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=theirs,
+            stderr=asyncio.subprocess.STDOUT,
+            start_new_session=True,
+        )
+    except BaseException:
+        output[1].close()
+        await hold.release()
+        raise
+    finally:
+        os.close(theirs)
+    return AgentProcess(process, output, launch, hold)
+
+
+async def _open_stream(pipe: int) -> tuple[asyncio.StreamReader, asyncio.ReadTransport]:
+    """Return the reading end of a pipe as a stream, and what closes it."""
+    stream = asyncio.StreamReader()
+    transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+        lambda: asyncio.StreamReaderProtocol(stream), os.fdopen(pipe, "rb", buffering=0)
+    )
+    return stream, transport
