@@ -127,8 +127,11 @@ def _row(job: Job, played: Played, seat: int, *, with_replay: bool) -> MatchRow:
         index=job.index,
         seat=seat,
         status=report.status.value,
-        fault=None if report.status == FINISHED else "agent",
+        fault=fault.value if (fault := report.status.fault) else None,
         detail=report.detail,
+        exit_code=report.exit_code,
+        killed_by=report.killed_by,
+        last_lines=report.last_lines,
         actions=report.steps_played,
         invalid_actions=report.invalid_actions,
         ignored_fields=report.ignored_fields,
@@ -153,4 +156,5 @@ def _timing(job: Job, played: Played, report: SeatReport, wall: float) -> MatchT
         think_p50=median,
         think_p99=high,
         think_max=most,
+        platform_faults=played.platform_faults,
     )

@@ -1,22 +1,46 @@
-"""One match: a server of its own, a process for every agent, and the outcome."""
+"""One match: a server of its own, a process for every agent, and the outcome.
+
+What an agent does ends as the outcome of its seat. What the platform breaks (the engine, the server, a
+sandbox) is no outcome: the match is played again from its start, and in the end given up as its fault.
+"""
 
 import asyncio
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wildscav.server import Clock, HostedMatch, MatchServer, SeatReport, SeatStatus
-from wildscav_engine.match import Match
+from wildscav.errors import SensorError, UserError, WildscavError, describe
+from wildscav.server import (
+    Clock,
+    HostedMatch,
+    MatchCancelledError,
+    MatchOutcome,
+    MatchServer,
+    SeatReport,
+    SeatStatus,
+)
+from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, RunningAgent, Sandbox
 from wildscav_evaluator.seating import display_names, submission_seats
 from wildscav_evaluator.submission import Submission
 
+SOCKET = "match.sock"
 SOCKET_PATH_LIMIT = 100  # bytes; the systems' own limits begin at 104
 FAREWELL = 1.0  # s for an agent's process to end by itself after the match
+TRIES = 3  # for a match that the platform breaks
+PAUSE = 0.5  # s between them: what is short now may be there again
+# Outcomes that the end of an agent's process explains.
+EARLY_ENDS = (SeatStatus.CRASHED, SeatStatus.OUT_OF_MEMORY, SeatStatus.DISQUALIFIED)
+# Errors of what was asked for: another try would end in the same way.
+WRONG_REQUESTS = (MatchSetupError, SensorError, UserError)
+
+
+class PlatformFaultError(WildscavError):
+    """The platform broke a match, again and again."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +68,45 @@ class Played:
 
     match: Match
     seats: dict[int, SeatReport]  # of the submissions' seats
+    platform_faults: tuple[str, ...] = ()  # what broke the tries before this one, a line each
 
 
 async def play_match(
+    seating: Seating,
+    *,
+    sandbox: Sandbox = SANDBOXES["process"],
+    clock: Clock | None = None,
+    started: Callable[[HostedMatch], None] | None = None,
+) -> Played:
+    """Play one match, and again from its start if the platform broke it. See ``play_once``.
+
+    Raises:
+        MatchSetupError: The match's spec cannot be played.
+        PlatformFaultError: The platform broke every try.
+    """
+    faults: list[str] = []
+    while True:
+        try:
+            played = await play_once(seating, sandbox=sandbox, clock=clock, started=started)
+            return replace(played, platform_faults=tuple(faults))
+        except WRONG_REQUESTS:
+            raise
+        except Exception as error:
+            faults.append(_in_a_line(error))
+            if len(faults) == TRIES:
+                reasons = "; ".join(dict.fromkeys(faults))
+                raise PlatformFaultError(f"the platform failed {TRIES} times: {reasons}") from error
+        await asyncio.sleep(PAUSE)
+        prepare_logs(seating.logs)
+
+
+def _in_a_line(error: Exception) -> str:
+    if isinstance(error, OSError):
+        return describe(error)
+    return str(error) if isinstance(error, WildscavError) else f"{type(error).__name__}: {error}"
+
+
+async def play_once(
     seating: Seating,
     *,
     sandbox: Sandbox = SANDBOXES["process"],
@@ -64,10 +124,12 @@ async def play_match(
     Raises:
         MatchSetupError: The match's spec cannot be played.
         OSError: An agent's process could not be started.
+        PlatformFaultError: A sandbox failed under an agent.
     """
-    with _socket_folder() as folder:
+    with _socket_folders(len(seating.seats)) as folders:
         server = MatchServer()
-        (address,) = await server.start([f"unix:{folder / 'match.sock'}"])
+        # A socket of its own for each seat, so that a sandbox can hand over just that.
+        addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
         try:
             hosted = await server.host(
                 seating.spec,
@@ -80,16 +142,19 @@ async def play_match(
             )
             if started is not None:
                 started(hosted)
-            return await _play_hosted(hosted, seating, address, sandbox)
+            return await _play_hosted(hosted, seating, addresses, sandbox)
         finally:
             await server.stop()
 
 
-async def _play_hosted(hosted: HostedMatch, seating: Seating, address: str, sandbox: Sandbox) -> Played:
+async def _play_hosted(
+    hosted: HostedMatch, seating: Seating, addresses: Sequence[str], sandbox: Sandbox
+) -> Played:
     agents: list[RunningAgent] = []
     watchers: dict[int, asyncio.Task[Ending]] = {}
     try:
-        for seat, submission, log in zip(seating.seats, seating.submissions, seating.logs, strict=True):
+        entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
+        for seat, submission, log, address in entries:
             launch = Launch(
                 folder=submission.folder,
                 entry_point=submission.manifest.entry_point,
@@ -99,9 +164,12 @@ async def _play_hosted(hosted: HostedMatch, seating: Seating, address: str, sand
             )
             agents.append(await sandbox.start(launch))
             watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[-1]))
-        outcome = await hosted.finished()
+        outcome = await _outcome(hosted, watchers)
         await asyncio.wait(watchers.values(), timeout=FAREWELL)
-        endings = {seat: watcher.result() for seat, watcher in watchers.items() if watcher.done()}
+        endings = _endings(watchers)
+        for seat, ending in endings.items():
+            if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:
+                raise PlatformFaultError(ending.platform_fault)
         reports = {seat: _explained(report, endings.get(seat)) for seat, report in outcome.seats.items()}
         return Played(outcome.match, reports)
     finally:
@@ -115,8 +183,34 @@ async def _play_hosted(hosted: HostedMatch, seating: Seating, address: str, sand
 async def _watch(hosted: HostedMatch, seat: int, agent: RunningAgent) -> Ending:
     """Tell the match when an agent's process is gone, so that nobody waits for it; return how it ended."""
     ending = await agent.ended()
-    hosted.give_up(seat, str(ending))
+    if ending.platform_fault and not hosted.match.over:
+        hosted.cancel()  # it is to be played again
+    else:
+        hosted.give_up(seat, str(ending), status_of(ending))
     return ending
+
+
+async def _outcome(hosted: HostedMatch, watchers: Mapping[int, "asyncio.Task[Ending]"]) -> MatchOutcome:
+    """Wait for the end of a match. One that was cancelled was so because a sandbox failed."""
+    try:
+        return await hosted.finished()
+    except MatchCancelledError:
+        for ending in _endings(watchers).values():
+            if ending.platform_fault:
+                raise PlatformFaultError(ending.platform_fault) from None
+        raise
+
+
+def _endings(watchers: Mapping[int, "asyncio.Task[Ending]"]) -> dict[int, Ending]:
+    """Return how the agents ended that are gone."""
+    return {seat: watcher.result() for seat, watcher in watchers.items() if watcher.done()}
+
+
+def status_of(ending: Ending) -> SeatStatus:
+    """Return the outcome of a seat whose process ended before the match did."""
+    if ending.out_of_memory:
+        return SeatStatus.OUT_OF_MEMORY
+    return SeatStatus.DISQUALIFIED if ending.limit else SeatStatus.CRASHED
 
 
 def _explained(report: SeatReport, ending: Ending | None) -> SeatReport:
@@ -124,20 +218,30 @@ def _explained(report: SeatReport, ending: Ending | None) -> SeatReport:
 
     The server may notice first that the agent's stream is gone, and knows no more than that.
     """
-    if ending is None or report.status not in (SeatStatus.LEFT, SeatStatus.NEVER_JOINED):
+    if ending is None or report.status not in EARLY_ENDS:
         return report
-    return replace(report, detail=str(ending))
+    return replace(
+        report,
+        status=status_of(ending),
+        detail=str(ending),
+        exit_code=ending.exit_code,
+        killed_by=ending.killed_by,
+        last_lines=ending.last_lines,
+    )
 
 
 @contextmanager
-def _socket_folder() -> Iterator[Path]:
-    """Make a private folder for a unix socket, with a path short enough for one."""
+def _socket_folders(count: int) -> Iterator[list[Path]]:
+    """Make private folders for a unix socket each, with paths short enough for one."""
     folder = Path(tempfile.mkdtemp(prefix="wildscav-"))
-    if len(bytes(folder)) + len("/match.sock") > SOCKET_PATH_LIMIT:
+    if len(bytes(folder / str(count) / SOCKET)) > SOCKET_PATH_LIMIT:
         folder.rmdir()
         folder = Path(tempfile.mkdtemp(prefix="wildscav-", dir="/tmp"))
     try:
-        yield folder
+        folders = [folder / str(number) for number in range(count)]
+        for each in folders:
+            each.mkdir(mode=0o700)
+        yield folders
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

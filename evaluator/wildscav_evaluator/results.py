@@ -46,10 +46,14 @@ class MatchRow(Part):
 
     index: int  # in the suite
     seat: int
-    # How the seat fared: "finished", or a word of the server's for how the agent failed; "failed": no match.
+    # How the seat fared: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error",
+    # "disqualified" or "never_joined"; "failed": no match, by the platform's fault.
     status: str
     fault: Fault | None = None  # whose, if something went wrong
     detail: str = ""  # what went wrong, in one line
+    exit_code: int | None = None  # of a process that ended before the match did; none if a signal ended it
+    killed_by: str = ""  # that signal, such as SIGKILL
+    last_lines: tuple[str, ...] = ()  # of what such a process printed
     actions: int = 0  # answers of the agent that came in time
     invalid_actions: int = 0  # those with a number out of its range, played as no action
     ignored_fields: int = 0  # set though the track has no such action, in all actions together
@@ -95,6 +99,7 @@ class MatchTiming(Part):
     think_p50: float  # s
     think_p99: float  # s
     think_max: float  # s
+    platform_faults: tuple[str, ...] = ()  # what broke the tries before the one that counts, a line each
 
 
 class Timings(Part):

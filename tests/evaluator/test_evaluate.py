@@ -84,7 +84,7 @@ def test_the_same_command_gives_the_same_results_and_a_failing_agent_harms_nobod
     matches = len(suite("navigation", "quick", 0))
     assert (walker.submission, walker.faults, len(walker.matches)) == ("walker", 0, matches)
     assert (crasher.submission, crasher.faults, len(crasher.matches)) == ("crasher", matches, matches)
-    assert {row.status for row in crasher.matches} == {"left"}
+    assert {row.status for row in crasher.matches} == {"crashed"}
     assert crasher.score is not None, "a match that an agent left is scored as it stands"
     check_files(tmp_path / "a", results)
     check_table(first.stdout)

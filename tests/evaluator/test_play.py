@@ -85,8 +85,9 @@ def test_an_agent_killed_in_mid_match_leaves_the_others_whole(submit: Submit, tm
     played = play(seating, started=started)
 
     victim_report, other_report = played.seats[0], played.seats[1]
-    assert victim_report.status == SeatStatus.LEFT
+    assert victim_report.status == SeatStatus.CRASHED
     assert "killed by SIGKILL" in victim_report.detail
+    assert (victim_report.killed_by, len(victim_report.last_lines)) == ("SIGKILL", 1)
     assert victim_report.steps_played == 20
     assert other_report.status == SeatStatus.FINISHED
     assert other_report.steps_played == STEPS
@@ -124,7 +125,7 @@ def test_an_agent_that_fails_is_named_with_its_last_words(
 
     played = play(seating)
 
-    assert played.seats[0].status in (SeatStatus.LEFT, SeatStatus.NEVER_JOINED)
+    assert played.seats[0].status == SeatStatus.CRASHED
     assert says in played.seats[0].detail
     assert "\n" not in played.seats[0].detail
     assert played.seats[1].status == SeatStatus.FINISHED

@@ -26,7 +26,7 @@ def shown(submit: Submit, tmp_path: Path, *, terminal: bool) -> str:
     console = Console(file=io.StringIO(), force_terminal=terminal, width=80, color_system=None)
     progress = EvaluationProgress(console, jobs)
     with progress.shown():
-        failed = MatchRow(index=0, seat=0, status="left", fault="agent", detail=DETAIL)
+        failed = MatchRow(index=0, seat=0, status="crashed", fault="agent", detail=DETAIL)
         progress.add(JobResult(jobs[0], failed))
         metrics = {"time": 7.0, "used_time": 7.0, "punish_time": 0.0, "success": 1.0}
         progress.add(JobResult(jobs[1], MatchRow(index=0, seat=0, status="finished", metrics=metrics)))
@@ -37,9 +37,9 @@ def shown(submit: Submit, tmp_path: Path, *, terminal: bool) -> str:
 def test_a_failure_is_said_whole_above_the_live_table(submit: Submit, tmp_path: Path) -> None:
     lines = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown(submit, tmp_path, terminal=True)).splitlines()
 
-    start = next(at for at, line in enumerate(lines) if "navigation-000-crasher: left" in line)
+    start = next(at for at, line in enumerate(lines) if "navigation-000-crasher: crashed" in line)
     assert " ".join(line.strip() for line in lines[start : start + 3]).startswith(
-        f"navigation-000-crasher: left, agent's fault: {DETAIL}"
+        f"navigation-000-crasher: crashed, agent's fault: {DETAIL}"
     )
     assert all(len(line) <= 80 for line in lines)
 

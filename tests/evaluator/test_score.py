@@ -46,7 +46,7 @@ def test_a_match_that_never_came_to_a_result_is_left_out_and_an_agents_failure_c
     metric = MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False)
     rows = [
         MatchRow(index=0, seat=0, status="finished", metrics={"supplies": 10.0}),
-        MatchRow(index=1, seat=0, status="left", fault="agent", metrics={"supplies": 0.0}),
+        MatchRow(index=1, seat=0, status="crashed", fault="agent", metrics={"supplies": 0.0}),
         MatchRow(index=2, seat=0, status="failed", fault="platform"),
     ]
 

@@ -222,7 +222,7 @@ def test_a_killed_agent_costs_nobody_any_time(tmp_path: Path) -> None:
         outcome = await hosted.finished()
         assert (await ended(agents[0]))[0] == -9
         assert await ended(agents[1]) == (0, "")
-        assert (outcome.seats[0].status, outcome.seats[0].steps_played) == (SeatStatus.LEFT, 5)
+        assert (outcome.seats[0].status, outcome.seats[0].steps_played) == (SeatStatus.CRASHED, 5)
         assert outcome.seats[0].detail == "its stream ended"
         assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
         assert outcome.seconds < 5.0  # the bank of 30 s was not waited for
@@ -239,7 +239,7 @@ def test_when_all_are_gone_the_rest_is_played_at_once(tmp_path: Path) -> None:
             await seat.call.done_writing()
             outcome = await hosted.finished()
         assert outcome.match.step_number == 6000
-        assert (outcome.seats[0].status, outcome.seats[0].detail) == (SeatStatus.LEFT, "its stream ended")
+        assert (outcome.seats[0].status, outcome.seats[0].detail) == (SeatStatus.CRASHED, "its stream ended")
         assert outcome.seconds < 20.0
 
     serving(tmp_path, play)
@@ -274,7 +274,7 @@ def test_a_seat_given_up_by_its_launcher_is_waited_for_no_longer(tmp_path: Path)
             hosted.give_up(0, "out of memory")
             await lively.play_out()
         outcome = await hosted.finished()
-        assert [outcome.seats[seat].status for seat in range(3)] == ["left", "finished", "left"]
+        assert [outcome.seats[seat].status for seat in range(3)] == ["crashed", "finished", "crashed"]
         assert outcome.seats[0].detail == "out of memory"
         assert outcome.seats[2].detail == "the process did not start"
         assert outcome.seconds < 5.0

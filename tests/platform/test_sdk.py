@@ -97,7 +97,7 @@ def test_an_agent_that_fails_is_told_from_a_platform_that_fails(
         assert (got, errors in said) == (code, True), said
         assert "wildscav/sdk" not in said  # the traceback is of the agent's own code
         hosted.give_up(0, "its process ended")
-        assert (await hosted.finished()).seats[0].status == SeatStatus.LEFT
+        assert (await hosted.finished()).seats[0].status == SeatStatus.CRASHED
 
     serving(tmp_path, play)
 

@@ -37,9 +37,12 @@ class Ending:
     limit: str = ""  # the limit that ended it, such as "wall clock"
     last_words: str = ""  # the exception it died of, or its last line
     last_lines: tuple[str, ...] = ()  # of its output
+    platform_fault: str = ""  # what of ours failed under it, in a line: the agent is not to blame
 
     def __str__(self) -> str:
         """Return it in one line."""
+        if self.platform_fault:
+            return self.platform_fault
         if self.out_of_memory:
             how = "out of memory"
         elif self.limit:

@@ -269,7 +269,7 @@ class SeatResult(_message.Message):
     def __init__(self, seat: _Optional[int] = ..., team: _Optional[int] = ..., filled_by: _Optional[str] = ..., name: _Optional[str] = ..., supplies: _Optional[int] = ..., kills: _Optional[int] = ..., deaths: _Optional[int] = ..., shots: _Optional[int] = ..., hits: _Optional[int] = ..., walked: _Optional[float] = ..., metrics: _Optional[_Mapping[str, float]] = ...) -> None: ...
 
 class SeatConduct(_message.Message):
-    __slots__ = ("status", "detail", "steps_played", "late_steps", "dropped_actions", "invalid_actions", "ignored_fields")
+    __slots__ = ("status", "detail", "steps_played", "late_steps", "dropped_actions", "invalid_actions", "ignored_fields", "fault")
     STATUS_FIELD_NUMBER: _ClassVar[int]
     DETAIL_FIELD_NUMBER: _ClassVar[int]
     STEPS_PLAYED_FIELD_NUMBER: _ClassVar[int]
@@ -277,6 +277,7 @@ class SeatConduct(_message.Message):
     DROPPED_ACTIONS_FIELD_NUMBER: _ClassVar[int]
     INVALID_ACTIONS_FIELD_NUMBER: _ClassVar[int]
     IGNORED_FIELDS_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
     status: str
     detail: str
     steps_played: int
@@ -284,7 +285,8 @@ class SeatConduct(_message.Message):
     dropped_actions: int
     invalid_actions: int
     ignored_fields: int
-    def __init__(self, status: _Optional[str] = ..., detail: _Optional[str] = ..., steps_played: _Optional[int] = ..., late_steps: _Optional[int] = ..., dropped_actions: _Optional[int] = ..., invalid_actions: _Optional[int] = ..., ignored_fields: _Optional[int] = ...) -> None: ...
+    fault: str
+    def __init__(self, status: _Optional[str] = ..., detail: _Optional[str] = ..., steps_played: _Optional[int] = ..., late_steps: _Optional[int] = ..., dropped_actions: _Optional[int] = ..., invalid_actions: _Optional[int] = ..., ignored_fields: _Optional[int] = ..., fault: _Optional[str] = ...) -> None: ...
 
 class HostMatchRequest(_message.Message):
     __slots__ = ("spec_json", "names", "sensors_json")

@@ -7,7 +7,6 @@ import secrets
 import tempfile
 from collections import OrderedDict
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -19,7 +18,7 @@ from wildscav.server.deadlines import Clock
 from wildscav.server.reports import MatchOutcome
 from wildscav.server.session import HostedMatch, MatchCancelledError
 from wildscav.wire.errors import RefusalError, encode_refusal
-from wildscav.wire.matches import encode_conduct, encode_seat_result
+from wildscav.wire.matches import encode_seat_result
 
 if TYPE_CHECKING:
     from wildscav.server.server import MatchServer
@@ -155,6 +154,6 @@ def _finished(outcome: MatchOutcome, hosted: HostedMatch) -> GetMatchResponse:
         state=State.STATE_FINISHED,
         steps=result.steps,
         results=[encode_seat_result(seat.model_dump(), hosted.names[seat.seat]) for seat in result.seats],
-        conduct={number: encode_conduct(asdict(seat.conduct)) for number, seat in hosted.seats.items()},
+        conduct={number: seat.conduct_message() for number, seat in hosted.seats.items()},
         record=record,
     )

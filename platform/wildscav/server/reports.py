@@ -11,14 +11,28 @@ if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 
+class Fault(StrEnum):
+    """Whose fault it is if a match did not go as it should."""
+
+    AGENT = "agent"
+    PLATFORM = "platform"
+
+
 class SeatStatus(StrEnum):
-    """How a seat's part in the match ended."""
+    """How a seat's part in the match ended. All but the first two end it early: no action from then on."""
 
     FINISHED = "finished"
-    NEVER_JOINED = "never_joined"
-    LEFT = "left"  # its stream ended, or its launcher gave it up; no action from then on
     TIMED_OUT = "timed_out"  # its time bank was used up; late steps were played with no action
-    PROTOCOL_ERROR = "protocol_error"  # it sent what no agent may send; no action from then on
+    CRASHED = "crashed"  # its process or its stream ended before the match did
+    OUT_OF_MEMORY = "out_of_memory"  # its host ended it for the memory that it took
+    PROTOCOL_ERROR = "protocol_error"  # it sent what no agent may send
+    DISQUALIFIED = "disqualified"  # its host ended it for another limit that it broke
+    NEVER_JOINED = "never_joined"  # its time to start up was over, and it had not taken its seat
+
+    @property
+    def fault(self) -> Fault | None:
+        """Whose fault it is, if any. What the platform breaks is no seat's outcome: the match fails."""
+        return None if self == SeatStatus.FINISHED else Fault.AGENT
 
 
 class ThinkTime(NamedTuple):
@@ -61,6 +75,9 @@ class SeatReport:
     seat: int
     status: SeatStatus
     detail: str = ""  # why, in a line
+    exit_code: int | None = None  # of a process that ended early, where its host knows it
+    killed_by: str = ""  # the signal that ended it, such as SIGKILL
+    last_lines: tuple[str, ...] = ()  # of what such a process printed
     steps_played: int = 0  # with an answer in time
     late_steps: int = 0  # without one, while the seat was still in the match
     dropped_actions: int = 0  # answers to steps that were over

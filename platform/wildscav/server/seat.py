@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from wildscav.errors import SensorError
-from wildscav.proto.match_pb2 import ServerMessage
+from wildscav.proto.match_pb2 import SeatConduct, ServerMessage
 from wildscav.server.deadlines import TimeBank
 from wildscav.server.reports import Conduct, SeatReport, SeatStatus, ThinkTime
 from wildscav.wire.errors import RefusalError
+from wildscav.wire.matches import encode_conduct
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -80,6 +81,10 @@ class Seat:
         """Say how the seat's part in the match ended, and why."""
         self.conduct.status = status
         self.conduct.detail = detail
+
+    def conduct_message(self) -> SeatConduct:
+        """Return its conduct so far as a message."""
+        return encode_conduct(asdict(self.conduct), self.conduct.status.fault)
 
     def report(self) -> SeatReport:
         """Return its conduct so far."""

@@ -77,7 +77,7 @@ async def _serve(place: Place, info: ServerMessage, context: Context) -> None:
                 return
             answer = await _read_answer(seat, context)
             if answer is None:
-                match.leave(seat, SeatStatus.LEFT, STREAM_ENDED)
+                match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
                 return
             match.receive(seat, answer)
     except asyncio.CancelledError:
@@ -90,7 +90,7 @@ async def _serve(place: Place, info: ServerMessage, context: Context) -> None:
         raise
     finally:
         # Whatever else ended the stream, cancellation by a lost connection included.
-        match.leave(seat, SeatStatus.LEFT, STREAM_ENDED)
+        match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
 
 
 async def _read_join(context: Context) -> Join:

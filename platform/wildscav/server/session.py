@@ -3,7 +3,6 @@
 import asyncio
 import time
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import grpc
@@ -16,7 +15,7 @@ from wildscav.server.reports import MatchOutcome, SeatStatus
 from wildscav.server.seat import Seat
 from wildscav.server.snapshot import match_info
 from wildscav.wire.errors import RefusalError
-from wildscav.wire.matches import encode_conduct, encode_match_info, encode_seat_result
+from wildscav.wire.matches import encode_match_info, encode_seat_result
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -71,14 +70,14 @@ class HostedMatch:
         """Plays the match."""
         return self._task
 
-    def give_up(self, seat: int, reason: str) -> None:
+    def give_up(self, seat: int, reason: str, status: SeatStatus = SeatStatus.CRASHED) -> None:
         """Play a seat with no action from now on: its launcher knows that nobody is there any more.
 
         Does nothing if the seat is gone already or the match is over.
         """
         given_up = self._seats[seat]
         if not given_up.gone and not self.match.over:
-            self.leave(given_up, SeatStatus.LEFT, reason)
+            self.leave(given_up, status, reason)
             given_up.dismiss(
                 RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", f"given up: {reason}")
             )
@@ -186,7 +185,7 @@ class HostedMatch:
         for number, seat in self._seats.items():
             if seat.present:
                 self._mark_finished(seat)
-            conduct = encode_conduct(asdict(seat.conduct))
+            conduct = seat.conduct_message()
             own = encode_seat_result(result.seats[number].model_dump(), self.names[number])
             over = MatchOver(result=own, steps=result.steps, frames=result.frames, conduct=conduct)
             self._goodbyes[number] = ServerMessage(match_over=over)

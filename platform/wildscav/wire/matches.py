@@ -72,10 +72,11 @@ def encode_seat_result(values: Mapping[str, Any], name: str) -> SeatResult:
     return SeatResult(name=name, **values)
 
 
-def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
+def encode_conduct(values: Mapping[str, Any], fault: str | None) -> SeatConduct:
     """Return how a seat behaved as a message.
 
     Args:
         values: The fields of the server's ``Conduct`` by name.
+        fault: Whose fault it is if something went wrong.
     """
-    return SeatConduct(**values)
+    return SeatConduct(fault=fault or "", **values)
