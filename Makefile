@@ -28,7 +28,7 @@ help: ## Show this list.
 
 demo: .venv/.run ## Evaluate the three baselines on the three tracks (under 5 minutes).
 	$(BIN)/wildscav evaluate submissions/random submissions/homing submissions/hunter \
-		--suite quick --replays first --out out/demo --db out/demo/wildscav.db
+		--suite quick --replays first --fresh --out out/demo --db out/demo/wildscav.db
 
 test: .venv/.dev ## Run the tests (under 10 minutes).
 	$(BIN)/python -m pytest -n 2 --dist worksteal

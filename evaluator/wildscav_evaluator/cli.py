@@ -41,8 +41,12 @@ def evaluate(
         typer.Option(help="Which matches of each submission and track to render as Rerun recordings."),
     ] = "first",
     out: Annotated[
-        Path, typer.Option(help="Output folder. The files of an earlier evaluation in it are replaced.")
+        Path,
+        typer.Option(help="Output folder. The same command goes on with an evaluation that was broken off."),
     ] = Path("out/evaluation"),
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Begin anew: remove the evaluation in the output folder.")
+    ] = False,
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
 ) -> None:
     """Evaluate submissions on seeded suites of matches, each agent in a process of its own."""
@@ -58,6 +62,7 @@ def evaluate(
         replays=replays,
         jobs=jobs or default_jobs(),
         out=out,
+        fresh=fresh,
     )
     run_session(plan, db)
 

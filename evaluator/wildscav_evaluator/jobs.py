@@ -3,13 +3,14 @@
 import asyncio
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wildscav.errors import WildscavError, describe
 from wildscav.server import SeatReport
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.journal import read_entry, write_entry
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.results import MatchRow, MatchTiming
 from wildscav_evaluator.submission import Submission
@@ -30,6 +31,7 @@ class Job:
     spec: MatchSpec
     out: Path
     replay: bool  # whether to render one
+    evaluation: str = ""  # digest of the evaluation's identity
 
     @property
     def stem(self) -> str:
@@ -74,27 +76,51 @@ class JobResult:
     timing: MatchTiming | None = None  # none if no match was played
     complaint: str = ""  # what went wrong besides the match, such as a replay that could not be written
 
+    @property
+    def to_render(self) -> bool:
+        """Whether a replay is asked for and missing."""
+        return self.job.replay and self.row.record is not None and self.row.replay is None
+
 
 def run_job(runner: asyncio.Runner, job: Job) -> JobResult:
-    """Play a job's match and write its files. Whatever goes wrong costs this job alone."""
-    started = time.perf_counter()
+    """Play a job's match, unless it was played before, and write its files.
+
+    Whatever goes wrong costs this job alone.
+    """
+    result = kept(job) or _play(runner, job)
+    return _rendered(result) if result.to_render else result
+
+
+def kept(job: Job) -> JobResult | None:
+    """Return the result of a job whose match was played to its end in an earlier sitting."""
+    entry = read_entry(job.out, job.evaluation, job.stem)
+    if entry is None:
+        return None
+    rendered = job.replay and (job.out / job.replay_path).exists()
+    return JobResult(job, _with_replay(job, entry.row) if rendered else entry.row, entry.timing)
+
+
+def _play(runner: asyncio.Runner, job: Job) -> JobResult:
+    started, clock = time.time(), time.perf_counter()
     seating = job.seating
     try:
         prepare_logs(seating.logs)
         played = runner.run(play_match(seating))
-        _write_record(job, played, seating)
+        write_record(job.out / job.record, played.match, seating.names)
+        remove_empty_logs(seating.logs)
+        seat = seating.seats[0]
+        row = _row(job, played, seat)
+        wall = time.perf_counter() - clock
+        timing = _timing(job, played, played.seats[seat], started, wall)
+        # From here on the match is played, whatever happens.
+        write_entry(job.out, job.evaluation, job.stem, row, timing)
+        return JobResult(job, row, timing)
     except OSError as error:
         return failed(job, describe(error))
     except (WildscavError, ValueError) as error:
         return failed(job, str(error))
     except Exception as error:  # noqa: BLE001 (a match that breaks must not take the others along)
         return failed(job, f"{type(error).__name__}: {error}")
-    wall = time.perf_counter() - started
-    remove_empty_logs(seating.logs)
-    report = played.seats[seating.seats[0]]
-    complaint = _render(job) if job.replay else ""
-    row = _row(job, played, seating.seats[0], with_replay=job.replay and not complaint)
-    return JobResult(job, row, _timing(job, played, report, wall), complaint)
 
 
 def failed(job: Job, reason: str) -> JobResult:
@@ -103,8 +129,15 @@ def failed(job: Job, reason: str) -> JobResult:
     return JobResult(job, row)
 
 
-def _write_record(job: Job, played: Played, seating: Seating) -> None:
-    write_record(job.out / job.record, played.match, seating.names)
+def _rendered(result: JobResult) -> JobResult:
+    """Return a result with its replay, rendered now if it is missing, or with what went wrong."""
+    complaint = _render(result.job)
+    row = result.row if complaint else _with_replay(result.job, result.row)
+    return replace(result, row=row, complaint=complaint)
+
+
+def _with_replay(job: Job, row: MatchRow) -> MatchRow:
+    return row.model_copy(update={"replay": job.replay_path})
 
 
 def _render(job: Job) -> str:
@@ -121,7 +154,7 @@ def _render(job: Job) -> str:
     return ""
 
 
-def _row(job: Job, played: Played, seat: int, *, with_replay: bool) -> MatchRow:
+def _row(job: Job, played: Played, seat: int) -> MatchRow:
     report = played.seats[seat]
     return MatchRow(
         index=job.index,
@@ -137,17 +170,17 @@ def _row(job: Job, played: Played, seat: int, *, with_replay: bool) -> MatchRow:
         ignored_fields=report.ignored_fields,
         metrics=dict(played.match.result().seats[seat].metrics),
         record=job.record,
-        replay=job.replay_path if with_replay else None,
         log=job.log if (job.out / job.log).exists() else None,
     )
 
 
-def _timing(job: Job, played: Played, report: SeatReport, wall: float) -> MatchTiming:
+def _timing(job: Job, played: Played, report: SeatReport, started: float, wall: float) -> MatchTiming:
     total, median, high, most = report.think_time
     return MatchTiming(
         submission=job.submission.name,
         track=job.track,
         index=job.index,
+        started=started,
         wall=wall,
         steps=played.match.step_number,
         late_steps=report.late_steps,

@@ -1,72 +1,93 @@
-"""The output folder of an evaluation."""
+"""The output folder of an evaluation: whose it is, and what of it is kept when the evaluation goes on."""
 
-import fcntl
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from wildscav.errors import UserError
+from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
+from wildscav_evaluator.identity import Identity, difference, read_identity, write_identity
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS
+from wildscav_evaluator.journal import MATCHES
+from wildscav_evaluator.lock import Lock, locked
 from wildscav_evaluator.results import RESULTS_FILE
 from wildscav_evaluator.submission import MANIFEST, Submission
 
-# What an evaluation writes, and so what the next one into the same folder removes. Nothing else is touched.
-OWN_FILES = (
-    RESULTS_FILE,
-    f"{RECORDS}/*{SUFFIX}",
-    f"{REPLAYS}/*.rrd",
-    f"{LOGS}/*.log",
-)
-LOCK = ".evaluating"
+FOLDERS = (RECORDS, REPLAYS, LOGS, MATCHES)
+# What an evaluation writes for each match, and so what the next one may remove. Nothing else is touched.
+OWN_FILES = (f"{RECORDS}/*{SUFFIX}", f"{REPLAYS}/*.rrd", f"{LOGS}/*.log", f"{MATCHES}/*.json")
+# What is left of a file whose writer was killed.
+PARTS = (".*.part", *(f"{folder}/.*.part" for folder in FOLDERS))
 
 
 @contextmanager
-def output_folder(out: Path) -> Iterator[None]:
-    """Make an output folder, empty it of an earlier evaluation's files, and hold it while one runs.
+def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iterator[Lock]:
+    """Make an output folder, see that it is this evaluation's, and hold it while it runs.
+
+    Args:
+        out: The folder.
+        identity: The evaluation that is to be written there, or to go on.
+        fresh: Whether what another evaluation left there is removed.
 
     Raises:
-        UserError: The folder cannot be made, or another evaluation is writing to it.
+        UserError: The folder cannot be made, or belongs to another evaluation, or one is writing to it.
     """
     try:
-        for name in (RECORDS, REPLAYS, LOGS):
+        for name in FOLDERS:
             (out / name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"cannot make the output folder {error.filename}: {error.strerror}") from error
-    with _locked(out):
-        for pattern in OWN_FILES:
-            for path in out.glob(pattern):
-                path.unlink()
-        yield
-
-
-@contextmanager
-def _locked(out: Path) -> Iterator[None]:
-    """Hold the lock of a folder, and remove its file at the end."""
-    path = out / LOCK
-    with path.open("w") as lock:
+    with locked(out) as lock:
+        if fresh:
+            # The results first, and the identity last: killed in between, this can be done again.
+            (out / RESULTS_FILE).unlink(missing_ok=True)
+            keep_only(out, ())
+        else:
+            _check_same(out, identity)
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            _check_current(path, lock.fileno())
+            write_identity(identity, out)
         except OSError as error:
+            raise UserError(f"nothing can be kept in the output folder: {describe(error)}") from error
+        yield lock
+
+
+def _check_same(out: Path, identity: Identity) -> None:
+    """Refuse a folder with another evaluation in it."""
+    old = read_identity(out)
+    if old is None:
+        if (out / RESULTS_FILE).exists() or any(True for _ in _own_files(out)):
             raise UserError(
-                f"another evaluation is writing to {out}: wait for it, or name another --out"
-            ) from error
-        try:
-            yield
-        finally:
-            # While it is still locked: nobody who comes later can hold the same file.
-            path.unlink(missing_ok=True)
+                f"{out} holds an evaluation that does not say which one it is: name another --out, or begin "
+                f"anew with --fresh, which removes it",
+                exit_code=2,
+            )
+    elif other := difference(old, identity):
+        raise UserError(
+            f"{out} holds another evaluation: {other}. Its own command goes on with it; for this one, name "
+            "another --out, or begin anew with --fresh, which removes it",
+            exit_code=2,
+        )
 
 
-def _check_current(path: Path, lock: int) -> None:
-    """Raise an OSError unless a lock is the file of that path.
+def keep_only(out: Path, stems: Iterable[str]) -> None:
+    """Remove every file of a match but those of the matches named, and what killed writers left behind.
 
-    Whoever held it before may have removed the file after we opened and before we locked it.
+    Args:
+        out: The output folder.
+        stems: What the files of the matches to keep are called.
     """
-    if not os.path.samestat(path.stat(), os.fstat(lock)):
-        raise BlockingIOError(f"{path} has been made anew")
+    kept = set(stems)
+    for path in _own_files(out):
+        if path.stem not in kept:
+            path.unlink()
+    for pattern in PARTS:
+        for path in out.glob(pattern):
+            path.unlink()
+
+
+def _own_files(out: Path) -> Iterator[Path]:
+    for pattern in OWN_FILES:
+        yield from list(out.glob(pattern))
 
 
 def check_out(out: Path, submissions: Iterable[Submission]) -> None:

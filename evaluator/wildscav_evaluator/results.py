@@ -91,6 +91,7 @@ class MatchTiming(Part):
     submission: str
     track: str
     index: int
+    started: float  # s since 1970, UTC
     wall: float  # s, with starting the agent and writing the record
     steps: int
     late_steps: int  # steps in which the agent was too late and played no action
@@ -106,8 +107,8 @@ class Timings(Part):
     """What may differ from run to run."""
 
     started: str  # ISO 8601, UTC
-    wall: float  # s
-    jobs: int
+    wall: float  # s in which a match was played, in all sittings together
+    jobs: int  # matches at once, in the last of them
     matches: tuple[MatchTiming, ...]
 
 

@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,11 +10,11 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION
 from wildscav_evaluator import results
+from wildscav_evaluator.identity import Entrant, Identity, digest_of
 from wildscav_evaluator.jobs import Job, JobResult
 from wildscav_evaluator.score import summarize
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.suites import suite
-from wildscav_evaluator.workers import Workers
 
 REPLAY_CHOICES = ("none", "first", "all")
 
@@ -30,6 +30,7 @@ class Plan:
     replays: str  # one of REPLAY_CHOICES
     jobs: int  # matches at once
     out: Path
+    fresh: bool = False  # whether another evaluation in the output folder is removed
 
     def entries(self) -> Iterator[tuple[str, Submission]]:
         """Yield every track with every submission that plays it."""
@@ -41,13 +42,29 @@ class Plan:
 
 def make_jobs(plan: Plan) -> list[Job]:
     """Return the matches to play; those of one map stand together, so that it is rarely made twice."""
+    evaluation = identity(plan).digest
     jobs = []
     for track in plan.tracks:
         playing = [submission for on, submission in plan.entries() if on == track]
         for index, spec in enumerate(suite(track, plan.suite, plan.seed)):
             replay = plan.replays == "all" or (plan.replays == "first" and index == 0)
-            jobs += [Job(submission, track, index, spec, plan.out, replay) for submission in playing]
+            jobs += [Job(one, track, index, spec, plan.out, replay, evaluation) for one in playing]
     return jobs
+
+
+def identity(plan: Plan) -> Identity:
+    """Return all that the results of a plan depend on."""
+    specs = [spec for track in plan.tracks for spec in suite(track, plan.suite, plan.seed)]
+    return Identity(
+        suite=plan.suite,
+        seed=plan.seed,
+        tracks=plan.tracks,
+        matches=digest_of(specs),
+        submissions=tuple(
+            Entrant(name=one.name, version=one.manifest.version, digest=one.digest)
+            for one in plan.submissions
+        ),
+    )
 
 
 def default_jobs() -> int:
@@ -55,40 +72,36 @@ def default_jobs() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def evaluate(
-    plan: Plan,
-    workers: Workers,
-    jobs: Sequence[Job],
-    report: Callable[[JobResult], None] = lambda _: None,
-) -> results.Results:
-    """Play all matches and return the results.
-
-    Args:
-        plan: What is asked.
-        workers: Who plays.
-        jobs: The matches of the plan.
-        report: Told of every match as it ends.
-    """
-    started, clock = datetime.now(UTC), time.perf_counter()
-    done = []
-    for result in workers.run(jobs):
-        done.append(result)
-        report(result)
-    # In the order of the suite, whatever the order in which the matches ended.
-    done.sort(key=lambda result: (result.job.track, result.job.submission.name, result.job.index))
-    timings = results.Timings(
-        started=started.isoformat(timespec="seconds"),
-        wall=time.perf_counter() - clock,
-        jobs=plan.jobs,
-        matches=tuple(result.timing for result in done if result.timing is not None),
-    )
+def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
+    """Return the results of all matches of a plan, in whatever order they were played."""
+    # In the order of the suite.
+    done = sorted(done, key=lambda result: (result.job.track, result.job.submission.name, result.job.index))
     return results.Results(
         engine_version=ENGINE_VERSION,
         suite=plan.suite,
         seed=plan.seed,
         evaluations=tuple(_evaluation(plan, track, submission, done) for track, submission in plan.entries()),
-        timings=timings,
+        timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
     )
+
+
+def _timings(plan: Plan, matches: Sequence[results.MatchTiming]) -> results.Timings:
+    first = min((timing.started for timing in matches), default=time.time())
+    return results.Timings(
+        started=datetime.fromtimestamp(first, UTC).isoformat(timespec="seconds"),
+        wall=_covered((timing.started, timing.started + timing.wall) for timing in matches),
+        jobs=plan.jobs,
+        matches=tuple(matches),
+    )
+
+
+def _covered(spans: Iterable[tuple[float, float]]) -> float:
+    """Return how long at least one of some spans of time went on, s."""
+    total, until = 0.0, 0.0
+    for start, end in sorted(spans):
+        total += max(0.0, end - max(start, until))
+        until = max(until, end)
+    return total
 
 
 def metric_infos(track: str) -> tuple[results.MetricInfo, ...]:

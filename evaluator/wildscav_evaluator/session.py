@@ -1,6 +1,6 @@
 """An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from rich.text import Text
@@ -10,11 +10,12 @@ from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.complaints import raise_all
 from wildscav_evaluator.conduct import evaluation_remark
-from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, sensors_read
-from wildscav_evaluator.output import check_out, output_folder
+from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, kept, sensors_read
+from wildscav_evaluator.lock import Lock
+from wildscav_evaluator.output import check_out, keep_only, output_folder
 from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
-from wildscav_evaluator.run import Plan, check_names, evaluate, make_jobs
+from wildscav_evaluator.run import Plan, check_names, collect, identity, make_jobs
 from wildscav_evaluator.sinks import ResultSink, sinks
 from wildscav_evaluator.tables import LEGEND, ranked, track_table
 from wildscav_evaluator.workers import WorkerDiedError, Workers
@@ -34,11 +35,12 @@ def run_session(plan: Plan, database: Path) -> None:
     kept_by = tuple(sinks(str(database)))
     for sink in kept_by:
         sink.check()
-    with output_folder(plan.out):
+    jobs = make_jobs(plan)
+    with output_folder(plan.out, identity(plan), fresh=plan.fresh) as lock:
         try:
-            results = _evaluate(plan)
+            results = collect(plan, _play(plan, jobs, lock))
         except KeyboardInterrupt:
-            raise UserError(f"interrupted: {plan.out} has records, but no results", INTERRUPTED) from None
+            raise UserError(_interrupted(plan, jobs), INTERRUPTED) from None
         except WorkerDiedError as error:
             raise UserError(str(error)) from error
         for track in results.tracks:
@@ -53,14 +55,42 @@ def run_session(plan: Plan, database: Path) -> None:
     raise_all(complaints)
 
 
-def _evaluate(plan: Plan) -> Results:
-    jobs: list[Job] = make_jobs(plan)
+def _play(plan: Plan, jobs: Sequence[Job], lock: Lock) -> list[JobResult]:
+    """Play what was not played in an earlier sitting, and return the results of all."""
+    done = [result for job in jobs if (result := kept(job)) is not None]
+    keep_only(plan.out, (result.job.stem for result in done))
+    if done:
+        console.print(_goes_on(len(done), len(jobs)))
     progress = EvaluationProgress(console, jobs)
-    with Workers(min(plan.jobs, len(jobs))) as workers:
+    for result in done:
+        progress.add(result)
+    complete = {result.job.stem for result in done if not result.to_render}
+    waiting = [job for job in jobs if job.stem not in complete]
+    if not waiting:
+        return done
+    played = {result.job.stem: result for result in done}
+    with Workers(min(plan.jobs, len(waiting)), lock) as workers:
         with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
-            workers.warm(sensors_read(jobs))
+            workers.warm(sensors_read(waiting))
         with progress.shown():
-            return evaluate(plan, workers, jobs, progress.add)
+            for result in workers.run(waiting):
+                if result.job.stem not in played:
+                    progress.add(result)
+                played[result.job.stem] = result
+    return list(played.values())
+
+
+def _goes_on(done: int, jobs: int) -> str:
+    of = f"{done:,} of {counted(jobs, 'match')} {'was' if done == 1 else 'were'} played before"
+    return of if done < jobs else f"all {counted(jobs, 'match')} were played before"
+
+
+def _interrupted(plan: Plan, jobs: Sequence[Job]) -> str:
+    done = sum(kept(job) is not None for job in jobs)
+    return (
+        f"interrupted: {done:,} of {counted(len(jobs), 'match')} are kept in {plan.out}; the same command "
+        "goes on with the others"
+    )
 
 
 def _remark(results: Results) -> None:

@@ -19,6 +19,7 @@ from multiprocessing.process import BaseProcess
 from typing import cast
 
 from wildscav_evaluator.jobs import Job, JobResult, failed, run_job
+from wildscav_evaluator.lock import Lock
 from wildscav_evaluator.warm import Wanted, warm
 
 STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
@@ -40,10 +41,11 @@ class WorkerDiedError(Exception):
 class Worker:
     """One process, and the job that it is at."""
 
-    def __init__(self) -> None:
+    def __init__(self, lock: Lock | None) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
-        self.process: BaseProcess = context.Process(target=_work, args=(theirs, os.getpid()), daemon=True)
+        arguments = (theirs, os.getpid(), lock)
+        self.process: BaseProcess = context.Process(target=_work, args=arguments, daemon=True)
         self.process.start()
         theirs.close()
         self.job: Job | None = None
@@ -75,10 +77,15 @@ class Worker:
 
 
 class Workers:
-    """A few workers that share the jobs. A context manager: at its end, all are gone."""
+    """A few workers that share the jobs. A context manager: at its end, all are gone.
 
-    def __init__(self, count: int) -> None:
-        self._count = count
+    Args:
+        count: How many.
+        lock: Of the folder that they write to; each holds it as long as it lives.
+    """
+
+    def __init__(self, count: int, lock: Lock | None = None) -> None:
+        self._count, self._lock = count, lock
         self._workers: list[Worker] = []
 
     def __enter__(self) -> "Workers":
@@ -137,7 +144,7 @@ class Workers:
         return self._start()
 
     def _start(self) -> Worker:
-        worker = Worker()
+        worker = Worker(self._lock)
         self._workers.append(worker)
         return worker
 
@@ -148,12 +155,13 @@ def _next_job(worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker
         busy[worker.connection] = worker
 
 
-def _work(connection: Connection, parent: int) -> None:
+def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
     """Do what is asked until nobody asks any more. Runs in the worker's process.
 
     Args:
         connection: Where jobs come from and results go.
         parent: The process that started this one.
+        _lock: Is held until this process ends, however it ends.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the evaluation, which then ends us
     end_with_parent(parent)

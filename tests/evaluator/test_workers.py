@@ -11,6 +11,7 @@ import pytest
 
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult
+from wildscav_evaluator.journal import MATCHES
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.workers import Workers
 
@@ -31,7 +32,7 @@ WORKER_KILLER = """
 
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
-    for name in (RECORDS, REPLAYS, LOGS):
+    for name in (RECORDS, REPLAYS, LOGS, MATCHES):
         (tmp_path / "out" / name).mkdir(parents=True)
     return tmp_path / "out"
 
