@@ -7,6 +7,7 @@ TAIL = 4096  # bytes remembered for the reason of a failure
 LAST_LINES = 20  # of the tail
 CHUNK = 65_536  # bytes
 BEYOND = 0.005  # s between chunks beyond the limit, so that a flood costs its writer and not us
+LINE = 200  # characters of a line
 TRACEBACK = "Traceback (most recent call last):"
 
 
@@ -48,11 +49,11 @@ class CappedLog:
         return next((line.strip() for line in reversed(lines) if line.strip()), "")
 
     def last_lines(self) -> tuple[str, ...]:
-        """Return the last lines, at most twenty and four kilobytes of them."""
+        """Return the last lines, at most twenty of them."""
         return tuple(self._lines()[-LAST_LINES:])
 
     def _lines(self) -> list[str]:
-        return self._tail.decode("utf-8", "replace").splitlines()
+        return [line[:LINE] for line in self._tail.decode("utf-8", "replace").splitlines()]
 
     def _append(self, content: bytes) -> bool:
         try:

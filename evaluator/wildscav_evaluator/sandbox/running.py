@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import signal
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
@@ -84,7 +85,7 @@ class AgentProcess:
         return Ending(
             exit_code=None if signalled else code,
             killed_by=signal_name(signalled) if signalled else "",
-            out_of_memory=out_of_memory and code != 0,
+            out_of_memory=out_of_memory and signalled == signal.SIGKILL,
             limit=self._limit,
             last_words=self._log.last_words(),
             last_lines=self._log.last_lines(),
@@ -115,7 +116,13 @@ class AgentProcess:
 
 
 async def start_process(
-    arguments: Sequence[str], launch: Launch, hold: Hold, *, environment: Mapping[str, str], folder: Path
+    arguments: Sequence[str],
+    launch: Launch,
+    hold: Hold,
+    *,
+    environment: Mapping[str, str],
+    folder: Path,
+    pass_fds: Sequence[int] = (),
 ) -> AgentProcess:
     """Start a process in a session of its own, with its output into the launch's log.
 
@@ -125,6 +132,7 @@ async def start_process(
         hold: The sandbox's hold on it, made before.
         environment: All of its variables.
         folder: Its working directory.
+        pass_fds: Files that stay open for it.
 
     Raises:
         OSError: It could not be started; the hold is released.
@@ -141,6 +149,7 @@ async def start_process(
             stdout=theirs,
             stderr=asyncio.subprocess.STDOUT,
             start_new_session=True,
+            pass_fds=pass_fds,
         )
     except BaseException:
         output[1].close()

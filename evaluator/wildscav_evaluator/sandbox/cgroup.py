@@ -1,0 +1,252 @@
+"""Control groups: the kernel's limits on the memory, processes and processor time of a whole agent.
+
+Version 2 (https://docs.kernel.org/admin-guide/cgroup-v2.html) where the controllers are there, else
+version 1. Groups lie beneath that of whoever evaluates, or as near as the kernel allows, so that limits set
+on the evaluation hold for its agents, too.
+"""
+
+import contextlib
+import itertools
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.sandbox.limits import Limits
+
+CONTROLLERS = ("cpu", "memory", "pids")
+PERIOD = 100_000  # µs in which an agent gets its share of processor time
+OVERHEAD = 2  # processes of the sandbox itself
+PREFIX = "wildscav-"  # then the process that made the group, and a number
+KILL_TIME = 10.0  # s
+MOUNTS = Path("/proc/self/mountinfo")
+OWN = Path("/proc/self/cgroup")
+_numbers = itertools.count()
+
+
+@dataclass(frozen=True)
+class Version1:
+    """Where version 1 has the controllers: a folder each, in which groups may be made."""
+
+    parents: Mapping[str, Path]
+
+    def settings(self, limits: Limits) -> dict[str, dict[str, str]]:
+        """Return what to write into which file of which controller, in this order."""
+        memory = {"memory.limit_in_bytes": str(int(limits.memory))}
+        if (self.parents["memory"] / "memory.memsw.limit_in_bytes").exists():
+            memory["memory.memsw.limit_in_bytes"] = str(int(limits.memory))
+        elif len(Path("/proc/swaps").read_text("ascii").splitlines()) > 1:
+            raise SandboxError(
+                "the memory limit cannot be kept: this machine swaps and does not account for it "
+                "(start it with swapaccount=1, or turn swap off)"
+            )
+        return {
+            "memory": memory,
+            "pids": {"pids.max": str(limits.processes + OVERHEAD)},
+            "cpu": {"cpu.cfs_period_us": str(PERIOD), "cpu.cfs_quota_us": str(int(limits.cpus * PERIOD))},
+        }
+
+    def memory_kills(self, group: Path) -> int:
+        """Return how many processes were ended for want of memory."""
+        return _counter(group / "memory.oom_control", "oom_kill")
+
+
+@dataclass(frozen=True)
+class Version2:
+    """Where version 2 has a folder in which groups with all controllers may be made."""
+
+    parents: Mapping[str, Path]  # one, under the name "memory"
+
+    def settings(self, limits: Limits) -> dict[str, dict[str, str]]:
+        """Return what to write into which file."""
+        files = {
+            "memory.max": str(int(limits.memory)),
+            "pids.max": str(limits.processes + OVERHEAD),
+            "cpu.max": f"{int(limits.cpus * PERIOD)} {PERIOD}",
+        }
+        if len(Path("/proc/swaps").read_text("ascii").splitlines()) > 1:
+            files["memory.swap.max"] = "0"
+        return {"memory": files}
+
+    def memory_kills(self, group: Path) -> int:
+        """Return how many processes were ended for want of memory."""
+        return _counter(group / "memory.events", "oom_kill")
+
+
+class AgentGroup:
+    """The group of one agent: a folder for each controller that has one of its own.
+
+    Args:
+        version: Where groups are made.
+        limits: What it may use.
+
+    Raises:
+        SandboxError: A limit could not be set.
+    """
+
+    def __init__(self, version: Version1 | Version2, limits: Limits) -> None:
+        self._version = version
+        name = f"{PREFIX}{os.getpid()}-{next(_numbers)}"
+        self._folders = {controller: parent / name for controller, parent in version.parents.items()}
+        try:
+            for controller, files in version.settings(limits).items():
+                self._folders[controller].mkdir()
+                for file, value in files.items():
+                    _set(self._folders[controller] / file, value)
+        except BaseException:
+            self.remove()
+            raise
+
+    @property
+    def entrances(self) -> list[Path]:
+        """The files into which a process writes 0 to belong to the group."""
+        return [folder / "cgroup.procs" for folder in self._folders.values()]
+
+    def out_of_memory(self) -> bool:
+        """Return whether a process of the group was ended for want of memory."""
+        return self._version.memory_kills(self._folders["memory"]) > 0
+
+    def kill(self) -> None:
+        """Kill every process of the group."""
+        folder = self._folders["memory"]
+        with contextlib.suppress(OSError):
+            (folder / "cgroup.kill").write_text("1")  # version 2, from Linux 5.14 on
+        end = time.monotonic() + KILL_TIME
+        while (members := _members(folder)) and time.monotonic() < end:
+            for process in members:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(process, signal.SIGKILL)
+            time.sleep(0.001)
+
+    def remove(self) -> None:
+        """Remove the group, which has no processes any more."""
+        for folder in self._folders.values():
+            _remove(folder)
+
+
+def find_version() -> Version1 | Version2:
+    """Return where groups can be made, and remove those of evaluations that are no more.
+
+    Raises:
+        SandboxError: Nowhere; says why.
+    """
+    mounts = _mounts()
+    paths = _own_paths()
+    version: Version1 | Version2
+    if all(controller in mounts for controller in CONTROLLERS):
+        version = Version1({name: _beneath(mounts[name], paths.get(name, "/")) for name in CONTROLLERS})
+    elif "" in mounts:
+        version = Version2({"memory": _delegated(mounts[""], paths.get("", "/"))})
+    else:
+        raise SandboxError("no limits on memory, processes and CPU: no control groups are mounted")
+    for controller, parent in version.parents.items():
+        if not os.access(parent, os.W_OK):
+            raise SandboxError(f"no limit on {controller} can be set: {parent} is not writable; {REMEDY}")
+        _remove_orphans(parent)
+    return version
+
+
+REMEDY = (
+    "evaluate as root, or with systemd as `systemd-run --user --scope -p Delegate=yes wildscav …`, "
+    "which gives you a control group of your own"
+)
+
+
+def _mounts() -> dict[str, Path]:
+    """Return where each controller of version 1 is mounted, and version 2 under the empty name."""
+    found = {}
+    for line in MOUNTS.read_text("utf-8").splitlines():
+        # "36 35 98:0 /root /mount options … - type source super-options"
+        before, _, after = line.partition(" - ")
+        kind, _, options = after.split(" ", 2)
+        place = Path(before.split()[4].replace("\\040", " "))
+        if kind == "cgroup2":
+            found[""] = place
+        elif kind == "cgroup":
+            found.update(dict.fromkeys(set(options.split(",")) & set(CONTROLLERS), place))
+    return found
+
+
+def _own_paths() -> dict[str, str]:
+    """Return the path of this process's group for each controller; version 2's under the empty name."""
+    paths = {}
+    for line in OWN.read_text("utf-8").splitlines():
+        _, controllers, path = line.split(":", 2)
+        paths.update(dict.fromkeys(controllers.split(","), path))
+    return paths
+
+
+def _beneath(mount: Path, path: str) -> Path:
+    """Return the folder of a group, or the mount's own where only a part of the tree is mounted."""
+    folder = mount / path.lstrip("/")
+    return folder if folder.is_dir() else mount
+
+
+def _delegated(mount: Path, path: str) -> Path:
+    """Return the nearest group at or above a path that may have groups with all controllers in it."""
+    folder = _beneath(mount, path)
+    for parent in (folder, *folder.parents):
+        if _offers_controllers(parent) and os.access(parent / "cgroup.procs", os.W_OK):
+            return parent
+        if parent == mount:
+            break
+    raise SandboxError(f"no limits on memory, processes and CPU can be set beneath {folder}; {REMEDY}")
+
+
+def _offers_controllers(folder: Path) -> bool:
+    """Return whether groups in a folder have all controllers, after having asked for it."""
+    control = folder / "cgroup.subtree_control"
+    with contextlib.suppress(OSError):
+        if set(CONTROLLERS) <= set(control.read_text("ascii").split()):
+            return os.access(folder, os.W_OK)
+        control.write_text(" ".join(f"+{name}" for name in CONTROLLERS), "ascii")
+        return set(CONTROLLERS) <= set(control.read_text("ascii").split())
+    return False
+
+
+def _set(file: Path, value: str) -> None:
+    try:
+        file.write_text(value, "ascii")
+    except OSError as error:
+        raise SandboxError(
+            f"a limit cannot be kept: {file} does not take {value}: {error.strerror}"
+        ) from None
+
+
+def _counter(file: Path, name: str) -> int:
+    with contextlib.suppress(OSError):
+        for line in file.read_text("ascii").splitlines():
+            if line.split()[0] == name:
+                return int(line.split()[1])
+    return 0
+
+
+def _members(folder: Path) -> list[int]:
+    try:
+        return [int(line) for line in (folder / "cgroup.procs").read_text("ascii").split()]
+    except OSError:
+        return []
+
+
+def _remove(folder: Path) -> None:
+    for _ in range(100):  # the dead leave a group a little later than they die
+        try:
+            folder.rmdir()
+        except FileNotFoundError:
+            return
+        except OSError:
+            time.sleep(0.002)
+        else:
+            return
+
+
+def _remove_orphans(parent: Path) -> None:
+    """Remove the groups of processes that are no more."""
+    for folder in parent.glob(f"{PREFIX}*"):
+        maker = folder.name.removeprefix(PREFIX).partition("-")[0]
+        if maker.isdecimal() and not Path(f"/proc/{maker}").exists() and not _members(folder):
+            with contextlib.suppress(OSError):
+                folder.rmdir()

@@ -1,0 +1,185 @@
+"""Whether a sandbox keeps its promises on this machine: a probe is run in it, which tries to break each."""
+
+import asyncio
+import json
+import shutil
+import socket
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxError
+from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits
+
+PROBE = Path(__file__).parent / "probe" / "agent.py"
+# Small enough to be tried quickly: what holds for these holds for others.
+TRIED = {
+    "cpus": 0.5,
+    "memory": 128 * MEBIBYTE,
+    "processes": 32,
+    "tmp_size": 4 * MEBIBYTE,
+    "output": 64 * 1024,
+    "wall_clock": 30.0,
+}
+TOLERANCE = 1.3  # of processor time, which is shared out in slices
+NO_CAPABILITIES = "0" * 16
+HAS_FILTER = "2"
+
+
+def try_promises(sandbox: Sandbox, limits: Limits) -> Sequence[Promise]:
+    """Run the probe in a sandbox and return what it found, promise by promise.
+
+    Must not be called where an event loop runs.
+    """
+    tried = limits.model_copy(update=TRIED)
+    with _probe_folder(tried) as folder:
+        try:
+            found, size = asyncio.run(_probe(sandbox, folder, tried))
+        except SandboxError as error:
+            return (Promise("an agent can be started", kept=False, found=str(error)),)
+        except OSError as error:
+            return (Promise("an agent can be started", kept=False, found=error.strerror or str(error)),)
+    return tuple(_judge(found, tried, size))
+
+
+@contextmanager
+def _probe_folder(limits: Limits) -> Iterator[Path]:
+    """Make a folder with the probe, its orders, and a socket as a match has one."""
+    folder = Path(tempfile.mkdtemp(prefix="wildscav-probe-"))
+    code = folder / "code"
+    try:
+        code.mkdir(mode=0o755)
+        shutil.copy(PROBE, code / "agent.py")
+        orders = {
+            "hidden": [str(folder), *_home_files(), "/etc/shadow", "/var/lib", "/boot"],
+            "processes": 2 * limits.processes,
+            "memory": 2 * int(limits.memory),
+            "output": 4 * int(limits.output),
+        }
+        (code / "orders.json").write_text(json.dumps(orders), "utf-8")
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(str(folder / "match.sock"))
+            listener.listen()
+            yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _home_files() -> list[str]:
+    """Return what lies in the user's home, but for what leads to Python."""
+    python = [Path(sys.base_prefix), Path(sys.prefix)]
+    entries = Path.home().iterdir() if Path.home().is_dir() else ()
+    return [str(entry) for entry in entries if not any(path.is_relative_to(entry) for path in python)]
+
+
+async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> tuple[dict[str, Any], int]:
+    """Return what the probe found, and the size of its log in bytes."""
+    log = folder / "log"
+    launch = Launch(
+        folder=folder / "code",
+        entry_point="agent:Probe",
+        address=f"unix:{folder / 'match.sock'}",
+        token="probe",  # noqa: S106
+        log=log,
+        limits=limits,
+    )
+    agent = await sandbox.start(launch)
+    try:
+        ending = await agent.ended()
+    finally:
+        await agent.stop()
+    text = log.read_text("utf-8", "replace") if log.exists() else ""
+    try:
+        return json.loads(text.partition("\n")[0]), len(text)
+    except ValueError:
+        raise SandboxError(f"the probe did not run: {ending}") from None
+
+
+def _judge(found: dict[str, Any], limits: Limits, log_size: int) -> Iterator[Promise]:
+    """Yield every promise with what was found."""
+    yield _promise("no network", found["interfaces"] == ["lo"], f"interfaces: {_words(found['interfaces'])}")
+    yield _promise(
+        "no files of this machine",
+        not found["files_seen"],
+        f"seen: {_words(found['files_seen'])}",
+    )
+    places = found["writable"]
+    yield _promise(
+        "read-only code, and files in memory alone",
+        set(places) <= {"/tmp", "/dev/shm"},  # noqa: S108
+        f"can write to {_words(places)}",
+    )
+    users = sorted(set(found["user"]))
+    yield _promise("not root", 0 not in users, f"user and groups: {_words(users)}")
+    yield _promise(
+        "no capabilities, now or later",
+        set(found["capabilities"]) == {NO_CAPABILITIES} and found["no_new_privileges"] == "1",
+        f"{_words(sorted(set(found['capabilities'])))}, no new privileges: {found['no_new_privileges']}",
+    )
+    yield _promise(
+        "no user namespaces", bool(found["namespaces"]), found["namespaces"] or "one could be made", FILTER
+    )
+    yield _promise(
+        "no tracing, a filter of system calls",
+        bool(found["tracing"]) and found["filter"] == HAS_FILTER,
+        found["tracing"] or "a process could be traced",
+        FILTER,
+    )
+    yield _promise(
+        "processes of its own", len(found["processes_seen"]) <= FEW, f"sees {len(found['processes_seen'])}"
+    )
+    yield from _judge_limits(found, limits, log_size)
+
+
+FEW = 8  # processes that a sandbox may have besides
+FILTER = "install libseccomp2"
+
+
+def _judge_limits(found: dict[str, Any], limits: Limits, log_size: int) -> Iterator[Promise]:
+    memory, tmp = found["memory"], max(found["writable"].values(), default=0)
+    yield _promise(
+        "limit on memory", memory <= limits.memory, f"{_size(memory)} of {_size(limits.memory)}", GROUPS
+    )
+    yield _promise(
+        "limit on processes",
+        found["processes"] <= limits.processes,
+        f"{found['processes']} of {limits.processes}",
+        GROUPS,
+    )
+    yield _promise(
+        "limit on processor time",
+        found["cores"] <= limits.cpus * TOLERANCE,
+        f"{found['cores']:.2f} of {limits.cpus:g} cores",
+        GROUPS,
+    )
+    yield _promise(
+        "limit on open files",
+        found["open_files"] <= limits.open_files,
+        f"{found['open_files']} of {limits.open_files}",
+    )
+    yield _promise(
+        "limit on files in /tmp", tmp <= limits.tmp_size, f"{_size(tmp)} of {_size(limits.tmp_size)}"
+    )
+    yield _promise(
+        "limit on output",
+        log_size <= limits.output + 100,
+        f"{log_size:,} of {int(limits.output):,} bytes",
+    )
+
+
+GROUPS = "control groups that may be set are needed: see `wildscav doctor`"
+
+
+def _promise(name: str, kept: bool, found: str, remedy: str = "") -> Promise:
+    return Promise(name, kept, found, "" if kept else remedy)
+
+
+def _words(values: Any) -> str:
+    return ", ".join(str(value) for value in values) or "none"
+
+
+def _size(count: int) -> str:
+    return f"{int(count) / MEBIBYTE:,.0f} MiB"

@@ -1,0 +1,80 @@
+"""The Python that agents run with where they bring no image: this machine's own, read-only."""
+
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import wildscav
+
+SDK = Path("/opt/wildscav")  # where an agent finds the package of the SDK
+CODE = Path("/submission")
+SOCKET = Path("/run/wildscav/match.sock")
+LINKED = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")  # links into /usr on most systems
+LOADER = ("/etc/ld.so.cache", "/etc/alternatives")  # where shared libraries are, and what has several names
+ADDRESS = f"unix:{SOCKET}"
+
+
+@dataclass(frozen=True)
+class Runtime:
+    """What of this machine an agent sees."""
+
+    folders: dict[Path, Path]  # where it is there, and where it is here
+    links: dict[Path, str]
+
+    def variables(self) -> dict[str, str]:
+        """Return the variables that programs of this runtime need."""
+        return {
+            "PATH": f"{Path(sys.executable).parent}:/usr/local/bin:/usr/bin:/bin",
+            "PYTHONPATH": str(SDK),
+            "HOME": "/tmp",  # noqa: S108 - the agent's own
+            "USER": "agent",
+            "LANG": "C.UTF-8",
+        }
+
+
+def host_runtime() -> Runtime:
+    """Return the parts of this machine that a Python program needs, and no others."""
+    folders = {Path("/usr"): Path("/usr")}
+    links: dict[Path, str] = {}
+    for name in LINKED:
+        path = Path(name)
+        if path.is_symlink():
+            links[path] = str(path.readlink())
+        elif path.is_dir():
+            folders[path] = path
+    for path in map(Path, (*LOADER, sys.base_prefix, sys.prefix)):
+        if path.exists() and not any(path.is_relative_to(parent) for parent in folders):
+            folders[path] = path
+    folders[SDK / "wildscav"] = Path(wildscav.__file__).parent
+    return Runtime(folders, links)
+
+
+def socket_path(address: str) -> Path:
+    """Return the path of a unix socket's address.
+
+    Raises:
+        ValueError: It is another kind of address, which a sandbox without network cannot reach.
+    """
+    if not address.startswith("unix:"):
+        raise ValueError(f"address is {address!r}: a sandboxed agent has no network, only a unix socket")
+    return Path(address.removeprefix("unix:").removeprefix("//"))
+
+
+def everybody_reads(folder: Path) -> bool:
+    """Return whether every user may read a folder with all that is in it."""
+    return all(_readable(Path(entry)) for entry in _walk(folder))
+
+
+def _walk(folder: Path) -> list[str]:
+    found = [str(folder)]
+    for base, folders, files in os.walk(folder):
+        found += [os.path.join(base, name) for name in (*folders, *files)]  # noqa: PTH118
+    return found
+
+
+def _readable(path: Path) -> bool:
+    if path.is_symlink():
+        return True
+    mode = path.stat().st_mode
+    return mode & 0o005 == 0o005 if path.is_dir() else bool(mode & 0o004)

@@ -1,0 +1,117 @@
+"""Which system calls an agent may make: one policy, as bubblewrap's filter and as a container's profile.
+
+A list of what is allowed, since nobody can list what will turn out to be dangerous. It began as Docker's
+default profile (https://docs.docker.com/engine/security/seccomp/) and leaves out what an agent has no use
+for: new namespaces, mounts, tracing and reading of other processes, key rings, BPF, io_uring, kernel modules,
+clocks, and sockets other than unix and internet ones (AF_VSOCK, for one, leaves a machine whatever network it
+has). libseccomp makes bubblewrap's filter of it, which knows the numbers of calls on every processor.
+"""
+
+import errno
+import functools
+import tempfile
+from typing import Any
+
+from wildscav_evaluator.sandbox.base import SandboxError
+
+# What is not known here is "not implemented": C libraries then fall back to something older.
+UNKNOWN = errno.ENOSYS
+UNIX, INTERNET, INTERNET_6 = 1, 2, 10  # address families
+# CLONE_NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET
+NEW_NAMESPACES = 0x7E02_0000
+PERSONALITIES = (0, 8, 0x20000, 0x20008, 0xFFFF_FFFF)  # as everybody is, 32-bit, and asking
+
+_ALLOWED = """
+accept accept4 access alarm arch_prctl bind brk capget capset chdir chmod chown clock_getres
+clock_gettime clock_nanosleep close close_range connect copy_file_range creat dup dup2 dup3 epoll_create
+epoll_create1 epoll_ctl epoll_pwait epoll_pwait2 epoll_wait eventfd eventfd2 execve execveat exit
+exit_group faccessat faccessat2 fadvise64 fallocate fchdir fchmod fchmodat fchmodat2 fchown fchownat
+fcntl fdatasync fgetxattr flistxattr flock fork fremovexattr fsetxattr fstat fstatfs fsync ftruncate
+futex futex_requeue futex_wait futex_waitv futex_wake futimesat get_mempolicy get_robust_list
+get_thread_area getcpu getcwd getdents getdents64 getegid geteuid getgid getgroups getitimer getpeername
+getpgid getpgrp getpid getppid getpriority getrandom getresgid getresuid getrlimit getrusage getsid
+getsockname getsockopt gettid gettimeofday getuid getxattr inotify_add_watch inotify_init inotify_init1
+inotify_rm_watch ioctl ioprio_get ioprio_set kill landlock_add_rule landlock_create_ruleset
+landlock_restrict_self lchown lgetxattr link linkat listen listxattr llistxattr lremovexattr lseek
+lsetxattr lstat madvise mbind membarrier memfd_create mincore mkdir mkdirat mknod mknodat mlock mlock2
+mlockall mmap mprotect mremap mseal msgctl msgget msgrcv msgsnd msync munlock munlockall munmap
+nanosleep newfstatat open openat openat2 pause pidfd_open pidfd_send_signal pipe pipe2 pkey_alloc
+pkey_free pkey_mprotect poll ppoll prctl pread64 preadv preadv2 prlimit64 pselect6 pwrite64 pwritev
+pwritev2 read readahead readlink readlinkat readv recvfrom recvmmsg recvmsg remap_file_pages removexattr
+rename renameat renameat2 restart_syscall rmdir rseq rt_sigaction rt_sigpending rt_sigprocmask
+rt_sigqueueinfo rt_sigreturn rt_sigsuspend rt_sigtimedwait rt_tgsigqueueinfo sched_get_priority_max
+sched_get_priority_min sched_getaffinity sched_getattr sched_getparam sched_getscheduler
+sched_rr_get_interval sched_setaffinity sched_setattr sched_setparam sched_setscheduler sched_yield
+seccomp select semctl semget semop semtimedop sendfile sendmmsg sendmsg sendto set_mempolicy
+set_robust_list set_thread_area set_tid_address setfsgid setfsuid setgid setgroups setitimer setpgid
+setpriority setregid setresgid setresuid setreuid setrlimit setsid setsockopt setuid setxattr shmat
+shmctl shmdt shmget shutdown sigaltstack signalfd signalfd4 splice stat statfs statx symlink symlinkat
+sync sync_file_range syncfs sysinfo tee tgkill time timer_create timer_delete timer_getoverrun
+timer_gettime timer_settime timerfd_create timerfd_gettime timerfd_settime times tkill truncate umask
+uname unlink unlinkat utime utimensat utimes vfork wait4 waitid write writev
+"""
+ALLOWED = frozenset(_ALLOWED.split())
+# What is refused with "operation not permitted", so that who tries it understands.
+_REFUSED = """
+acct add_key bpf chroot clock_settime delete_module fanotify_init finit_module fsmount fsopen
+init_module io_uring_enter io_uring_register io_uring_setup ioperm iopl kcmp kexec_load keyctl mount
+mount_setattr move_mount name_to_handle_at open_by_handle_at open_tree perf_event_open pidfd_getfd
+pivot_root process_madvise process_vm_readv process_vm_writev ptrace quotactl reboot request_key
+setdomainname sethostname setns settimeofday swapoff swapon syslog umount2 unshare userfaultfd vhangup
+"""
+REFUSED = frozenset(_REFUSED.split())
+
+
+def container_profile() -> dict[str, Any]:
+    """Return the policy as Docker and Podman read it."""
+    allow, refuse = "SCMP_ACT_ALLOW", "SCMP_ACT_ERRNO"
+    rules: list[dict[str, Any]] = [
+        {"names": sorted(ALLOWED), "action": allow},
+        {"names": sorted(REFUSED), "action": refuse, "errnoRet": errno.EPERM},
+        {"names": ["clone"], "action": allow, "args": [_masked(0, NEW_NAMESPACES, 0)]},
+    ]
+    rules += [
+        {"names": [name], "action": allow, "args": [{"index": 0, "value": value, "op": "SCMP_CMP_EQ"}]}
+        for name, values in EXACTLY.items()
+        for value in values
+    ]
+    return {"defaultAction": refuse, "defaultErrnoRet": UNKNOWN, "syscalls": rules}
+
+
+# Calls whose first argument must be one of these.
+EXACTLY = {
+    "personality": PERSONALITIES,
+    "socket": (UNIX, INTERNET, INTERNET_6),
+    "socketpair": (UNIX,),
+}
+
+
+def _masked(index: int, mask: int, value: int) -> dict[str, Any]:
+    return {"index": index, "value": mask, "valueTwo": value, "op": "SCMP_CMP_MASKED_EQ"}
+
+
+@functools.cache
+def bpf_filter() -> bytes:
+    """Return the policy as a program of the kernel's filter machine, by libseccomp.
+
+    Raises:
+        SandboxError: libseccomp is not installed.
+    """
+    try:
+        import pyseccomp as library
+    except (ImportError, RuntimeError, OSError) as error:
+        raise SandboxError(f"no filter of system calls can be made: {error}; install libseccomp2") from None
+    policy = library.SyscallFilter(library.ERRNO(UNKNOWN))
+    processor = library.system_arch()
+    for name in sorted(ALLOWED | REFUSED):
+        # An older library lacks newer calls; without a rule they are not implemented.
+        if int(library.resolve_syscall(processor, name)) >= 0:
+            policy.add_rule(library.ALLOW if name in ALLOWED else library.ERRNO(errno.EPERM), name)
+    policy.add_rule(library.ALLOW, "clone", library.Arg(0, library.MASKED_EQ, NEW_NAMESPACES, 0))
+    for name, values in EXACTLY.items():
+        for value in values:
+            policy.add_rule(library.ALLOW, name, library.Arg(0, library.EQ, value))
+    with tempfile.TemporaryFile() as file:
+        policy.export_bpf(file)
+        file.seek(0)
+        return file.read()

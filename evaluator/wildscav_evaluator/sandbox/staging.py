@@ -1,0 +1,33 @@
+"""Copies of code for the eyes of agents: readable for a user who owns nothing."""
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+
+def readable_copy(folder: Path) -> Path:
+    """Return a private folder with the content of another, readable for every user who is shown it.
+
+    Raises:
+        OSError: It could not be copied; nothing is left behind.
+    """
+    private = Path(tempfile.mkdtemp(prefix="wildscav-code-"))
+    try:
+        copy = private / "submission"
+        shutil.copytree(folder, copy, symlinks=True)
+        make_readable(copy)
+    except BaseException:
+        shutil.rmtree(private, ignore_errors=True)
+        raise
+    return copy
+
+
+def make_readable(folder: Path) -> None:
+    """Let every user read a folder and all that is in it, links aside."""
+    for base, _, files in os.walk(folder):
+        Path(base).chmod(0o755)
+        for name in files:
+            path = Path(base) / name
+            if not path.is_symlink():
+                path.chmod(0o755 if path.stat().st_mode & 0o100 else 0o644)

@@ -1,0 +1,142 @@
+"""How agents in sandboxes start and end: by themselves, by a limit, with whoever started them."""
+
+import asyncio
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.evaluator.sandbox.world import LIMITS, listening, processes_with
+
+from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
+from wildscav_evaluator.submission import Submission
+
+Submit = Callable[..., Submission]
+
+
+def run(
+    sandbox: Sandbox, submission: Submission, folder: Path, **limits: object
+) -> tuple[Ending, str, float]:
+    """Run an agent to its end; return how it ended, what it printed, and the seconds it took."""
+
+    async def to_end() -> Ending:
+        agent = await sandbox.start(launch)
+        try:
+            return await agent.ended()
+        finally:
+            await agent.stop()
+
+    started = time.monotonic()
+    with listening(folder / "match.sock") as address:
+        entry_point = submission.manifest.entry_point
+        own = LIMITS.model_copy(update={"cpus": 1.0, **limits})
+        launch = Launch(submission.folder, entry_point, address, "of the seat", folder / "log", own)
+        ending = asyncio.run(to_end())
+    log = folder / "log"
+    return ending, log.read_text() if log.exists() else "", time.monotonic() - started
+
+
+def test_memory_is_what_an_agent_is_said_to_have_died_of(
+    real: Sandbox, submit: Submit, tmp_path: Path
+) -> None:
+    greedy = submit("greedy", code="print('more', flush=True)\nbytearray(b'x') * 2**29")
+
+    ending, _, _ = run(real, greedy, tmp_path)
+
+    assert ending.out_of_memory
+    assert str(ending) == "the agent's process ended (out of memory): more"
+
+
+@pytest.mark.parametrize(
+    ("code", "exit_code", "killed_by"),
+    [
+        ("import os\nos._exit(0)", 0, ""),
+        ("import os\nos._exit(9)", 9, ""),
+        ("import ctypes\nctypes.string_at(0)", None, "SIGSEGV"),
+        ("raise ValueError('no reason')", 3, ""),
+    ],
+)
+def test_how_an_agent_ended_is_told_as_it_was(
+    real: Sandbox, submit: Submit, tmp_path: Path, code: str, exit_code: int | None, killed_by: str
+) -> None:
+    ending, _, _ = run(real, submit("ending", code=code), tmp_path)
+
+    assert (ending.exit_code, ending.killed_by, ending.out_of_memory) == (exit_code, killed_by, False)
+
+
+def test_the_wall_clock_ends_an_agent(real: Sandbox, submit: Submit, tmp_path: Path) -> None:
+    sleeper = submit("sleeper", code="import time\ntime.sleep(60)")
+
+    ending, _, seconds = run(real, sleeper, tmp_path, wall_clock=1.5)
+
+    assert ending.limit == "wall clock"
+    assert seconds < 15
+
+
+def test_an_agent_finds_its_code_its_socket_and_a_place_for_files(
+    real: Sandbox, submit: Submit, tmp_path: Path
+) -> None:
+    code = """
+import os, pathlib, socket, tempfile
+print(os.getcwd(), pathlib.Path("data.txt").read_text())
+tempfile.TemporaryFile().write(b"x")
+socket.socket(socket.AF_UNIX).connect(os.environ["WILDSCAV_ADDRESS"].removeprefix("unix:"))
+print(os.environ["WILDSCAV_TOKEN"], os.environ["OMP_NUM_THREADS"], os.path.expanduser("~"))
+import multiprocessing
+print(multiprocessing.Lock().acquire())
+os._exit(0)
+"""
+    submission = submit("modest", code=code)
+    (submission.folder / "data.txt").write_text("of its own")
+    (submission.folder / "data.txt").chmod(0o600)  # as an editor may leave it
+
+    ending, log, _ = run(real, submission, tmp_path)
+
+    assert log == "/submission of its own\nof the seat 1 /tmp\nTrue\n"
+    assert ending.exit_code == 0
+
+
+def test_an_agent_ends_when_whoever_started_it_is_killed(
+    real: Sandbox, submit: Submit, tmp_path: Path
+) -> None:
+    marker = f"orphan-{os.getpid()}-{time.monotonic_ns()}"
+    code = f"""
+import os, subprocess, sys, time
+subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)", {marker!r}], start_new_session=True)
+print("ready", flush=True)
+time.sleep(60)
+"""
+    submission, log = submit("orphan", code=code), tmp_path / "log"
+    with listening(tmp_path / "match.sock") as address:
+        command = [sys.executable, "-c", STARTER, real.name, submission.folder, address, log]
+        starter = subprocess.Popen(list(map(str, command)))
+        wait_until(lambda: log.exists() and "ready" in log.read_text())
+        assert processes_with(marker)
+
+        starter.kill()
+        starter.wait()
+
+        wait_until(lambda: not processes_with(marker))
+
+
+STARTER = """
+import asyncio, sys
+from pathlib import Path
+from wildscav_evaluator.sandbox import SANDBOXES, Launch
+
+async def run():
+    launch = Launch(Path(sys.argv[2]), "agent:Player", sys.argv[3], "of the seat", Path(sys.argv[4]))
+    await (await SANDBOXES[sys.argv[1]].start(launch)).ended()
+
+asyncio.run(run())
+"""
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it took too long"
+        time.sleep(0.05)
