@@ -52,6 +52,8 @@ bench: .venv/.dev ## Run every benchmark; each prints a table.
 proto: .venv/.dev ## Generate the Python code of the protocol again.
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
 		--grpc_python_out=platform platform/wildscav/proto/*.proto
+	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
+		platform/wildscav/legacy/*.proto
 
 clean: ## Remove the virtual environment and everything made.
 	rm -rf .venv out

@@ -111,6 +111,7 @@ def place_match(state: State, match: int, setup: Setup) -> None:
     matches.seed[match] = matches.digest[match] = seed
     matches.frame_limit[match] = spec.frame_limit
     matches.respawns[match] = track.respawns
+    matches.respawns_at_start[match] = spec.respawn_at == "start"
     if setup.target is not None:
         matches.has_target[match] = True
         matches.target[match] = setup.target
@@ -126,9 +127,24 @@ def place_match(state: State, match: int, setup: Setup) -> None:
     agents.team[match, :seats] = lineup.team
     agents.robot[match, :seats] = lineup.robot
     agents.present[match, :seats] = True
-    agents.position[match, :seats] = setup.starts
+    agents.position[match, :seats] = agents.start[match, :seats] = setup.starts
+    _hand_out(state, match, spec)
     if setup.boxes:
         _place_boxes(state, match, setup, seed)
+
+
+def _hand_out(state: State, match: int, spec: MatchSpec) -> None:
+    """Write what every seat of a match has at the start: what the rules say, or its own equipment."""
+    agents, rules, seats = state.agents, spec.rules, len(spec.seats)
+    agents.full_health[match, :seats] = rules.start_health
+    agents.clip_size[match, :seats] = rules.clip_size
+    agents.full_spare_ammo[match, :seats] = rules.spare_ammo
+    agents.shot_damage[match, :seats] = rules.shot_damage
+    for seat in range(seats) if spec.equipment is not None else ():
+        health, clip_size, spare_ammo, shot_damage = spec.equipment_of(seat)
+        agents.full_health[match, seat], agents.clip_size[match, seat] = health, clip_size
+        agents.full_spare_ammo[match, seat] = spare_ammo
+        agents.shot_damage[match, seat] = shot_damage
 
 
 class Lineup(NamedTuple):

@@ -1,6 +1,6 @@
 """The specs: everything that a map and a match are functions of."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -91,6 +91,24 @@ class Placement(Spec):
     density: Annotated[float, Field(gt=0, le=1)] = 0.5  # of trees, bushes and rocks in an area; 1 is thick
 
 
+class Equipment(Spec):
+    """What one seat has at the start and after each return, where it is not what the rules give everyone."""
+
+    health: Annotated[int, Field(ge=1, le=10_000)] | None = None  # hp
+    clip_size: Annotated[int, Field(ge=0, le=1000)] | None = None  # 0: a weapon that never fires
+    spare_ammo: Annotated[int, Field(ge=0, le=100_000)] | None = None
+    shot_damage: Annotated[int, Field(ge=0, le=10_000)] | None = None  # hp that its shots cost others
+
+
+class SeatEquipment(NamedTuple):
+    """What a seat has at the start and after each return."""
+
+    health: int  # hp
+    clip_size: int  # rounds
+    spare_ammo: int  # rounds
+    shot_damage: int  # hp that its shots cost others
+
+
 class MapConfig(Spec):
     """What kind of map to make. With a seed, it gives exactly one map."""
 
@@ -139,6 +157,10 @@ class MatchSpec(Spec):
     # m; starts that are not given lie about so far from where the target is reached; None: anywhere
     start_range: Annotated[float, Field(ge=0, le=2000)] | None = None
     target: Place | None = None  # m; None: a random outdoor location (navigation)
+    # Of each seat, where it differs from the rules; None: of nobody.
+    equipment: tuple[Equipment | None, ...] | None = None
+    # Where the dead come back: at a random place, or where they started as long as nobody is there.
+    respawn_at: Literal["random", "start"] = "random"
     supplies: SupplyConfig | None = None  # None: the track's default
     # Gathering: how many supplies a team has to carry to end the match; None: the time ends it.
     supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
@@ -171,6 +193,17 @@ class MatchSpec(Spec):
         object.__setattr__(spec, "__pydantic_extra__", None)
         object.__setattr__(spec, "__pydantic_private__", None)
         return spec
+
+    def equipment_of(self, seat: int) -> SeatEquipment:
+        """Return what a seat has at the start: its own, or what the rules give everyone."""
+        own = (self.equipment[seat] if self.equipment is not None else None) or Equipment()
+        rules = self.rules
+        return SeatEquipment(
+            health=rules.start_health if own.health is None else own.health,
+            clip_size=rules.clip_size if own.clip_size is None else own.clip_size,
+            spare_ammo=rules.spare_ammo if own.spare_ammo is None else own.spare_ammo,
+            shot_damage=rules.shot_damage if own.shot_damage is None else own.shot_damage,
+        )
 
     @property
     def team_of_seats(self) -> tuple[int, ...]:
@@ -210,6 +243,12 @@ class MatchSpec(Spec):
             raise ValueError("start and starts are given; starts has the first seat's, too")
         if len(self.starts) != len(self.seats):
             raise ValueError(f"{len(self.starts)} starts are given for {len(self.seats)} seats")
+        return self
+
+    @model_validator(mode="after")
+    def _equipment_fits(self) -> Self:
+        if self.equipment is not None and len(self.equipment) != len(self.seats):
+            raise ValueError(f"{len(self.equipment)} equipments are given for {len(self.seats)} seats")
         return self
 
     @model_validator(mode="after")

@@ -75,6 +75,23 @@ def choose_starts(
     return starts, target
 
 
+def usable_place(game_map: GameMap, place: Place, reach: float | None) -> Place:
+    """Return a place that a spec may give, or the nearest of the map's places if it may not.
+
+    Args:
+        game_map: The map.
+        place: m.
+        reach: m, from where a target counts as reached; None: it is a start.
+    """
+    try:
+        _checked(game_map, Given(place, "place", reach))
+    except MatchSetupError:
+        ways = game_map.world.spawns - np.array(place)
+        x, y, z = game_map.world.spawns[np.argmin((ways * ways).sum(axis=1))].tolist()
+        return x, y, z
+    return place
+
+
 def _given_starts(spec: MatchSpec, game_map: GameMap) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return (A, 3) m the starts that the spec gives, and (A,) which they are.
 

@@ -34,6 +34,12 @@ class Agents(NamedTuple):
     team: NDArray[np.int32]  # (B, A)
     robot: NDArray[np.int32]  # (B, A) the number of the robot that fills the seat, 0 for none
     memory: NDArray[np.float64]  # (B, A, 8) what a robot remembers
+    start: NDArray[np.float64]  # (B, A, 3) m, where it started
+    # What it has at the start and after each return.
+    full_health: NDArray[np.int32]  # (B, A) hp
+    clip_size: NDArray[np.int32]  # (B, A) rounds
+    full_spare_ammo: NDArray[np.int32]  # (B, A) rounds
+    shot_damage: NDArray[np.int32]  # (B, A) hp that its shots cost others
     position: NDArray[np.float64]  # (B, A, 3) m, soles of the feet, y up
     velocity: NDArray[np.float64]  # (B, A, 3) m/s, as it came out in the last frame
     yaw: NDArray[np.float64]  # (B, A) degrees in (-180, 180], 0 faces +z, grows clockwise from above
@@ -94,6 +100,7 @@ class Matches(NamedTuple):
     over: NDArray[np.bool_]  # (B,)
     ending: NDArray[np.int64]  # (B,) why it is over, an Ending
     respawns: NDArray[np.bool_]  # (B,) whether the dead come back
+    respawns_at_start: NDArray[np.bool_]  # (B,) whether they do so where they started
     teams: NDArray[np.int64]  # (B,) how many teams there are
     teams_left: NDArray[np.int64]  # (B,) how many of them have someone who is not out
     members_left: NDArray[np.int32]  # (B, A) of each team, those who are not out
@@ -131,6 +138,7 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
         team=np.zeros((b, a), np.int32),
         robot=np.zeros((b, a), np.int32),
         memory=np.zeros((b, a, MEMORY)),
+        start=np.zeros((b, a, 3)),
         position=np.zeros((b, a, 3)),
         velocity=np.zeros((b, a, 3)),
         yaw=np.zeros((b, a)),
@@ -164,6 +172,7 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
 
 
 _COUNTS = (
+    *("full_health", "clip_size", "full_spare_ammo", "shot_damage"),
     *("health", "respawn_left", "invincible_left", "clip", "spare_ammo", "reload_left", "fire_left"),
     *("supplies", "picked_up", "kills", "deaths", "shots", "hits"),
 )
@@ -181,6 +190,7 @@ def _allocate_matches(b: int, a: int, phases: int) -> Matches:
         over=np.zeros(b, np.bool_),
         ending=np.zeros(b, np.int64),
         respawns=np.ones(b, np.bool_),
+        respawns_at_start=np.zeros(b, np.bool_),
         teams=np.zeros(b, np.int64),
         teams_left=np.zeros(b, np.int64),
         members_left=np.zeros((b, a), np.int32),

@@ -62,7 +62,7 @@ def play_step(
         opening: Whether the match is only opened: everybody is equipped, and the boxes are indexed.
     """
     if opening:
-        _open(world, agents, supplies, matches, match, rules)
+        _open(world, agents, supplies, matches, match)
         return
     _let_robots_look(world, agents, supplies, matches, match, rules, seen)
     _clear_step_facts(agents)
@@ -113,12 +113,10 @@ def play_frame(
 
 
 @kernel
-def _open(
-    world: World, agents: Agents, supplies: Supplies, matches: Matches, match: int, rules: Rules
-) -> None:
+def _open(world: World, agents: Agents, supplies: Supplies, matches: Matches, match: int) -> None:
     for seat in range(agents.health.shape[0]):
         if agents.present[seat]:
-            equip(agents, seat, rules)
+            equip(agents, seat)
     index_boxes(world, supplies, matches, match)
     matches.digest[match] = digest_boxes(matches.digest[match], supplies)
 

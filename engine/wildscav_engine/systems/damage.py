@@ -82,21 +82,23 @@ def bring_back(world: World, agents: Agents, matches: Matches, match: int, rules
 @kernel
 def _come_back(world: World, agents: Agents, matches: Matches, match: int, seat: int, rules: Rules) -> None:
     squares, heads, links = crowd_of(world, agents, matches, match)
+    start = agents.start[seat]
+    at_start = matches.respawns_at_start[match] and _is_free(agents, squares, heads, start[0], start[2])
     place = free_spawn(world, agents, squares, heads, seat, matches.seed[match], matches.frame[match])
-    equip(agents, seat, rules)
+    equip(agents, seat)
     for axis in range(3):
-        agents.position[seat, axis] = world.spawns[place, axis]
+        agents.position[seat, axis] = agents.start[seat, axis] if at_start else world.spawns[place, axis]
     agents.invincible_left[seat] = int(rules.invincible_time * FRAMES_PER_SECOND + 0.5)
     if agents.health.shape[0] > 1:  # one that is alone is not indexed
         link(heads, links, square_of(squares, agents.position[seat, 0], agents.position[seat, 2]), seat)
 
 
 @kernel
-def equip(agents: Agents, seat: int, rules: Rules) -> None:
+def equip(agents: Agents, seat: int) -> None:
     """Give an agent all that it starts with, but no place."""
-    agents.health[seat] = rules.start_health
-    agents.clip[seat] = rules.clip_size
-    agents.spare_ammo[seat] = rules.spare_ammo
+    agents.health[seat] = agents.full_health[seat]
+    agents.clip[seat] = agents.clip_size[seat]
+    agents.spare_ammo[seat] = agents.full_spare_ammo[seat]
     agents.reload_left[seat] = 0
     agents.fire_left[seat] = 0
     for axis in range(3):

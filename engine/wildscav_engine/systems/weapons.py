@@ -29,16 +29,16 @@ def handle_weapons(agents: Agents, actions: NDArray[np.float32], rules: Rules) -
         if agents.reload_left[seat] > 0:
             agents.reload_left[seat] -= 1
             if agents.reload_left[seat] == 0:
-                moved = min(rules.clip_size - agents.clip[seat], agents.spare_ammo[seat])
+                moved = min(agents.clip_size[seat] - agents.clip[seat], agents.spare_ammo[seat])
                 agents.clip[seat] += moved
                 agents.spare_ammo[seat] -= moved
-        elif actions[seat, Field.RELOAD] != 0.0 and _can_reload(agents, seat, rules):
+        elif actions[seat, Field.RELOAD] != 0.0 and _can_reload(agents, seat):
             agents.reload_left[seat] = frames(rules.reload_time)
 
 
 @inlined_kernel
-def _can_reload(agents: Agents, seat: int, rules: Rules) -> bool:
-    return bool(agents.clip[seat] < rules.clip_size and agents.spare_ammo[seat] > 0)
+def _can_reload(agents: Agents, seat: int) -> bool:
+    return bool(agents.clip[seat] < agents.clip_size[seat] and agents.spare_ammo[seat] > 0)
 
 
 @inlined_kernel
@@ -90,7 +90,7 @@ def _fire(world: World, agents: Agents, matches: Matches, match: int, seat: int,
         agents.hit_seat[seat] = victim
         agents.hit_by_seat[victim] = seat
         if agents.invincible_left[victim] == 0:
-            agents.damage[victim] += rules.shot_damage
+            agents.damage[victim] += agents.shot_damage[seat]
 
 
 @inlined_kernel

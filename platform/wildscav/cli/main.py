@@ -26,6 +26,7 @@ OWN = {
     "serve": "wildscav.cli.serve:serve",
     "map": "wildscav.cli.map:app",
     "look": "wildscav.cli.look:look",
+    "legacy": "wildscav.cli.legacy:app",
 }
 # What a missing module is installed with.
 EXTRAS = {

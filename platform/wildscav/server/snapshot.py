@@ -45,6 +45,7 @@ def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
     from wildscav_engine.rules import FRAMES_PER_SECOND
 
     spec, start = match.spec, match.start_info(seat)
+    equipment = spec.equipment_of(seat)
     return MatchInfo(
         track=spec.track,
         seat=seat,
@@ -63,8 +64,8 @@ def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
         target_distance=spec.rules.target_distance,
         pick_up_distance=spec.rules.pick_up_distance,
         supply_sight=spec.rules.supply_sight,
-        clip_size=spec.rules.clip_size,
-        start_health=spec.rules.start_health,
+        clip_size=equipment.clip_size,
+        start_health=equipment.health,
         respawns=match.track.respawns,
         supply_goal=spec.supply_goal or 0,
     )

@@ -1,0 +1,82 @@
+"""The connection to a client: one unary method, called again and again."""
+
+from collections.abc import Callable
+from typing import Any
+
+from wildscav.errors import WildscavError
+from wildscav.legacy.commander_pb2 import Reply
+
+METHOD = "/fps_command.Commander/Request_S2A_UpdateGame"
+PATIENCE = 10.0  # s that a client may take to listen
+OPTIONS = (
+    ("grpc.max_send_message_length", -1),
+    ("grpc.max_receive_message_length", -1),
+    ("grpc.enable_http_proxy", 0),  # the client is on this machine, or on one that was named
+)
+
+
+class ClientGoneError(WildscavError):
+    """The client does not answer, or never did."""
+
+
+class Client:
+    """A client of the original game, which serves us.
+
+    Args:
+        address: HOST:PORT.
+
+    Raises:
+        ClientGoneError: Nothing listens there.
+    """
+
+    def __init__(self, address: str, patience: float = PATIENCE) -> None:
+        import grpc
+
+        self.address = address
+        self._error = grpc.RpcError
+        self._channel = grpc.insecure_channel(address, options=OPTIONS)
+        try:
+            grpc.channel_ready_future(self._channel).result(timeout=patience)
+        except grpc.FutureTimeoutError:
+            self.close()
+            raise ClientGoneError(
+                f"no client answers on {address}: Game.init() starts this program when it listens there"
+            ) from None
+        self._call = self._channel.unary_unary(METHOD, response_deserializer=Reply.FromString)
+
+    def watch(self, gone: Callable[[], object]) -> None:
+        """Call a function, in a thread of its own, as soon as the client is there no longer."""
+        from grpc import ChannelConnectivity
+
+        def look(state: ChannelConnectivity) -> None:
+            if state is not ChannelConnectivity.READY:
+                gone()
+
+        self._channel.subscribe(look)
+
+    def ask(self, request: bytes) -> Reply:
+        """Send a request, and wait for the reply for as long as the client wants to think.
+
+        Args:
+            request: A ``Request`` as bytes.
+
+        Raises:
+            ClientGoneError: The client has gone, or cannot take the request.
+        """
+        try:
+            reply: Reply = self._call(request)
+        except self._error as error:
+            raise ClientGoneError(self._what_happened(error)) from None
+        return reply
+
+    def _what_happened(self, error: Exception) -> str:
+        import grpc
+
+        call: Any = error  # every error of a call is one, too
+        if call.code() is grpc.StatusCode.UNAVAILABLE:
+            return f"the client on {self.address} has gone"
+        return f"the client on {self.address} failed: {call.code().name}: {call.details()}"
+
+    def close(self) -> None:
+        """Let go of the connection."""
+        self._channel.close()

@@ -1,0 +1,74 @@
+"""A map as the client reads it: ``NNN.obj``, the triangles, and ``NNN.json``, where one can stand.
+
+The mesh is the surface that motion, shots and sight meet, in the frame of the client's raycaster: the
+engine's with x negated. Water is not in it: nothing stops there.
+"""
+
+import json
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps import GameMap
+    from wildscav_engine.maps.mesh import Mesh
+
+MIRROR = np.array([-1.0, 1.0, 1.0], np.float32)
+
+
+def write_map(map_id: int, folder: Path) -> None:
+    """Write both files of a map; each is there whole or not at all, and the mesh comes last.
+
+    Raises:
+        MapError: There is no such map.
+        OSError: A file cannot be written.
+    """
+    from wildscav_engine.files import write_whole
+    from wildscav_engine.maps import load_map
+    from wildscav_engine.maps.export import locations_of
+
+    game_map = load_map(map_id)
+    obj, places = paths_of(map_id, folder)
+    write_whole(places, json.dumps(locations_of(game_map)).encode())
+    write_whole(obj, mark_of(map_id) + obj_of(game_map))
+
+
+def is_written(map_id: int, folder: Path) -> bool:
+    """Return whether a folder has a map as this engine makes it."""
+    obj, places = paths_of(map_id, folder)
+    if not (obj.is_file() and places.is_file()):
+        return False
+    with obj.open("rb") as file:
+        return file.readline() == mark_of(map_id)
+
+
+def paths_of(map_id: int, folder: Path) -> tuple[Path, Path]:
+    """Return where the mesh and the locations of a map are."""
+    return folder / f"{map_id:03}.obj", folder / f"{map_id:03}.json"
+
+
+def mark_of(map_id: int) -> bytes:
+    """Return the first line of a mesh, which tells what made it."""
+    from wildscav_engine.maps import GENERATOR_VERSION
+
+    return f"# Wildscav map {map_id:03}, generator {GENERATOR_VERSION}: x west, y up, z north; m\n".encode()
+
+
+def obj_of(game_map: "GameMap") -> bytes:
+    """Return the mesh of a map as an OBJ file."""
+    from wildscav_engine.maps.mesh import solids_mesh, terrain_mesh
+
+    text = BytesIO()
+    first = 1
+    for mesh in (terrain_mesh(game_map.world), solids_mesh(game_map.world)):
+        _write(mesh, first, text)
+        first += len(mesh.vertices)
+    return text.getvalue()
+
+
+def _write(mesh: "Mesh", first: int, text: BytesIO) -> None:
+    """Write a mesh whose first vertex has a number; mirrored, it is the other way round, and turned back."""
+    np.savetxt(text, mesh.vertices * MIRROR, "v %.3f %.3f %.3f")
+    np.savetxt(text, mesh.triangles[:, ::-1] + first, "f %d %d %d")

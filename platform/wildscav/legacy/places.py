@@ -1,0 +1,41 @@
+"""Starts and targets as a client asks for them, moved to where they can be."""
+
+from typing import TYPE_CHECKING
+
+from wildscav.legacy.episode import Episode
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps import GameMap
+    from wildscav_engine.spec import MatchSpec, Place
+
+
+def settle_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, list[str]]":
+    """Return the spec of an episode that can be played, and a line for each place that was moved for it.
+
+    The client's default start is the middle of the map whatever is there, and the original refused no place.
+    So one where nobody can stand, or from where there is no way, gives way to the nearest valid location.
+    """
+    from wildscav_engine.starts import usable_place
+
+    spec, moved = episode.spec, []
+
+    def settled(place: "Place | None", name: str, reach: float | None) -> "Place | None":
+        if place is None:
+            return None
+        usable = usable_place(game_map, place, reach)
+        if usable != place:
+            moved.append(f"{name} {_text(place)} is no place to be; it is {_text(usable)} instead")
+        return usable
+
+    starts = [
+        settled(place, f"start_location of agent {agent}", None)
+        for place, agent in zip(spec.start_of_seats, episode.ids, strict=True)
+    ]
+    target = settled(spec.target, "target_location", spec.rules.target_distance)
+    if not moved:
+        return spec, moved
+    return spec.model_copy(update={"starts": tuple(starts), "target": target}), moved
+
+
+def _text(place: "Place") -> str:
+    return f"({', '.join(f'{number:.2f}' for number in place)})"

@@ -1,0 +1,83 @@
+"""What the original's client sends to begin an episode, with its own defaults."""
+
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, Vector3
+from wildscav_engine.maps import GameMap, load_map
+from wildscav_engine.match import Match
+from wildscav_engine.spec import MatchSpec
+
+MAP = 103  # 100 m × 100 m
+
+
+def vector(place: Sequence[float]) -> Vector3:
+    x, y, z = place
+    return Vector3(x=x, y=y, z=z)
+
+
+def setup(agent: int = 0, start: Sequence[float] | None = None, **fields: Any) -> AgentSetup:
+    given = {"hp": 100, "num_pack_ammo": 60, "gun_capacity": 15, "attack_power": 20} | fields
+    return AgentSetup(
+        id=agent, agent_name=f"agent_{agent}", start_location=vector(start or (0, 0, 0)), **given
+    )
+
+
+def command(
+    mode: GameMode = GameMode.NAVIGATION_MODE,
+    agents: Sequence[AgentSetup] = (),
+    target: Sequence[float] = (1, 0, 1),
+    **fields: Any,
+) -> GMCommand:
+    setups = list(agents) or [setup()]
+    given: dict[str, Any] = {
+        "timeout": 60,
+        "map_id": MAP,
+        "random_seed": 0,
+        "trigger_range": 1,
+        "supply_heatmap_radius": 50,
+        "supply_create_percent": 50,
+        "supply_house_create_percent": 50,
+        "supply_grid_length": 3,
+        "supply_random_min": 1,
+        "supply_random_max": 1,
+        "supply_house_random_min": 10,
+        "supply_house_random_max": 10,
+        "respawn_time": 10,
+        "invincible_time": 10,
+        "supply_loss_percent_when_dead": 50,
+        "water_speed_decay": 0.5,
+        "time_scale": 10,
+        "num_agents": len(setups),
+    } | fields
+    return GMCommand(
+        game_mode=mode,
+        agent_setups=setups,
+        target_location=vector(target),
+        supply_heatmap_center=Vector3(x=0, y=0, z=0),
+        **given,
+    )
+
+
+@functools.cache
+def open_way(length: float, direction: float = 0.0, map_id: int = MAP) -> list[float]:
+    """A valid location from where a walk in a compass direction meets nothing for so many metres."""
+    game_map: GameMap = load_map(map_id)
+    across = np.array([np.sin(np.radians(direction)), np.cos(np.radians(direction))])
+    for place in game_map.outdoor.tolist():
+        end = (place[0] + across[0] * length, place[2] + across[1] * length)
+        if max(map(abs, end)) < game_map.config.size / 2 - 1 and _is_open(game_map, place, direction, length):
+            return [round(number, 3) for number in place]
+    raise AssertionError("no open way on the map")
+
+
+def _is_open(game_map: GameMap, place: list[float], direction: float, length: float) -> bool:
+    x, y, z = place
+    match = Match(MatchSpec(track="navigation", map=game_map.spec, start=(x, y, z), time_limit=60), game_map)
+    for _ in range(round(length)):
+        match.step([[direction, 10.0, 0, 0, 0, 0, 0, 0]])
+    walked = match.state.agents.walked[0, 0]
+    return bool(not match.over and abs(walked - round(length)) < 0.01)

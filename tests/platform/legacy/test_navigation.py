@@ -1,0 +1,105 @@
+"""Navigation by the original's contract: moving, the target, the clock, episode after episode."""
+
+import pytest
+from tests.platform.legacy.commands import command, open_way, setup
+from tests.platform.legacy.competitor import Competitor
+
+from wildscav.legacy.commander_pb2 import GameState
+from wildscav_engine.maps import load_map
+
+
+def far_target() -> list[float]:
+    """A place on the map that nobody in these tests reaches."""
+    place: list[float] = load_map(103).outdoor[-1].round(3).tolist()
+    return place
+
+
+def test_an_episode_opens_with_what_the_agent_starts_with(competitor: Competitor) -> None:
+    start = open_way(12)
+    request = competitor.begin(command(agents=[setup(start=start)], target=far_target()))
+    assert (request.game_state, request.time_step) == (GameState.UPDATE, 0)
+    seen = competitor.seen_by(0)
+    assert [seen.location.x, seen.location.y, seen.location.z] == pytest.approx(start, abs=0.01)
+    assert (seen.hp, seen.num_gun_ammo, seen.num_pack_ammo, seen.num_supply) == (100, 15, 60, 0)
+    assert (seen.yaw, seen.pitch, seen.move_speed) == (0, 0, 0)
+    assert seen.on_ground
+    assert not any((seen.is_fire, seen.is_reload, seen.is_waiting_respawn, seen.is_invincible))
+
+
+def test_to_walk_north_at_5_metres_a_second_for_2_seconds_leads_10_metres_north(
+    competitor: Competitor,
+) -> None:
+    start = open_way(12)
+    competitor.begin(command(agents=[setup(start=start)], target=far_target()))
+    request = competitor.act({0: {"walk_dir": 0, "walk_speed": 5}}, times=20)
+    seen = competitor.seen_by(0)
+    assert request.time_step == 100, "20 actions are 100 frames: 2 s"
+    assert seen.location.z - start[2] == pytest.approx(10.0, abs=0.01)
+    assert seen.location.x == pytest.approx(start[0], abs=0.01)
+    assert (seen.move_dir.x, seen.move_dir.z) == pytest.approx((0, 1), abs=0.01)
+    assert seen.move_speed == pytest.approx(5, abs=0.01)
+
+
+def test_turns_are_degrees_a_frame(competitor: Competitor) -> None:
+    competitor.begin(command(target=far_target()))
+    competitor.act({0: {"turn_left_right_delta": 2, "look_up_down_delta": -1.5}}, times=3)
+    seen = competitor.seen_by(0)
+    assert (seen.yaw, seen.pitch) == pytest.approx((30, -22.5)), "3 actions of 5 frames"
+
+
+def test_the_target_ends_the_episode_in_the_frame_in_which_it_is_reached(competitor: Competitor) -> None:
+    start = open_way(12)
+    target = [start[0], start[1], start[2] + 8]
+    competitor.begin(command(agents=[setup(start=start)], target=target, trigger_range=3))
+    request = competitor.act({0: {"walk_dir": 0, "walk_speed": 10}}, times=100)
+    seen = competitor.seen_by(0)
+    assert competitor.is_over
+    # The way to 3 m before the target, at 0.2 m a frame; on a slope some of the distance is height.
+    assert 20 <= request.time_step <= 27
+    left = (seen.location.x - target[0], seen.location.z - target[2])
+    assert left[0] ** 2 + left[1] ** 2 <= 3**2
+
+
+@pytest.mark.parametrize(("timeout", "actions"), [(1, 10), (3, 30)])
+def test_the_time_limit_ends_the_episode(competitor: Competitor, timeout: int, actions: int) -> None:
+    competitor.begin(command(target=far_target(), timeout=timeout))
+    competitor.act(times=actions - 1)
+    assert not competitor.is_over
+    request = competitor.act()
+    assert competitor.is_over
+    assert request.time_step == 50 * timeout
+
+
+def test_episodes_follow_each_other_on_any_maps_even_where_one_is_broken_off(competitor: Competitor) -> None:
+    competitor.begin(command(timeout=1))
+    competitor.act(times=10)
+    assert competitor.is_over
+    assert competitor.begin(command(map_id=104, timeout=1)).time_step == 0
+    competitor.act(times=3)
+    assert not competitor.is_over
+    request = competitor.begin(command(agents=[setup(0), setup(1)], timeout=1))
+    assert (request.game_state, request.time_step, len(request.agent_obs_list)) == (GameState.UPDATE, 0, 2)
+
+
+def test_one_seed_gives_one_episode(competitor: Competitor) -> None:
+    asked = command(random_seed=-7, timeout=1)
+    asked.agent_setups[0].ClearField("start_location")
+    first = competitor.begin(asked)
+    assert competitor.begin(asked) == first
+    asked.random_seed = 8
+    assert competitor.begin(asked).agent_obs_list[0].location != first.agent_obs_list[0].location
+
+
+def test_the_default_start_in_the_middle_of_the_map_is_where_one_can_stand(competitor: Competitor) -> None:
+    competitor.begin(command(agents=[setup(start=(0, -50, 0))], target=far_target()))
+    competitor.act(times=20)
+    place = competitor.seen_by(0).location
+    assert competitor.seen_by(0).on_ground
+    assert place.x**2 + place.z**2 < 15**2
+
+
+def test_an_action_of_nobody_and_a_speed_beyond_the_fastest_hold_nothing_up(competitor: Competitor) -> None:
+    start = open_way(12)
+    competitor.begin(command(agents=[setup(start=start)], target=far_target()))
+    competitor.act({7: {"walk_speed": 3}, 0: {"walk_speed": 30}}, times=5)
+    assert competitor.seen_by(0).location.z - start[2] == pytest.approx(5.0, abs=0.01), "0.5 s at 10 m/s"

@@ -1,0 +1,46 @@
+"""The original's client, unmodified: version 0.0.3, from PyPI."""
+
+import math
+from pathlib import Path
+
+import pytest
+from tests.platform.legacy.commands import open_way
+from tests.platform.legacy.original import install, logs, play
+
+from wildscav_engine.record import read_record, verify_record
+
+
+@pytest.fixture(scope="session")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("legacy")
+    install(folder, "1")
+    return folder
+
+
+@pytest.mark.slow
+def test_navigation(installed: Path) -> None:
+    start = open_way(24, map_id=1)
+    target = [start[0], start[1], start[2] + 22]
+    slow, fast = play("navigation", installed, start, target)
+    # 5 m/s for 2 s: 10 m north.
+    assert slow[20]["frame"] == 100
+    assert slow[20]["z"] - start[2] == pytest.approx(10.0, abs=0.01)
+    assert slow[20]["yaw"] == pytest.approx(100.0)
+    # 20 m in the 4 s of the time limit are not enough for the target, 40 m are.
+    assert (slow[-1]["frame"], len(slow)) == (200, 41)
+    last = fast[-1]
+    assert last["frame"] < 115
+    assert math.dist((last["x"], last["z"]), (target[0], target[2])) <= 1.0
+    assert "2 episodes" in logs(installed)
+
+
+@pytest.mark.slow
+def test_records_hold_and_have_the_names_that_the_client_gives(installed: Path) -> None:
+    if not list(installed.glob("engine/records/*.wsr")):
+        play("navigation", installed, open_way(24, map_id=1), [0, 0, 0])
+    one, other = sorted(installed.glob("engine/records/*.wsr"))
+    assert one.stem.endswith("_speed_5")
+    assert other.stem.endswith("_speed_10")
+    record = read_record(one)
+    assert record.names == ("agent_0",)
+    assert verify_record(record).holds
