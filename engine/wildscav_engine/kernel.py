@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar, cast
+from typing import Any, NoReturn, ParamSpec, TypeVar, cast
 
 import numba
 import numpy as np
@@ -32,6 +32,7 @@ Returned = TypeVar("Returned")
 # Typed here, because Numba adds settings and options that its type stubs do not know.
 config: Any = numba.config
 njit: Any = numba.njit
+typeof: Any = numba.typeof
 
 EXACTLY = {"fastmath": False, "nogil": True, "error_model": "numpy"}
 PACKAGE = Path(__file__).parent
@@ -48,12 +49,12 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any], **options: bool) -> None:
         self.inner = _compile_part(function, **options)
-        self._outer = _compile(function, no_cfunc_wrapper=True, **options)
+        self.outer = _compile(function, no_cfunc_wrapper=True, **options)
         functools.update_wrapper(self, function)
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the kernel from Python."""
-        return self._outer(*arguments)
+        return self.outer(*arguments)
 
 
 @typeof_impl.register(Kernel)
@@ -88,6 +89,28 @@ def array_kernel(function: Callable[Params, Returned]) -> Callable[Params, Retur
     if config.DISABLE_JIT:
         return function
     return cast(Callable[Params, Returned], Kernel(function))
+
+
+def only_for(function: Callable[..., Returned], *examples: Any) -> Callable[..., Returned]:
+    """Return a kernel for the shortest calls from Python: for one sort of arguments, and nothing between.
+
+    It saves half a microsecond, and the caller the looking at what it was given: all other arguments raise
+    TypeError or NumbaError, and are never compiled for.
+
+    Args:
+        function: A kernel.
+        examples: An argument of each type that it is to take.
+    """
+    if config.DISABLE_JIT:
+        return _take_nothing
+    compiled = cast(Kernel, function).outer
+    compiled.compile(tuple(typeof(example) for example in examples))
+    compiled.disable_compile()
+    return cast(Callable[..., Returned], compiled)
+
+
+def _take_nothing(*_: Any) -> NoReturn:
+    raise TypeError("kernels are plain Python: nobody knows which arguments they take")
 
 
 def _compile(function: Callable[..., Any], **options: Any) -> Any:

@@ -14,7 +14,7 @@ from wildscav_engine.envs.flat import Flattener
 from wildscav_engine.envs.views import MatchView
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
-from wildscav_engine.sensors.optical import NOTHING_MOVES, MovingOption, OpticalSensor
+from wildscav_engine.sensors.optical import MovingOption, OpticalSensor, look_in_parts, some_of
 from wildscav_engine.tracks import TRACKS
 
 if TYPE_CHECKING:
@@ -108,19 +108,14 @@ class Sight:
         self._others = {name: sensor for name, sensor in sensors.items() if name not in self._still}
         self._lenses = {name: sensor.lens for name, sensor in self._still.items()}
         self._learners, self._threads = list(learners), threads
-        self._groups: list[tuple[GameMap, NDArray[np.int64] | None]] = []
+        self._maps: list[GameMap] = []  # of every learner
         self._viewers = np.zeros(0, np.int32)
 
     def look_at(self, maps: "Sequence[GameMap]") -> None:
         """Take notice of which map each match is on."""
-        rows_of: dict[int, list[int]] = {}
-        by_id = {id(game_map): game_map for game_map in maps}
-        for row, game_map in enumerate(maps):
-            rows_of.setdefault(id(game_map), []).append(row)
-        many = len(rows_of) > 1
-        self._groups = [(by_id[key], np.array(rows) if many else None) for key, rows in rows_of.items()]
+        self._maps = [game_map for game_map in maps for _ in self._learners]
         self._viewers = np.tile(np.array(self._learners, np.int32), len(maps))
-        for game_map in by_id.values():
+        for game_map in maps:
             for sensor in self._still.values():
                 sensor.prepare(game_map)
 
@@ -136,38 +131,20 @@ class Sight:
     def _read_still(self, batch: "Batch", found: Readings) -> None:
         """Look at the maps alone, which needs no more of the matches than where the learners are."""
         agents, count = batch.state.agents, len(self._learners)
-        eyes, yaws, pitches = (
-            agents.position[:, :count] + EYES,
-            agents.yaw[:, :count],
-            agents.pitch[:, :count],
-        )
+        eyes = (agents.position[:, :count] + EYES).reshape(-1, 3)
+        yaws, pitches = agents.yaw[:, :count].reshape(-1), agents.pitch[:, :count].reshape(-1)
         for name, sensor in self._still.items():
-            found[name] = self._look(sensor, self._lenses[name], eyes, yaws, pitches)
+            images = self._look(sensor, Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name]))
+            found[name] = images.reshape(-1, count, *sensor.shape)
 
-    def _look(
-        self,
-        sensor: OpticalSensor,
-        lens: tuple[float, float],
-        eyes: NDArray[np.float64],
-        yaws: NDArray[np.float64],
-        pitches: NDArray[np.float64],
-    ) -> NDArray[Any]:
-        matches, learners = yaws.shape
-        images = np.empty((matches, learners, *sensor.shape), sensor.dtype)
-        for game_map, rows in self._groups:
-            if rows is None:
-                flat = images.reshape(-1, *sensor.shape)
-                where = eyes.reshape(-1, 3), yaws.reshape(-1), pitches.reshape(-1)
-            else:
-                flat = np.empty((len(rows) * learners, *sensor.shape), sensor.dtype)
-                where = eyes[rows].reshape(-1, 3), yaws[rows].reshape(-1), pitches[rows].reshape(-1)
-            if self._threads > 1:
-                flat[:] = sensor.render(game_map, *where, threads=self._threads)
-            else:
-                cameras = Cameras(*where, self._viewers[: len(where[1])], *lens)
-                sensor.look(game_map, NOTHING_MOVES, cameras, flat)
-            if rows is not None:
-                images[rows] = flat.reshape(len(rows), learners, *sensor.shape)
+    def _look(self, sensor: OpticalSensor, cameras: Cameras) -> NDArray[Any]:
+        """Return (N, *shape) images of the maps alone."""
+        images = np.empty((len(self._maps), *sensor.shape), sensor.dtype)
+
+        def look_at(part: slice) -> bool:
+            return sensor.look_at_maps(self._maps[part], some_of(cameras, part), images[part])
+
+        look_in_parts(look_at, len(images), self._threads)
         return images
 
 

@@ -6,6 +6,7 @@ those pixels. What cannot be nearer than what is already there is passed over. E
 nearest of the same meetings, computed in the same way, whichever image it is part of.
 """
 
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.handles import Addresses
-from wildscav_engine.kernel import inlined_kernel, kernel
+from wildscav_engine.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.solids import Solids, all_shapes_of, gather_solids
 from wildscav_engine.rendering.tracing.bodies import entered_face
@@ -35,10 +36,20 @@ from wildscav_engine.rendering.tracing.packing import (
     unpack_blocks,
     unpack_shapes,
 )
-from wildscav_engine.rendering.tracing.room import read_room
+from wildscav_engine.rendering.tracing.room import Room, Size, read_room
 from wildscav_engine.rendering.tracing.scene import Scene, scene_of
 
-__all__ = ["WATER_HIT", "Hits", "Scene", "allocate_hits", "scene_of", "trace", "trace_depths"]
+__all__ = [
+    "WATER_HIT",
+    "Hits",
+    "Scene",
+    "allocate_hits",
+    "scene_of",
+    "still_depths_tracer",
+    "trace",
+    "trace_depths",
+    "trace_still_depths_of_maps",
+]
 
 WATER_HIT = -3
 
@@ -71,10 +82,6 @@ def _pack_nothing() -> Packed:
     return pack_shapes(all_shapes_of(gather_solids([])))
 
 
-NO_HITS = allocate_hits(0, 0, 0)
-NO_DEPTHS = np.empty((0, 0, 0), np.float32)
-
-
 def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
     """Find what each ray meets first.
 
@@ -90,10 +97,9 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
         Whether all cameras are finite numbers; else nothing is written.
     """
     others = _pack(moving)
-    room = scene.rooms.of(scene.packed, others, hits.distance.shape[1:], cameras.half_width)
-    return _trace(
-        with_water, *cameras, *others[:2], room.addresses, hits.distance, hits.solid, hits.face, NO_DEPTHS
-    )
+    _, height, width = hits.distance.shape
+    room = scene.rooms.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
+    return _trace_hits(with_water, *cameras, others.numbers, others.indices, room.addresses, *hits)
 
 
 def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> bool:
@@ -109,14 +115,17 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
         Whether all cameras are finite numbers; else nothing is written.
     """
     others = _pack(moving)
-    room = scene.rooms.of(scene.packed, others, depths.shape[1:], cameras.half_width)
-    return _trace(
-        False, *cameras, *others[:2], room.addresses, NO_HITS.distance, NO_HITS.solid, NO_HITS.face, depths
-    )
+    _, height, width = depths.shape
+    room = scene.rooms.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
+    return _trace_depths(*cameras, others.numbers, others.indices, room.addresses, depths)
+
+
+# What stays the same between calls comes to these kernels as a handle, what does not, array by array: from
+# Python, a tuple of arrays takes several times longer.
 
 
 @kernel
-def _trace(
+def _trace_hits(
     with_water: bool,
     eyes: NDArray[np.float64],
     yaws: NDArray[np.float64],
@@ -130,22 +139,156 @@ def _trace(
     distance: NDArray[np.float32],
     solid: NDArray[np.int32],
     face: NDArray[np.int32],
-    depths: NDArray[np.float32],
 ) -> bool:
-    """Do what ``trace`` says, or ``trace_depths`` if there are no hits to write.
-
-    What stays the same between calls comes as a handle, what does not, array by array: from Python, each of
-    them costs time, and a tuple of them several times more.
-    """
+    """Do what ``trace`` says."""
     if not are_finite(eyes, yaws, pitches):
         return False
     parts = read_room(room)
+    others = unpack_shapes(moving_numbers, moving_indices)
+    solids = unpack_shapes(parts.numbers, parts.indices)
+    height, width = distance.shape[1:]
+    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
+    for image in range(yaws.shape[0]):
+        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        _look(parts, others, camera, viewers[image], with_water, canvas)
+        hit = Hits(distance[image], solid[image], face[image])
+        _write_hits(solids, others, camera, canvas, hit)
+    return True
+
+
+@kernel
+def _trace_depths(
+    eyes: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    pitches: NDArray[np.float64],
+    viewers: NDArray[np.int32],
+    half_width: float,
+    far: float,
+    moving_numbers: NDArray[np.float64],
+    moving_indices: NDArray[np.int64],
+    room: Addresses,
+    depths: NDArray[np.float32],
+) -> bool:
+    """Do what ``trace_depths`` says."""
+    if not are_finite(eyes, yaws, pitches):
+        return False
+    parts = read_room(room)
+    others = unpack_shapes(moving_numbers, moving_indices)
+    height, width = depths.shape[1:]
+    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
+    for image in range(yaws.shape[0]):
+        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        _look(parts, others, camera, viewers[image], False, canvas)
+        _write_depths(canvas, depths[image])
+    return True
+
+
+@kernel
+def _trace_still_depths(
+    eyes: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    pitches: NDArray[np.float64],
+    half_width: float,
+    far: float,
+    room: Addresses,
+    depths: NDArray[np.float32],
+) -> bool:
+    """Do what ``trace_depths`` does where nothing moves; return False for shapes that do not agree, too."""
+    count = depths.shape[0]
+    is_whole = eyes.shape[0] == yaws.shape[0] == pitches.shape[0] == count and eyes.shape[1] == 3
+    if not (is_whole and are_finite(eyes, yaws, pitches)):
+        return False
+    for image in range(count):
+        _trace_still_depth(eyes[image], yaws[image], pitches[image], half_width, far, room, depths[image])
+    return True
+
+
+def trace_still_depths_of_maps(
+    scenes: Sequence[Scene], size: Size, cameras: Cameras, depths: NDArray[np.float32]
+) -> bool:
+    """Do what ``trace_depths`` does where nothing moves, for N cameras on N worlds, which may be the same."""
+    rooms = [scene.rooms.of(scene.packed, size) for scene in scenes]
+    addresses = np.stack([room.addresses for room in rooms])
+    eyes, yaws, pitches, _, half_width, far = cameras
+    return _trace_still_depths_of_maps(eyes, yaws, pitches, half_width, far, addresses, depths)
+
+
+@kernel
+def _trace_still_depths_of_maps(
+    eyes: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    pitches: NDArray[np.float64],
+    half_width: float,
+    far: float,
+    rooms: NDArray[np.int64],
+    depths: NDArray[np.float32],
+) -> bool:
+    if not are_finite(eyes, yaws, pitches):
+        return False
+    for image in range(depths.shape[0]):
+        _trace_still_depth(
+            eyes[image], yaws[image], pitches[image], half_width, far, rooms[image], depths[image]
+        )
+    return True
+
+
+@kernel
+def _trace_still_depth(
+    eye: NDArray[np.float64],
+    yaw: float,
+    pitch: float,
+    half_width: float,
+    far: float,
+    room: Addresses,
+    depths: NDArray[np.float32],
+) -> None:
+    parts = read_room(room)
+    height, width = depths.shape
+    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
+    camera = camera_at(eye, yaw, pitch, half_width, width, height, far)
+    _look_at_world(parts, camera, False, canvas)
+    _write_depths(canvas, depths)
+
+
+@cache
+def still_depths_tracer() -> Callable[..., bool]:
+    """Return the shortest way to depths of a world in which nothing moves, for arrays that are just right.
+
+    A small image takes hardly longer than looking at three arrays in Python, and handing them on. So here the
+    kernel itself finds out whether it can take what it is given.
+
+    Args of what is returned:
+        eyes: (N, 3) float64 m, in order, aligned and writable; so are the other arrays.
+        yaws: (N,) float64 degrees.
+        pitches: (N,) float64 degrees.
+        half_width: See ``Cameras``.
+        far: Likewise.
+        room: The addresses of a room for the images.
+        depths: (N, H, W) float32 m, written.
+
+    Returns of what is returned:
+        Whether the shapes agree and all numbers are finite; else nothing is written.
+
+    Raises of what is returned:
+        TypeError, NumbaError: What was given is of another type.
+    """
+    numbers, depths = np.zeros(1), np.zeros((1, 1, 1), np.float32)
+    room = np.zeros((1, 1), np.int64)
+    return only_for(_trace_still_depths, numbers[None], numbers, numbers, 1.0, 1.0, room, depths)
+
+
+@inlined_kernel
+def _look(parts: Room, others: Shapes, camera: Camera, viewer: int, with_water: bool, canvas: Canvas) -> None:
+    """Make one image on a canvas."""
+    _look_at_world(parts, camera, with_water, canvas)
+    look_at_things(others, parts.done.shape[0] - 1, camera, viewer, parts.outside, canvas)
+
+
+@inlined_kernel
+def _look_at_world(parts: Room, camera: Camera, with_water: bool, canvas: Canvas) -> None:
+    """Make one image of a world in which nothing moves."""
     blocks = unpack_blocks(parts.numbers, parts.indices, parts.halves)
     solids = unpack_shapes(parts.numbers, parts.indices)
-    others = unpack_shapes(moving_numbers, moving_indices)
-    wants_hits = distance.shape[0] > 0
-    height, width = distance.shape[1:] if wants_hits else depths.shape[1:]
-    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
     desk = Desk(
         parts.sketch,
         parts.boxes,
@@ -156,17 +299,8 @@ def _trace(
         parts.cells,
         parts.done,
     )
-    for image in range(yaws.shape[0]):
-        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        start(canvas, camera)
-        look_at_world(blocks, solids, camera, with_water, desk, canvas)
-        look_at_things(others, solids.boxes.shape[0], camera, viewers[image], desk.outside, canvas)
-        if wants_hits:
-            hit = Hits(distance[image], solid[image], face[image])
-            _write_hits(solids, others, camera, canvas, hit)
-        else:
-            _write_depths(canvas, depths[image])
-    return True
+    start(canvas, camera)
+    look_at_world(blocks, solids, camera, with_water, desk, canvas)
 
 
 @inlined_kernel

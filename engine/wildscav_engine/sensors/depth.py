@@ -5,22 +5,33 @@ pixel. What lies farther than ``far`` along its ray reads ``far``. Agents and su
 unless the option ``moving`` says so.
 """
 
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numba.core.errors import NumbaError
+from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids
-from wildscav_engine.rendering.trace import trace_depths
+from wildscav_engine.rendering.trace import (
+    still_depths_tracer,
+    trace_depths,
+    trace_still_depths_of_maps,
+)
+from wildscav_engine.rendering.tracing.room import MOST_KEPT, Size
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optical import MovingOption
 from wildscav_engine.sensors.pinhole import PinholeCamera
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
+
+DEPTH = np.dtype(np.float32)
 
 
 @sensor
@@ -39,6 +50,44 @@ class DepthCamera(MovingOption, PinholeCamera):
         from gymnasium.spaces import Box
 
         return Box(np.float32(0.0), np.float32(self.far), self.shape, np.float32)
+
+    @cached_property
+    def _size(self) -> Size:
+        return Size(self.height, self.width, self.lens[0])
+
+    def render(
+        self,
+        game_map: "GameMap",
+        positions: ArrayLike,
+        yaws: ArrayLike,
+        pitches: ArrayLike,
+        *,
+        moving: Solids | None = None,
+        viewers: ArrayLike | None = None,
+        threads: int = 1,
+    ) -> NDArray[np.float32]:
+        """Return what is seen from N places, (N, height, width) m; see ``OpticalSensor.render``."""
+        if threads == 1 and moving is viewers is None:
+            # The shortest way, in few steps, because a small image takes no longer than many.
+            scene, size, lens = game_map.scene, self._size, self.lens
+            room = scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size)
+            try:
+                depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
+                trace = still_depths_tracer()
+                if trace(positions, yaws, pitches, lens[0], lens[1], room.addresses, depths):
+                    return depths
+            except (TypeError, ValueError, NumbaError):
+                pass
+        return super().render(
+            game_map, positions, yaws, pitches, moving=moving, viewers=viewers, threads=threads
+        )
+
+    def look_at_maps(self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[np.float32]) -> bool:
+        """Make the images of some cameras on maps in which nothing moves."""
+        if self.rays > MOST_KEPT:
+            # Room for one of them at a time: they are large.
+            return super().look_at_maps(maps, cameras, images)
+        return trace_still_depths_of_maps([one.scene for one in maps], self._size, cameras, images)
 
     def look(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]

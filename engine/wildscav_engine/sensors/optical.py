@@ -1,7 +1,7 @@
 """What all sensors share that look out of the eyes of agents, or from any other place."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 PARTS_A_THREAD = 16
 LEAST_PART = 4  # images
+ARRAY = np.ndarray
 FLOAT = np.dtype(np.float64)
 MOST_SEAT = 2**31 - 1
 NO_VIEWER = -2  # sees every body
@@ -55,6 +56,27 @@ class OpticalSensor(Sensor):
         Returns:
             Whether all cameras are finite numbers; else nothing is written.
         """
+
+    def look_at_maps(self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[Any]) -> bool:
+        """Make the images of some cameras on maps in which nothing moves.
+
+        Args:
+            maps: N of them, which may be the same; their scenes are made already.
+            cameras: N of them.
+            images: (N, *shape), written.
+
+        Returns:
+            Whether all cameras are finite numbers.
+        """
+        rows_of: dict[int, list[int]] = {}
+        for row, game_map in enumerate(maps):
+            rows_of.setdefault(id(game_map), []).append(row)
+        for rows in rows_of.values():
+            found = np.empty((len(rows), *self.shape), self.dtype)
+            if not self.look(maps[rows[0]], NOTHING_MOVES, some_of(cameras, rows), found):
+                return False
+            images[rows] = found
+        return True
 
     def prepare(self, game_map: "GameMap") -> None:
         """Make what images of a map are made from, which takes longer than an image."""
@@ -121,16 +143,11 @@ class OpticalSensor(Sensor):
         images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
         solids = NOTHING_MOVES if moving is None else moving
         self.prepare(game_map)  # here, not in several threads at once
-        if threads == 1:
-            is_done = self.look(game_map, solids, cameras, images)
-        else:
 
-            def look_at(part: slice) -> bool:
-                return self.look(game_map, solids, some_of(cameras, part), images[part])
+        def look_at(part: slice) -> bool:
+            return self.look(game_map, solids, some_of(cameras, part), images[part])
 
-            parts = max(1, min(len(images) // LEAST_PART, PARTS_A_THREAD * threads))
-            is_done = share(look_at, len(images), parts, threads)
-        if not is_done:
+        if not look_in_parts(look_at, len(images), threads):
             _refuse_numbers(cameras.eyes, cameras.yaws, cameras.pitches)
         return images
 
@@ -142,10 +159,10 @@ class OpticalSensor(Sensor):
         tilts: Any = pitches
         if not _are_ready(eyes, turns, tilts):
             eyes, turns, tilts = _real("positions", positions), _real("yaws", yaws), _real("pitches", pitches)
-        count = len(eyes) if eyes.ndim else 0
-        if eyes.shape != (count, 3) or not turns.shape == tilts.shape == (count,):
-            _refuse_shapes(eyes, turns, tilts)
-        return Cameras(eyes, turns, tilts, _seats_of(viewers, count), *self.lens)
+            _check_shapes(eyes, turns, tilts)
+        count = len(turns)
+        seats = _nobody(count) if viewers is None else _seats_of(viewers, count)
+        return Cameras(eyes, turns, tilts, seats, *self.lens)
 
 
 @lru_cache(maxsize=8)
@@ -154,14 +171,12 @@ def _nobody(count: int) -> NDArray[np.int32]:
     return np.full(count, NO_VIEWER, np.int32)
 
 
-def _seats_of(viewers: ArrayLike | None, count: int) -> NDArray[np.int32]:
+def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
     """Return (count,) seats whose eyes look.
 
     Raises:
         ValueError: They are not as many, or no whole numbers.
     """
-    if viewers is None:
-        return _nobody(count)
     seats = np.asarray(viewers)
     if seats.shape != (count,) or seats.dtype.kind not in "iu":
         raise ValueError(
@@ -184,7 +199,14 @@ class MovingOption(OpticalSensor):
         return things_of(match) if self.moving else NOTHING_MOVES
 
 
-def some_of(cameras: Cameras, part: slice) -> Cameras:
+def look_in_parts(look_at: Callable[[slice], bool], images: int, threads: int) -> bool:
+    """Make some images part by part, shared by threads, and return whether all were made."""
+    if threads == 1:
+        return look_at(slice(images))
+    return share(look_at, images, max(1, min(images // LEAST_PART, PARTS_A_THREAD * threads)), threads)
+
+
+def some_of(cameras: Cameras, part: "slice | list[int]") -> Cameras:
     """Return some of the cameras."""
     return cameras._replace(
         eyes=cameras.eyes[part],
@@ -194,13 +216,19 @@ def some_of(cameras: Cameras, part: slice) -> Cameras:
     )
 
 
-def _are_ready(*values: Any) -> bool:
-    """Return whether kernels take values as they are, without being compiled once more."""
-    for array in values:
-        # The last: in order, aligned and writable.
-        if type(array) is not np.ndarray or array.dtype is not FLOAT or not array.flags.carray:
-            return False
-    return True
+def _are_ready(eyes: Any, yaws: Any, pitches: Any) -> bool:
+    """Return whether kernels take three arrays as they are, without being compiled once more."""
+    return (
+        type(eyes) is type(yaws) is type(pitches) is ARRAY
+        and eyes.dtype is yaws.dtype is pitches.dtype is FLOAT
+        and yaws.shape == pitches.shape
+        and eyes.ndim == 2
+        and eyes.shape == (*yaws.shape, 3)
+        # In order, aligned and writable.
+        and eyes.flags.carray
+        and yaws.flags.carray
+        and pitches.flags.carray
+    )
 
 
 def _real(name: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -215,14 +243,17 @@ def _real(name: str, values: ArrayLike) -> NDArray[np.float64]:
     return np.array(array, np.float64, order="C")
 
 
-def _refuse_shapes(
-    eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]
-) -> NoReturn:
-    """Say which of three arrays has not the shape that it must have."""
+def _check_shapes(eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]) -> None:
+    """Check that three arrays are (N, 3), (N,) and (N,).
+
+    Raises:
+        ValueError: One is not.
+    """
     if eyes.ndim != 2 or eyes.shape[1] != 3:
         raise ValueError(f"positions are float64 of shape {eyes.shape}, must be of shape (N, 3)")
-    name, values = ("pitches", pitches) if yaws.shape == (len(eyes),) else ("yaws", yaws)
-    raise ValueError(f"{name} are float64 of shape {values.shape}, must be of shape ({len(eyes)},)")
+    for name, values in (("yaws", yaws), ("pitches", pitches)):
+        if values.shape != (len(eyes),):
+            raise ValueError(f"{name} are float64 of shape {values.shape}, must be of shape ({len(eyes)},)")
 
 
 def _refuse_numbers(*arrays: NDArray[np.float64]) -> NoReturn:

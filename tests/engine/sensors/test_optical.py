@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from wildscav_engine.maps import generate_map
+from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera, parse_sensors
 from wildscav_engine.sensors.optical import OpticalSensor
 from wildscav_engine.spec import MapConfig
@@ -93,6 +94,24 @@ def test_many_images_are_made_in_parts_that_fit_together(monkeypatch: pytest.Mon
     whole = NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7))
     monkeypatch.setattr("wildscav_engine.sensors.pinhole.RAYS_AT_ONCE", 2 * 8 * 6)
     assert NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7)).tobytes() == whole.tobytes()
+
+
+@pytest.mark.parametrize("sensor", [DepthCamera(9, 7), NormalCamera(9, 7), DepthCamera(300, 220)])
+def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> None:
+    other = generate_map(MapConfig(size=40, houses=0), 1)
+    maps = [COUNTRY, other, COUNTRY, other, other]
+    eyes = np.stack([game_map.outdoor[place] for place, game_map in enumerate(maps)]) + np.array((0, 1.5, 0))
+    turns, level = np.linspace(-170, 170, 5), np.zeros(5)
+    alone = [
+        sensor.render(game_map, eyes[[place]], turns[[place]], [0.0])[0]
+        for place, game_map in enumerate(maps)
+    ]
+
+    cameras = Cameras(eyes, turns, level, np.zeros(5, np.int32), *sensor.lens)
+    together = np.empty((5, *sensor.shape), sensor.dtype)
+
+    assert sensor.look_at_maps(maps, cameras, together)
+    assert together.tobytes() == np.stack(alone).tobytes()
 
 
 def test_a_seat_cannot_ask_for_more_rays_than_a_match_can_wait_for() -> None:

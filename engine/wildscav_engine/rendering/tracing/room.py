@@ -15,6 +15,15 @@ KEPT = 8  # rooms of a thread and a scene
 MOST_KEPT = 2**16  # rays of an image whose room is kept
 
 
+class Size(NamedTuple):
+    """What room for an image depends on."""
+
+    height: int  # pixels
+    width: int  # pixels
+    half_width: float  # see ``Cameras``
+    most_faces: int = 0  # of one of the solids that move in it
+
+
 class Room(NamedTuple):
     """Room for the images of one size, of one scene."""
 
@@ -34,50 +43,42 @@ class Room(NamedTuple):
     done: NDArray[np.int64]
 
 
-def allocate_room(scene: Packed, height: int, width: int, half_width: float, most_faces: int) -> Room:
-    """Return room for images of a size, whose half width has this tangent, with solids of so many faces."""
+def allocate_room(scene: Packed, size: Size) -> Room:
+    """Return room for images of a size."""
     return Room(
         scene.numbers,
         scene.indices,
         scene.halves,
-        allocate_rays(height, width, half_width),
-        np.empty(height * width, np.int32),
-        allocate_strips(height, width),
-        *allocate_desk(scene.blocks, scene.solids, max(scene.most_faces, most_faces)),
+        allocate_rays(size.height, size.width, size.half_width),
+        np.empty(size.height * size.width, np.int32),
+        allocate_strips(size.height, size.width),
+        *allocate_desk(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
     )
 
 
 NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), 0, 0, 0)
-read_room = reader(allocate_room(NOWHERE, 1, 1, 1.0, 0))
+read_room = reader(allocate_room(NOWHERE, Size(1, 1, 1.0)))
 
 
 class Rooms(threading.local):
     """The rooms of one scene, each thread's own."""
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[tuple[int, ...], float, int], Handle] = {}
+        self.kept: dict[Size, Handle] = {}
 
     def __reduce__(self) -> tuple[type["Rooms"], tuple[()]]:
         """Copy and pickle as what is empty."""
         return Rooms, ()
 
-    def of(self, scene: Packed, others: Packed, shape: tuple[int, ...], half_width: float) -> Handle:
-        """Return room for images.
+    def of(self, scene: Packed, size: Size) -> Handle:
+        """Return room for images of a size, of the scene, which is always the same."""
+        return self.kept.get(size) or self.make(scene, size)
 
-        Args:
-            scene: Always the same.
-            others: What moves in it.
-            shape: Height and width of the images.
-            half_width: See ``Cameras``.
-        """
-        key = (shape, half_width, others.most_faces)
-        return self._kept.get(key) or self._new(scene, key)
-
-    def _new(self, scene: Packed, key: tuple[tuple[int, ...], float, int]) -> Handle:
-        (height, width), half_width, most_faces = key
-        room = Handle(allocate_room(scene, height, width, half_width, most_faces))
-        if height * width <= MOST_KEPT:
-            if len(self._kept) >= KEPT:
-                self._kept.clear()
-            self._kept[key] = room
+    def make(self, scene: Packed, size: Size) -> Handle:
+        """Make room that is not kept yet."""
+        room = Handle(allocate_room(scene, size))
+        if size.height * size.width <= MOST_KEPT:
+            if len(self.kept) >= KEPT:
+                self.kept.clear()
+            self.kept[size] = room
         return room
