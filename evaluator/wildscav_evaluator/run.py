@@ -12,7 +12,7 @@ from wildscav_engine import ENGINE_VERSION
 from wildscav_evaluator import results
 from wildscav_evaluator.identity import Entrant, Identity, digest_of
 from wildscav_evaluator.jobs import Job, JobResult
-from wildscav_evaluator.score import summarize
+from wildscav_evaluator.score import summary
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.suites import suite
 
@@ -80,7 +80,7 @@ def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
         engine_version=ENGINE_VERSION,
         suite=plan.suite,
         seed=plan.seed,
-        evaluations=tuple(_evaluation(plan, track, submission, done) for track, submission in plan.entries()),
+        evaluations=tuple(_evaluation(track, submission, done) for track, submission in plan.entries()),
         timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
     )
 
@@ -111,9 +111,7 @@ def metric_infos(track: str) -> tuple[results.MetricInfo, ...]:
     return tuple(results.MetricInfo(**metric._asdict()) for metric in TRACKS[track].metrics)
 
 
-def _evaluation(
-    plan: Plan, track: str, submission: Submission, done: Iterable[JobResult]
-) -> results.Evaluation:
+def _evaluation(track: str, submission: Submission, done: Iterable[JobResult]) -> results.Evaluation:
     rows = tuple(
         result.row
         for result in done
@@ -127,18 +125,8 @@ def _evaluation(
         track=track,
         metrics=metrics,
         matches=rows,
-        summary=summary(metrics, rows, plan.seed),
+        summary=summary(metrics, rows),
     )
-
-
-def summary(
-    metrics: Iterable[results.MetricInfo], rows: Iterable[results.MatchRow], seed: int
-) -> dict[str, results.Summary]:
-    """Return every metric over the matches that came to a result, an agent's failures included."""
-    played = [row.metrics for row in rows if row.metrics is not None]
-    if not played:
-        return {}
-    return {metric.name: summarize([values[metric.name] for values in played], seed) for metric in metrics}
 
 
 def check_names(submissions: Iterable[Submission]) -> None:

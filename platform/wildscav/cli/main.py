@@ -28,6 +28,11 @@ OWN = {
     "look": "wildscav.cli.look:look",
     "legacy": "wildscav.cli.legacy:app",
 }
+# The order of help: what a newcomer needs first.
+FIRST = (
+    *("init", "play", "evaluate", "compare", "leaderboard", "replay", "verify", "rescore", "secret"),
+    *("map", "look", "serve"),
+)
 # What a missing module is installed with.
 EXTRAS = {
     "grpc_health": "engine",
@@ -45,10 +50,9 @@ class Commands(TyperGroup):
     """The commands by name, each imported when it is needed."""
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - Typer's signature
-        """Return the names, in the order of help: what a newcomer needs first."""
+        """Return the names, in the order of help."""
         names = [*OWN, *_plug_ins()]
-        first = ("init", "play", "evaluate", "leaderboard", "replay", "verify", "map", "look", "serve")
-        return sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name))
+        return sorted(names, key=lambda name: (FIRST.index(name) if name in FIRST else len(FIRST), name))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
         """Return a command, None if there is none of that name."""
