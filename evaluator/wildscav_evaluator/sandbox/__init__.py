@@ -3,9 +3,11 @@
 from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, RunningAgent, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.bubblewrap import BubblewrapSandbox
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.sandbox.oci import OciSandbox
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 
 SANDBOXES: dict[str, Sandbox] = {
+    "oci": OciSandbox(),
     "bubblewrap": BubblewrapSandbox(),
     "process": ProcessSandbox(),
 }

@@ -5,10 +5,10 @@ socket. It runs as a user that owns nothing. See ``docs/security.md``.
 """
 
 import asyncio
-import itertools
 import os
 import shutil
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,10 +19,7 @@ from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
 from wildscav_evaluator.sandbox.seccomp import bpf_filter
 from wildscav_evaluator.sandbox.staging import readable_copy
-
-NOBODY = 65534
-OWN_USERS = 0x7000_0000  # the first of the numbers that agents are given as users; nobody else's
-_slots = itertools.count()
+from wildscav_evaluator.sandbox.users import agent_user
 
 # Enters the control group, limits open files, and becomes bubblewrap.
 ENTER = """
@@ -95,7 +92,8 @@ class GroupHold:
     def stage(self, folder: Path) -> None:
         """Take a submission's folder, or a copy of it if the agent's user could not read it."""
         if os.getuid() == 0 and not runtime.everybody_reads(folder):
-            self._copy = folder = readable_copy(folder)
+            self._copy = Path(tempfile.mkdtemp(prefix="wildscav-code-"))
+            folder = readable_copy(folder, self._copy)
         self.folder = folder
 
     async def kill(self) -> None:
@@ -113,7 +111,7 @@ class GroupHold:
             os.close(self.status)
             self.status = None
         if self._copy is not None:
-            shutil.rmtree(self._copy.parent, ignore_errors=True)
+            shutil.rmtree(self._copy, ignore_errors=True)
 
 
 async def _await_start(agent: AgentProcess, hold: GroupHold) -> None:
@@ -181,8 +179,8 @@ def _user() -> tuple[list[str], list[str]]:
     Others can only have it appear as nobody, in a user namespace.
     """
     if os.getuid() != 0:
-        return ["--unshare-user", "--uid", str(NOBODY), "--gid", str(NOBODY)], []
-    user = str(OWN_USERS + os.getpid() * 128 + next(_slots) % 128)
+        return ["--unshare-user", "--uid", str(runtime.NOBODY), "--gid", str(runtime.NOBODY)], []
+    user = str(agent_user())
     capabilities = ("CAP_SETUID", "CAP_SETGID", "CAP_SETPCAP")
     options = ["--cap-drop", "ALL", *(word for name in capabilities for word in ("--cap-add", name))]
     drop = ["setpriv", "--reuid", user, "--regid", user, "--clear-groups"]

@@ -85,7 +85,7 @@ class AgentProcess:
         return Ending(
             exit_code=None if signalled else code,
             killed_by=signal_name(signalled) if signalled else "",
-            out_of_memory=out_of_memory and signalled == signal.SIGKILL,
+            out_of_memory=out_of_memory and signalled == signal.SIGKILL and not self._limit,
             limit=self._limit,
             last_words=self._log.last_words(),
             last_lines=self._log.last_lines(),

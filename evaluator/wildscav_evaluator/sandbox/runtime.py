@@ -12,6 +12,7 @@ CODE = Path("/submission")
 SOCKET = Path("/run/wildscav/match.sock")
 LINKED = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")  # links into /usr on most systems
 LOADER = ("/etc/ld.so.cache", "/etc/alternatives")  # where shared libraries are, and what has several names
+NOBODY = 65534  # the user who owns nothing
 ADDRESS = f"unix:{SOCKET}"
 
 

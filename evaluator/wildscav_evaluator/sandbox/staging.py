@@ -2,24 +2,18 @@
 
 import os
 import shutil
-import tempfile
 from pathlib import Path
 
 
-def readable_copy(folder: Path) -> Path:
-    """Return a private folder with the content of another, readable for every user who is shown it.
+def readable_copy(folder: Path, private: Path) -> Path:
+    """Copy a folder into a private one, so that every user can read it who is shown it; return the copy.
 
     Raises:
-        OSError: It could not be copied; nothing is left behind.
+        OSError: It could not be copied.
     """
-    private = Path(tempfile.mkdtemp(prefix="wildscav-code-"))
-    try:
-        copy = private / "submission"
-        shutil.copytree(folder, copy, symlinks=True)
-        make_readable(copy)
-    except BaseException:
-        shutil.rmtree(private, ignore_errors=True)
-        raise
+    copy = private / "submission"
+    shutil.copytree(folder, copy, symlinks=True)
+    make_readable(copy)
     return copy
 
 

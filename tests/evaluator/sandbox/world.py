@@ -124,6 +124,7 @@ def world() -> Iterator[tuple[Path, dict[str, object]]]:
             "own_socket": listen(socket.AF_UNIX, str(folder / "own.sock")),
             "other_socket": listen(socket.AF_UNIX, str(folder / "other.sock")),
             "seeds": str(folder / "seeds.txt"),
+            "users": Path("/etc/passwd").read_text(),
             "folder": str(folder / "open"),
             "other_code": str(folder / "victim" / "agent.py"),
             "other_file": f"/tmp/{unique}",  # noqa: S108

@@ -123,7 +123,8 @@ def files_read_another_agents_temporary_file() -> None:
 
 @attack
 def files_read_users() -> None:
-    Path("/etc/passwd").read_text()
+    if Path("/etc/passwd").read_text() != ORDERS["users"]:
+        raise FailedError("these are not the machine's")
 
 
 @attack
@@ -281,17 +282,18 @@ def limits_fill_disk() -> None:
 
 @attack
 def limits_processor_time() -> None:
-    hogs, started = 8, time.monotonic()  # many, for their share of a busy machine
+    hogs, started = 8, time.monotonic()
     before = os.times()
     for hog in [os.fork() or burn(started + 1.0) for _ in range(hogs)]:
         os.waitpid(hog, 0)
     after = os.times()
     used = after.children_user + after.children_system - before.children_user - before.children_system
     if used / (time.monotonic() - started) < ORDERS["cpus"]:
-        raise FailedError(f"{used:.2f} s of processor time")
+        raise FailedError(f"{used:.2f} s of processor time in {time.monotonic() - started:.2f} s")
 
 
 def burn(until: float) -> int:
+    os.setsid()  # on a busy machine Linux shares time out by sessions
     while time.monotonic() < until:
         pass
     os._exit(0)

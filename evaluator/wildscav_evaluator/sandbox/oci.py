@@ -1,0 +1,228 @@
+"""The sandbox of containers, by Docker or Podman.
+
+An agent runs in the image that it was built into, or came as; or, if it is a folder that needs nothing more,
+in an empty image with this machine's Python. Its limits and promises are those of bubblewrap: see
+``docs/security.md``.
+"""
+
+import asyncio
+import contextlib
+import itertools
+import json
+import os
+import resource
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from wildscav_evaluator.sandbox import runtime
+from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, SandboxError
+from wildscav_evaluator.sandbox.engine import Engine, bare_image, find_engine, old_groups, owner
+from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
+from wildscav_evaluator.sandbox.seccomp import container_profile
+from wildscav_evaluator.sandbox.staging import readable_copy
+from wildscav_evaluator.sandbox.users import agent_user
+
+INIT = 1  # process of the sandbox itself, which buries the dead
+MOST_PROCESSES = 32_768  # of a user; what engines set for themselves
+ENGINE_FAILED = (
+    125,
+    126,
+    127,
+)  # exit codes of engines whose container did not start; agents may have them, too
+NEVER = "0001-01-01"  # when a container started that did not
+MOUNT_POINTS = (
+    *("/proc", "/dev", "/sys", "/tmp", "/etc", "/run"),  # noqa: S108
+    str(runtime.SOCKET.parent),
+    str(runtime.CODE),
+)
+_numbers = itertools.count()
+
+
+class OciSandbox:
+    """Runs an agent in a container."""
+
+    name = "oci"
+    isolated = True
+
+    def promises(self, limits: Limits) -> Sequence[Promise]:
+        """Try everything. See ``Sandbox.promises``."""
+        from wildscav_evaluator.sandbox.promises import try_promises
+
+        return try_promises(self, limits)
+
+    async def start(self, launch: Launch) -> "Container":
+        """Start an agent. See ``Sandbox.start``."""
+        engine = await asyncio.to_thread(find_engine)
+        hold = ContainerHold(engine, f"wildscav-{os.getpid()}-{next(_numbers)}")
+        try:
+            environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
+            arguments = await asyncio.to_thread(_create_command, launch, hold)
+            await engine.run(*arguments, environment=environment)
+            process = await start_process(
+                [engine.name, *engine.options, "start", "--attach", hold.container],
+                launch,
+                hold,
+                environment=os.environ,
+                folder=Path("/"),
+            )
+        except BaseException:
+            await asyncio.shield(hold.release())
+            raise
+        return Container(process, hold)
+
+
+class ContainerHold:
+    """A hold on an agent by its container."""
+
+    def __init__(self, engine: Engine, container: str) -> None:
+        self.engine, self.container = engine, container
+        self.folder = Path(tempfile.mkdtemp(prefix="wildscav-oci-"))  # for what the engine reads
+        self._removed = False
+        self._out_of_memory = False
+        self.never_started = False
+
+    async def kill(self) -> None:
+        """Remove the container, and with it every process. See ``Hold.kill``."""
+        if not self._removed:
+            time = ("-t", "0") if self.engine.name == "podman" else ()
+            with contextlib.suppress(SandboxError):
+                await self.engine.run("rm", "-f", *time, self.container)
+                self._removed = True
+
+    async def out_of_memory(self) -> bool:
+        """Return whether a SIGKILL was for want of memory. See ``Hold.out_of_memory``."""
+        with contextlib.suppress(SandboxError, ValueError):
+            state = json.loads(
+                await self.engine.run("inspect", "--format", "{{json .State}}", self.container)
+            )
+            # With control groups of version 1, engines do not notice. What kills an agent is then memory, or
+            # the agent itself: others cannot, and for a limit of ours there is another word.
+            self._out_of_memory = bool(state.get("OOMKilled")) or old_groups()
+            self.never_started = str(state.get("StartedAt", NEVER)).startswith(NEVER)
+        return self._out_of_memory
+
+    async def release(self) -> None:
+        """Remove what is left. See ``Hold.release``."""
+        await self.kill()
+        await asyncio.to_thread(shutil.rmtree, self.folder, ignore_errors=True)
+
+
+class Container:
+    """One agent's container."""
+
+    def __init__(self, process: AgentProcess, hold: ContainerHold) -> None:
+        self._process, self._hold = process, hold
+
+    async def ended(self) -> Ending:
+        """Wait for the container to end. See ``RunningAgent.ended``."""
+        ending = await self._process.ended()
+        if ending.exit_code in ENGINE_FAILED and self._hold.never_started:
+            engine = self._hold.engine.name
+            return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
+        return ending
+
+    async def stop(self) -> None:
+        """Remove the container. See ``RunningAgent.stop``."""
+        await self._process.stop()
+
+
+def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
+    """Return the arguments that make an agent's container, without starting it."""
+    engine = hold.engine
+    image, entry = _image(launch, engine)
+    return [
+        *("create", "--name", hold.container, "--label", owner(engine, os.getpid()), "--pull", "never"),
+        *("--network", "none", "--hostname", "agent", "--user", _user(engine), "--init"),
+        *("--cap-drop", "all", "--security-opt", "no-new-privileges"),
+        *("--security-opt", f"seccomp={_profile(hold.folder)}", "--log-driver", "none", "--read-only"),
+        *(("--read-only-tmpfs=false",) if engine.name == "podman" else ()),
+        *_limits(launch.limits, engine),
+        *_variables(launch),
+        *_mounts(launch, hold),
+        *("--workdir", str(runtime.CODE), image, *entry),
+    ]
+
+
+def _user(engine: Engine) -> str:
+    # Other users' engines map a few users only.
+    user = agent_user() if os.getuid() == 0 and engine.name == "podman" else runtime.NOBODY
+    return f"{user}:{user}"
+
+
+def _profile(folder: Path) -> Path:
+    path = folder / "seccomp.json"
+    path.write_text(json.dumps(container_profile()), "utf-8")
+    return path
+
+
+def _limits(limits: Limits, engine: Engine) -> list[str]:
+    memory, tmp = str(int(limits.memory)), int(limits.tmp_size)
+    hard = resource.getrlimit(resource.RLIMIT_NPROC)[1]
+    processes = MOST_PROCESSES if hard == resource.RLIM_INFINITY else min(MOST_PROCESSES, hard)
+    options = [
+        *("--memory", memory, "--memory-swap", memory, "--pids-limit", str(limits.processes + INIT)),
+        *("--cpus", f"{limits.cpus:.3f}", "--ulimit", "core=0:0"),
+        *("--ulimit", f"nofile={limits.open_files}:{limits.open_files}"),
+        *("--ulimit", f"nproc={processes}:{processes}"),
+    ]
+    # Podman would copy what the image has there, and with it who may write.
+    kind = f"rw,nosuid,nodev,size={tmp},mode=1777" + (",notmpcopyup" if engine.name == "podman" else "")
+    for place in ("/tmp", "/dev/shm"):  # noqa: S108
+        options += ["--tmpfs", f"{place}:{kind}"]
+    return options
+
+
+def _variables(launch: Launch) -> list[str]:
+    """Return the options for an agent's variables. The token is in the engine's own: nobody lists it."""
+    variables = agent_variables(runtime.ADDRESS, launch.token) | {"HOME": "/tmp"}  # noqa: S108
+    if launch.image is None:
+        variables |= runtime.host_runtime().variables()
+    del variables["WILDSCAV_TOKEN"]
+    named = [word for name, value in variables.items() for word in ("--env", f"{name}={value}")]
+    return [*named, "--env", "WILDSCAV_TOKEN"]
+
+
+def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
+    """Return an agent's image, and the command in it; an image that it was built into has one of its own."""
+    if launch.image is not None:
+        return launch.image, []
+    host = runtime.host_runtime()
+    folders = tuple(sorted({*MOUNT_POINTS, *(str(there) for there in host.folders if _is_folder(there))}))
+    links = tuple((str(there), target) for there, target in host.links.items())
+    return bare_image(engine, folders, links), [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
+
+
+def _is_folder(path: Path) -> bool:
+    return not path.is_file()
+
+
+def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:
+    """Return the options for what is mounted: the socket; where no image has them, code and Python."""
+    socket = runtime.socket_path(launch.address)
+    socket.chmod(0o666)  # the folder that it is in keeps others from it
+    mounts = {runtime.SOCKET: socket}
+    if launch.image is None:
+        folder = launch.folder
+        if not runtime.everybody_reads(folder):
+            folder = readable_copy(folder, hold.folder)
+        mounts = {**runtime.host_runtime().folders, runtime.CODE: folder, **mounts}
+    return [
+        word
+        for there, here in mounts.items()
+        for word in ("--mount", f"type=bind,source={_plain(here)},destination={_plain(there)},readonly")
+    ]
+
+
+def _plain(path: Path) -> str:
+    """Return a path as options of mounts take it.
+
+    Raises:
+        SandboxError: They cannot.
+    """
+    if any(character in str(path) for character in ',"\n'):
+        raise SandboxError(f"{path}: containers cannot mount a path with commas, quotes or line breaks")
+    return str(path)

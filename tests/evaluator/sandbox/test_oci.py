@@ -1,0 +1,51 @@
+"""Containers: which engine runs them, and what is said where none can."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sandbox.world import LIMITS, listening
+
+from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError, engine
+from wildscav_evaluator.submission import Submission
+
+Submit = Callable[..., Submission]
+
+
+def test_without_an_engine_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    with pytest.raises(
+        SandboxError, match=r"podman is not installed; docker is not installed.*install Podman"
+    ):
+        engine.find_engine.__wrapped__()
+
+
+def test_an_engine_that_does_not_answer_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "docker").write_text("#!/bin/sh\necho 'Cannot connect to the daemon' >&2\nexit 1\n")
+    (tmp_path / "docker").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    with pytest.raises(SandboxError, match="docker: Cannot connect to the daemon"):
+        engine.find_engine.__wrapped__()
+
+
+@pytest.mark.slow
+def test_a_container_that_cannot_be_made_leaves_nothing(submit: Submit, tmp_path: Path) -> None:
+    if missing("oci"):
+        pytest.skip(missing("oci"))
+    submission = submit("plain")
+
+    async def start(image: str) -> None:
+        launch = Launch(submission.folder, "agent:Player", address, "token", tmp_path / "log", LIMITS, image)
+        await (await SANDBOXES["oci"].start(launch)).stop()
+
+    missing_image = pytest.raises(SandboxError, match=r"create failed: .*nobody/has-this")
+    with listening(tmp_path / "match.sock") as address, missing_image:
+        asyncio.run(start("nobody/has-this"))
+
+    assert engine.call(engine.find_engine(), "ps", "-aq").stdout == b""
