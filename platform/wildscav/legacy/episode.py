@@ -212,8 +212,8 @@ def _value(source: _Source, name: str) -> Any:
     value = getattr(source, name) if source.HasField(name) else field.default
     value = round(value, 6) if isinstance(value, float) else value  # as it was before it had 32 bits
     if not field.least <= value <= field.most:  # written so that NaN fails too
-        who = f"{name} of agent {source.id}" if isinstance(source, AgentSetup) else name
-        raise RefusedEpisodeError(f"{who} is {value}, must be {field.least} to {field.most}")
+        allowed = f"{field.least} to {field.most}"
+        raise RefusedEpisodeError(f"{_named(source, name)} is {value}, must be {allowed}")
     return value
 
 
@@ -228,5 +228,9 @@ def _place(source: _Source, name: str) -> "Place | None":
     vector: Vector3 = getattr(source, name)
     place = (float(vector.x), float(vector.y), float(vector.z))
     if not all(map(math.isfinite, place)):
-        raise RefusedEpisodeError(f"{name} is {place}, must be finite")
+        raise RefusedEpisodeError(f"{_named(source, name)} is {place}, must be finite")
     return place
+
+
+def _named(source: _Source, name: str) -> str:
+    return f"{name} of agent {source.id}" if isinstance(source, AgentSetup) else name

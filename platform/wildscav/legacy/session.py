@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wildscav.console import counted
 from wildscav.errors import describe
 from wildscav.legacy.actions import read_actions
 from wildscav.legacy.channel import Client
@@ -50,7 +51,7 @@ class Session:
                 name = GameState.Name(reply.game_state).lower()
                 log.warning("the client replies %s, but no episode is being played", name)
                 reply = self._client.ask(START)
-        log.info("closed by the client after %d episodes", self._episodes)
+        log.info("closed by the client after %s", counted(self._episodes, "episode"))
 
     def _play(self, command: GMCommand) -> Reply:
         """Play an episode, and return the reply that ends it."""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, Vector3
+from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.match import Match
 from wildscav_engine.spec import MatchSpec
@@ -81,3 +82,18 @@ def _is_open(game_map: GameMap, place: list[float], direction: float, length: fl
         match.step([[direction, 10.0, 0, 0, 0, 0, 0, 0]])
     walked = match.state.agents.walked[0, 0]
     return bool(not match.over and abs(walked - round(length)) < 0.01)
+
+
+@functools.cache
+def face_to_face(distance: float = 5.0) -> tuple[list[float], list[float]]:
+    """Two places on nearly level open ground, the second north of the first and in plain sight."""
+    game_map = load_map(MAP)
+    for place in game_map.outdoor.tolist():
+        ahead = [place[0], place[1], place[2] + distance]
+        if max(map(abs, ahead)) > game_map.config.size / 2 - 2:
+            continue
+        if _is_open(game_map, place, 0.0, distance):
+            ahead[1] = float(ground_at(game_map.world, ahead[0], ahead[2]).height)
+            if abs(ahead[1] - place[1]) < 0.2:
+                return place, ahead
+    raise AssertionError("no level way on the map")

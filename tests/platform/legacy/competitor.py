@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from queue import Queue
 from typing import Any
 
@@ -19,6 +20,7 @@ class Competitor:
         self.requests: Queue[Request] = Queue()
         self._replies: Queue[Reply] = Queue()
         self.latest = Request()
+        self.records = Path()  # where its engine writes them
         self._server = grpc.server(ThreadPoolExecutor(2))
         handler = grpc.unary_unary_rpc_method_handler(
             self._answer, request_deserializer=Request.FromString, response_serializer=Reply.SerializeToString
@@ -76,3 +78,4 @@ class Competitor:
     def die(self) -> None:
         """Be gone from one moment to the next."""
         self._server.stop(0)
+        self._replies.put(Reply())  # for the thread that waits for what to answer

@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from tests.platform.legacy.competitor import Competitor
@@ -11,12 +10,13 @@ from wildscav.legacy.channel import Client
 from wildscav.legacy.session import Session
 
 
-@pytest.fixture
-def competitor(tmp_path: Path) -> Iterator[Competitor]:
-    """A client whose engine runs in this process, and writes its records into ``tmp_path``."""
+@pytest.fixture(scope="module")
+def competitor(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Competitor]:
+    """A client whose engine runs in this process: one session for all episodes of a file of tests."""
     competitor = Competitor()
     client = Client(f"127.0.0.1:{competitor.port}")
-    engine = threading.Thread(target=Session(client, tmp_path).run)
+    competitor.records = tmp_path_factory.mktemp("records")
+    engine = threading.Thread(target=Session(client, competitor.records).run)
     engine.start()
     competitor.wait()
     yield competitor

@@ -1,0 +1,130 @@
+"""Supply battle by the original's contract: shots, deaths, returns, and what each agent was given."""
+
+from typing import Any
+
+import pytest
+from tests.platform.legacy.commands import command, face_to_face, setup
+from tests.platform.legacy.competitor import Competitor
+
+from wildscav.legacy.commander_pb2 import GameMode, GMCommand
+
+SHOOT = {0: {"shoot_gun": True}}
+
+
+def duel(
+    first: dict[str, Any] | None = None, second: dict[str, Any] | None = None, **fields: Any
+) -> GMCommand:
+    """Agent 0 looks at agent 1, who stands 5 m north of it."""
+    here, there = face_to_face()
+    agents = [setup(0, here, **(first or {})), setup(1, there, **(second or {}))]
+    return command(GameMode.SUP_BATTLE_MODE, agents=agents, **{"supply_house_create_percent": 0, **fields})
+
+
+def test_a_hit_costs_20_and_both_are_told(competitor: Competitor) -> None:
+    competitor.begin(duel())
+    competitor.act(SHOOT)
+    shooter, victim = competitor.seen_by(0), competitor.seen_by(1)
+    assert (shooter.num_gun_ammo, shooter.num_pack_ammo, shooter.is_fire) == (14, 60, True)
+    assert (shooter.hit_enemy, shooter.hit_enemy_id, shooter.hit_by_enemy) == (True, 1, False)
+    assert (victim.hp, victim.hit_by_enemy, victim.hit_by_enemy_id, victim.hit_enemy) == (80, True, 0, False)
+    competitor.act()
+    assert not competitor.seen_by(0).hit_enemy
+    assert not competitor.seen_by(1).hit_by_enemy
+
+
+def test_each_agent_has_the_health_ammunition_and_power_of_its_own_set_up(competitor: Competitor) -> None:
+    competitor.begin(duel({"attack_power": 35, "gun_capacity": 2, "num_pack_ammo": 1}, {"hp": 90}))
+    competitor.act(SHOOT, times=10)
+    assert competitor.seen_by(1).hp == 90 - 2 * 35
+    assert (competitor.seen_by(0).num_gun_ammo, competitor.seen_by(0).num_pack_ammo) == (0, 1)
+    assert (competitor.seen_by(1).num_gun_ammo, competitor.seen_by(1).num_pack_ammo) == (15, 60)
+
+
+def test_a_reload_fills_the_clip_from_the_pack(competitor: Competitor) -> None:
+    competitor.begin(duel())
+    competitor.act(SHOOT)
+    competitor.act({0: {"reload": True}})
+    assert competitor.seen_by(0).is_reload
+    competitor.act(times=20)
+    seen = competitor.seen_by(0)
+    assert (seen.is_reload, seen.num_gun_ammo, seen.num_pack_ammo) == (False, 15, 59)
+
+
+def test_the_dead_wait_come_back_whole_and_are_invincible_for_a_while(competitor: Competitor) -> None:
+    competitor.begin(duel({"attack_power": 100}, {"hp": 70}, respawn_time=1, invincible_time=2))
+    competitor.act(SHOOT)
+    seen = competitor.seen_by(1)
+    assert (seen.hp, seen.is_waiting_respawn, seen.is_invincible) == (0, True, False)
+    (enemy,) = competitor.seen_by(0).enemy_info_list
+    assert (enemy.enemy_id, enemy.hp, enemy.is_respawn) == (1, 0, True)
+    competitor.act(times=11)
+    seen = competitor.seen_by(1)
+    assert (seen.hp, seen.is_waiting_respawn, seen.is_invincible) == (70, False, True)
+    (enemy,) = competitor.seen_by(0).enemy_info_list
+    assert (enemy.hp, enemy.is_respawn, enemy.is_invincible) == (70, False, True)
+    competitor.act(times=20)
+    assert not competitor.seen_by(1).is_invincible
+
+
+@pytest.mark.parametrize(("is_random", "is_at_start"), [(False, True), (True, False), (None, False)])
+def test_the_dead_come_back_where_the_client_wants(
+    competitor: Competitor, is_random: bool | None, is_at_start: bool
+) -> None:
+    asked = duel({"attack_power": 100}, respawn_time=1, random_seed=3)
+    if is_random is not None:
+        asked.is_random_respawn_location = is_random
+    competitor.begin(asked)
+    start = competitor.seen_by(1).location
+    competitor.act(SHOOT)
+    competitor.act(times=11)
+    place = competitor.seen_by(1).location
+    far = abs(place.x - start.x) + abs(place.z - start.z)
+    assert (far < 0.1) == is_at_start
+
+
+@pytest.mark.parametrize(("percent", "kept"), [(50, 0.5), (100, 0.0), (0, 1.0)])
+def test_the_dead_leave_a_share_of_what_they_carry(competitor: Competitor, percent: int, kept: float) -> None:
+    begin_at_a_box(competitor, duel(None, {"attack_power": 100}, supply_loss_percent_when_dead=percent))
+    competitor.act({0: {"collect": True}, 1: {"turn_left_right_delta": 36}})
+    before = competitor.seen_by(0)
+    assert before.num_supply >= 10
+    competitor.act({1: {"shoot_gun": True}})
+    after = competitor.seen_by(0)
+    assert after.hp == 0
+    assert after.num_supply == kept * before.num_supply
+    known = {box.supply_id for box in before.supply_info_list}
+    dropped = [box for box in after.supply_info_list if box.supply_id not in known]
+    assert sum(box.supply_quantity for box in dropped) == before.num_supply - after.num_supply
+    for box in dropped:
+        assert box.supply_location.x == pytest.approx(before.location.x, abs=0.01)
+
+
+def begin_at_a_box(competitor: Competitor, asked: GMCommand) -> None:
+    """Begin an episode in which agent 0 starts beside boxes of 10."""
+    asked.supply_heatmap_center.CopyFrom(asked.agent_setups[0].start_location)
+    asked.supply_random_min = asked.supply_random_max = 10
+    for seed in range(20):
+        asked.random_seed = seed
+        competitor.begin(asked)
+        if competitor.seen_by(0).can_pickup:
+            return
+    raise AssertionError("no box near the start with any seed")
+
+
+def test_ten_agents_are_told_of_all_others(competitor: Competitor) -> None:
+    competitor.begin(command(GameMode.SUP_BATTLE_MODE, agents=[setup(agent) for agent in range(10)]))
+    competitor.act({agent: {"walk_dir": 36 * agent, "walk_speed": 5} for agent in range(10)}, times=10)
+    assert len(competitor.latest.agent_obs_list) == 10
+    places = {one.id: one.location for one in competitor.latest.agent_obs_list}
+    for seen in competitor.latest.agent_obs_list:
+        others = {enemy.enemy_id: enemy.location for enemy in seen.enemy_info_list}
+        assert others == {agent: place for agent, place in places.items() if agent != seen.id}
+
+
+def test_agents_are_called_what_the_client_calls_them(competitor: Competitor) -> None:
+    here, there = face_to_face()
+    agents = [setup(7, here), setup(3, there)]
+    competitor.begin(command(GameMode.SUP_BATTLE_MODE, agents=agents))
+    competitor.act({7: {"shoot_gun": True}})
+    assert competitor.seen_by(7).hit_enemy_id == 3
+    assert competitor.seen_by(3).hit_by_enemy_id == 7

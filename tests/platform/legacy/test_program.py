@@ -1,0 +1,117 @@
+"""The program that the client starts: its arguments, its log, its end."""
+
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from tests.platform.legacy.commands import command
+from tests.platform.legacy.competitor import Competitor
+
+from wildscav.errors import UserError
+from wildscav.legacy.install import install_engine
+from wildscav.legacy.program import read_address
+
+Start = Callable[[int], subprocess.Popen[str]]
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return install_engine(tmp_path_factory.mktemp("a folder") / "engine")
+
+
+@pytest.fixture
+def start(program: Path) -> Iterator[Start]:
+    """Start the program on a port, as the client does."""
+    started: list[subprocess.Popen[str]] = []
+
+    def start(port: int) -> subprocess.Popen[str]:
+        arguments = [program, "-IP:127.0.0.1", f"-PORT:{port}"]
+        started.append(subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True))
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "address"),
+    [
+        (["-IP:127.0.0.1", "-PORT:50051"], "127.0.0.1:50051"),
+        (["-PORT:1", "-IP:game.example.org"], "game.example.org:1"),
+        (["-IP:::1", "-PORT:9"], "[::1]:9"),
+        (["-PORT:9"], "127.0.0.1:9"),
+    ],
+)
+def test_the_client_names_its_address(arguments: list[str], address: str) -> None:
+    assert read_address(arguments) == address
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        ([], "no port is given"),
+        (["-IP:127.0.0.1"], "no port is given"),
+        (["-PORT:0"], "-PORT:0 is not understood"),
+        (["-PORT:70000"], "-PORT:70000 is not understood"),
+        (["-PORT:x"], "-PORT:x is not understood"),
+        (["-PORT:5", "--log-file"], "--log-file is not understood"),
+    ],
+)
+def test_other_arguments_are_refused(arguments: list[str], why: str) -> None:
+    with pytest.raises(UserError, match=why):
+        read_address(arguments)
+
+
+@pytest.mark.slow
+def test_a_session_in_a_process_of_its_own(start: Start) -> None:
+    competitor = Competitor()
+    process = start(competitor.port)
+    competitor.wait()
+    competitor.begin(command(timeout=1))
+    competitor.act(times=10)
+    assert competitor.is_over
+    competitor.close()
+    _, said = process.communicate(timeout=10)
+    assert process.returncode == 0
+    assert f"connected to the client on 127.0.0.1:{competitor.port}" in said
+    assert "episode 1: map 103, navigation, 1 agents" in said
+    assert "episode 1: time up after 50 frames" in said
+    assert "closed by the client after 1 episode" in said
+    competitor.die()
+
+
+def test_a_client_that_dies_ends_the_engine_at_once(start: Start) -> None:
+    competitor = Competitor()
+    process = start(competitor.port)
+    competitor.wait()
+    competitor.begin(command())
+    competitor.die()
+    began = time.monotonic()
+    _, said = process.communicate(timeout=10)
+    assert time.monotonic() - began < 2
+    assert process.returncode == 1
+    assert f"the client on 127.0.0.1:{competitor.port} has gone" in said.splitlines()[-1]
+
+
+def test_a_refused_field_is_a_clear_line_in_the_log(start: Start) -> None:
+    competitor = Competitor()
+    process = start(competitor.port)
+    competitor.wait()
+    competitor.reply(1, gm_cmd=command(map_id=1000))
+    _, said = process.communicate(timeout=10)
+    assert process.returncode == 2
+    assert said.splitlines()[-1].endswith("ERROR map_id is 1000, must be 1 to 999")
+    assert "Traceback" not in said
+    competitor.die()
+
+
+@pytest.mark.slow
+def test_a_port_where_nobody_listens_is_a_clear_line_in_the_log(start: Start) -> None:
+    process = start(1)
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert "no client answers on 127.0.0.1:1" in said.splitlines()[-1]
