@@ -30,6 +30,7 @@ from wildscav_evaluator.submission import Submission
 
 SOCKET = "match.sock"
 SOCKET_PATH_LIMIT = 100  # bytes; the systems' own limits begin at 104
+CONNECTIONS = 16  # that an agent may have open to its seat's socket at one time
 FAREWELL = 1.0  # s for an agent's process to end by itself after the match
 TRIES = 3  # for a match that the platform breaks
 PAUSE = 0.5  # s between them: what is short now may be there again
@@ -127,7 +128,7 @@ async def play_once(
         PlatformFaultError: A sandbox failed under an agent.
     """
     with _socket_folders(len(seating.seats)) as folders:
-        server = MatchServer()
+        server = MatchServer(connections=CONNECTIONS)
         # A socket of its own for each seat, so that a sandbox can hand over just that.
         addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
         try:

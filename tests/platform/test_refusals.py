@@ -1,5 +1,7 @@
 """What the server refuses, and how it says so."""
 
+import asyncio
+from contextlib import AsyncExitStack
 from pathlib import Path
 
 import grpc
@@ -8,8 +10,9 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from tests.platform.seats import HandPlayed, connected, ended, host, serving, small_spec, start_agent
 
 from wildscav.errors import AddressInUseError, SensorError, UserError
-from wildscav.proto.match_pb2 import ClientMessage
-from wildscav.server import MatchServer, SeatStatus
+from wildscav.proto.match_pb2 import ClientMessage, Ready
+from wildscav.server import Clock, MatchServer, SeatStatus
+from wildscav.server.strangers import Strangers
 from wildscav.wire.errors import reason_of
 
 
@@ -55,8 +58,9 @@ def test_another_version_of_the_protocol(tmp_path: Path) -> None:
     serving(tmp_path, play)
 
 
-def join(token: str, version: int = 1) -> ClientMessage:
+def join(token: str, version: int = 1, gets_ready: bool = False) -> ClientMessage:
     message = ClientMessage()
+    message.join.gets_ready = gets_ready
     message.join.token = token
     message.join.protocol_version = version
     return message
@@ -69,18 +73,20 @@ def action(step: int) -> ClientMessage:
 
 
 @pytest.mark.parametrize(
-    ("nonsense", "detail"),
+    ("nonsense", "reason", "detail"),
     [
-        ([b"\xff\xff\xff"], "no ClientMessage"),
-        ([ClientMessage()], "must be an Action"),
-        ([join("again")], "must be an Action"),
-        ([action(7)], "before it was asked"),
-        ([action(0)] * 17, "old answers"),
+        ([b"\xff\xff\xff"], "PROTOCOL_ERROR", "no ClientMessage"),
+        ([ClientMessage()], "PROTOCOL_ERROR", "must be an Action"),
+        ([join("again")], "PROTOCOL_ERROR", "must be an Action"),
+        ([ClientMessage(ready=Ready())], "PROTOCOL_ERROR", "must be an Action"),
+        ([action(7)], "TOO_EARLY", "before it was asked"),
+        ([action(0)] * 17, "FLOOD", "old answers"),
+        ([b"\0" * 5000], "MESSAGE_TOO_LARGE", "a message of 5,000 bytes; 4,096 are allowed"),
     ],
-    ids=["garbage", "empty", "second join", "future step", "flood"],
+    ids=["garbage", "empty", "second join", "not asked for", "future step", "flood", "large"],
 )
 def test_a_seat_that_talks_nonsense_is_out_and_the_others_play_on(
-    tmp_path: Path, nonsense: list[ClientMessage | bytes], detail: str
+    tmp_path: Path, nonsense: list[ClientMessage | bytes], reason: str, detail: str
 ) -> None:
     async def play(server: MatchServer, address: str) -> None:
         hosted = await host(server, small_spec(seats=2))
@@ -91,7 +97,8 @@ def test_a_seat_that_talks_nonsense_is_out_and_the_others_play_on(
             for message in nonsense:
                 await bad.send(message)
             await good.play_out(walk_speed=3.0)
-            assert await refused(bad) == (grpc.StatusCode.INVALID_ARGUMENT, "PROTOCOL_ERROR")
+            code = "RESOURCE_EXHAUSTED" if reason == "MESSAGE_TOO_LARGE" else "INVALID_ARGUMENT"
+            assert await refused(bad) == (grpc.StatusCode[code], reason)
         outcome = await hosted.finished()
         assert outcome.seats[0].status == SeatStatus.PROTOCOL_ERROR
         assert detail in outcome.seats[0].detail
@@ -107,6 +114,57 @@ def test_a_stream_begins_with_a_join(tmp_path: Path, first: ClientMessage | byte
         async with connected(address) as stranger:
             await stranger.send(first)
             assert await refused(stranger) == (grpc.StatusCode.INVALID_ARGUMENT, "PROTOCOL_ERROR")
+
+    serving(tmp_path, play)
+
+
+def test_a_stream_that_says_nothing_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wildscav.server.service.JOIN_TIME", 0.2)
+
+    async def play(server: MatchServer, address: str) -> None:
+        async with connected(address) as stranger:
+            assert await refused(stranger) == (grpc.StatusCode.INVALID_ARGUMENT, "JOIN_TIMEOUT")
+
+    serving(tmp_path, play)
+
+
+def test_of_too_many_strangers_the_one_who_said_nothing_for_longest_has_to_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Strangers.__init__, "__defaults__", (3,))
+
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        async with AsyncExitStack() as stack:
+            silent = []
+            for _ in range(3):
+                silent.append(await stack.enter_async_context(connected(address)))
+                await asyncio.sleep(0.05)  # so that they come one after the other
+            async with connected(address) as seat:
+                await seat.join(hosted.tokens[0])
+                assert (await seat.play_out()).match_over.conduct.status == SeatStatus.FINISHED
+            assert await refused(silent[0]) == (grpc.StatusCode.RESOURCE_EXHAUSTED, "SERVER_BUSY")
+
+    serving(tmp_path, play)
+
+
+def test_who_wants_to_get_ready_first_has_time_for_it_and_no_more(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.8))
+        async with connected(address) as slow, connected(address) as never:
+            for seat, number in ((slow, 0), (never, 1)):
+                await seat.send(join(hosted.tokens[number], gets_ready=True))
+                assert (await seat.read()).HasField("match_info")
+            await asyncio.sleep(0.4)  # longer than a step's budget
+            await slow.send(ClientMessage(ready=Ready()))
+            assert (await slow.play_out()).match_over.conduct.status == SeatStatus.FINISHED
+            assert await refused(never) == (grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED")
+        outcome = await hosted.finished()
+        assert outcome.seats[0].time_bank == hosted.clock.time_bank
+        assert (outcome.seats[1].status, outcome.seats[1].detail) == (
+            SeatStatus.NEVER_JOINED,
+            "did not get ready within 0.8 s",
+        )
 
     serving(tmp_path, play)
 

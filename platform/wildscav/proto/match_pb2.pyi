@@ -8,12 +8,14 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class ClientMessage(_message.Message):
-    __slots__ = ("join", "action")
+    __slots__ = ("join", "action", "ready")
     JOIN_FIELD_NUMBER: _ClassVar[int]
     ACTION_FIELD_NUMBER: _ClassVar[int]
+    READY_FIELD_NUMBER: _ClassVar[int]
     join: Join
     action: Action
-    def __init__(self, join: _Optional[_Union[Join, _Mapping]] = ..., action: _Optional[_Union[Action, _Mapping]] = ...) -> None: ...
+    ready: Ready
+    def __init__(self, join: _Optional[_Union[Join, _Mapping]] = ..., action: _Optional[_Union[Action, _Mapping]] = ..., ready: _Optional[_Union[Ready, _Mapping]] = ...) -> None: ...
 
 class ServerMessage(_message.Message):
     __slots__ = ("match_info", "observation", "match_over")
@@ -26,16 +28,22 @@ class ServerMessage(_message.Message):
     def __init__(self, match_info: _Optional[_Union[MatchInfo, _Mapping]] = ..., observation: _Optional[_Union[Observation, _Mapping]] = ..., match_over: _Optional[_Union[MatchOver, _Mapping]] = ...) -> None: ...
 
 class Join(_message.Message):
-    __slots__ = ("token", "protocol_version", "sdk_name", "sdk_version")
+    __slots__ = ("token", "protocol_version", "sdk_name", "sdk_version", "gets_ready")
     TOKEN_FIELD_NUMBER: _ClassVar[int]
     PROTOCOL_VERSION_FIELD_NUMBER: _ClassVar[int]
     SDK_NAME_FIELD_NUMBER: _ClassVar[int]
     SDK_VERSION_FIELD_NUMBER: _ClassVar[int]
+    GETS_READY_FIELD_NUMBER: _ClassVar[int]
     token: str
     protocol_version: int
     sdk_name: str
     sdk_version: str
-    def __init__(self, token: _Optional[str] = ..., protocol_version: _Optional[int] = ..., sdk_name: _Optional[str] = ..., sdk_version: _Optional[str] = ...) -> None: ...
+    gets_ready: bool
+    def __init__(self, token: _Optional[str] = ..., protocol_version: _Optional[int] = ..., sdk_name: _Optional[str] = ..., sdk_version: _Optional[str] = ..., gets_ready: _Optional[bool] = ...) -> None: ...
+
+class Ready(_message.Message):
+    __slots__ = ()
+    def __init__(self) -> None: ...
 
 class Action(_message.Message):
     __slots__ = ("step", "walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")
@@ -269,7 +277,7 @@ class SeatResult(_message.Message):
     def __init__(self, seat: _Optional[int] = ..., team: _Optional[int] = ..., filled_by: _Optional[str] = ..., name: _Optional[str] = ..., supplies: _Optional[int] = ..., kills: _Optional[int] = ..., deaths: _Optional[int] = ..., shots: _Optional[int] = ..., hits: _Optional[int] = ..., walked: _Optional[float] = ..., metrics: _Optional[_Mapping[str, float]] = ...) -> None: ...
 
 class SeatConduct(_message.Message):
-    __slots__ = ("status", "detail", "steps_played", "late_steps", "dropped_actions", "invalid_actions", "ignored_fields", "fault")
+    __slots__ = ("status", "detail", "steps_played", "late_steps", "dropped_actions", "invalid_actions", "ignored_fields", "fault", "time_used", "latency_p50", "latency_p99", "latency_max", "time_bank")
     STATUS_FIELD_NUMBER: _ClassVar[int]
     DETAIL_FIELD_NUMBER: _ClassVar[int]
     STEPS_PLAYED_FIELD_NUMBER: _ClassVar[int]
@@ -278,6 +286,11 @@ class SeatConduct(_message.Message):
     INVALID_ACTIONS_FIELD_NUMBER: _ClassVar[int]
     IGNORED_FIELDS_FIELD_NUMBER: _ClassVar[int]
     FAULT_FIELD_NUMBER: _ClassVar[int]
+    TIME_USED_FIELD_NUMBER: _ClassVar[int]
+    LATENCY_P50_FIELD_NUMBER: _ClassVar[int]
+    LATENCY_P99_FIELD_NUMBER: _ClassVar[int]
+    LATENCY_MAX_FIELD_NUMBER: _ClassVar[int]
+    TIME_BANK_FIELD_NUMBER: _ClassVar[int]
     status: str
     detail: str
     steps_played: int
@@ -286,7 +299,12 @@ class SeatConduct(_message.Message):
     invalid_actions: int
     ignored_fields: int
     fault: str
-    def __init__(self, status: _Optional[str] = ..., detail: _Optional[str] = ..., steps_played: _Optional[int] = ..., late_steps: _Optional[int] = ..., dropped_actions: _Optional[int] = ..., invalid_actions: _Optional[int] = ..., ignored_fields: _Optional[int] = ..., fault: _Optional[str] = ...) -> None: ...
+    time_used: float
+    latency_p50: float
+    latency_p99: float
+    latency_max: float
+    time_bank: float
+    def __init__(self, status: _Optional[str] = ..., detail: _Optional[str] = ..., steps_played: _Optional[int] = ..., late_steps: _Optional[int] = ..., dropped_actions: _Optional[int] = ..., invalid_actions: _Optional[int] = ..., ignored_fields: _Optional[int] = ..., fault: _Optional[str] = ..., time_used: _Optional[float] = ..., latency_p50: _Optional[float] = ..., latency_p99: _Optional[float] = ..., latency_max: _Optional[float] = ..., time_bank: _Optional[float] = ...) -> None: ...
 
 class HostMatchRequest(_message.Message):
     __slots__ = ("spec_json", "names", "sensors_json")

@@ -197,8 +197,8 @@ class Observation:
 class Agent:
     """Base of all agents: override ``act``, and ``reset`` for whatever must be set up first.
 
-    One object plays one match. The time for ``reset`` counts as part of the first answer, once all seats have
-    joined.
+    One object plays one match. The time to import it, to make it and to ``reset`` it counts as start-up: that
+    has a limit of its own.
     """
 
     def reset(self, match: MatchInfo) -> None:

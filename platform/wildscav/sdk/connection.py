@@ -16,7 +16,7 @@ from wildscav.proto.match_pb2 import ClientMessage, MatchOver, ServerMessage
 from wildscav.sdk.agent import Action, MatchInfo, Observation
 from wildscav.wire.actions import encode_action
 from wildscav.wire.errors import decode_error
-from wildscav.wire.matches import decode_match_info, encode_join
+from wildscav.wire.matches import decode_match_info, encode_join, encode_ready
 from wildscav.wire.observations import decode_observation
 
 METHOD = "/wildscav.match.v1.Match/Play"
@@ -100,8 +100,8 @@ class Connection:
         return message
 
     def first(self) -> Observation | None:
-        """Wait for the first observation; None if the match is over at once."""
-        return self._decode(self._loop.run_until_complete(self._read()))
+        """Get the first observation, the agent being set up; None if the match is over at once."""
+        return self._decode(self._loop.run_until_complete(self._exchange(encode_ready())))
 
     def answer(self, step: int, action: Action) -> Observation | None:
         """Send the action for a step and wait for the next observation; None once the match is ``over``."""

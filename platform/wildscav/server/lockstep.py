@@ -60,7 +60,8 @@ class Lockstep:
 
     async def play(self) -> None:
         """Play the match to its end."""
-        self._open()
+        if not self._done.done():
+            self._open()
         await self._done
         breathed = self._loop.time()
         while not self._match.over:
@@ -68,6 +69,12 @@ class Lockstep:
             if self._loop.time() - breathed > BREATH:
                 await asyncio.sleep(0)
                 breathed = self._loop.time()
+
+    def fail(self, error: Exception) -> None:
+        """End the match with an error."""
+        self.stop()
+        if not self._done.done():
+            self._done.set_exception(error)
 
     def stop(self) -> None:
         """Play no more steps."""
@@ -183,7 +190,7 @@ class Lockstep:
             self._match.step(self._rows)
             self._open()
         except Exception as error:  # noqa: BLE001 - it is not the fault of the stream that runs this
-            self._done.set_exception(error)
+            self.fail(error)
 
     # Its time.
 

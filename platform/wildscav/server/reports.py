@@ -84,6 +84,7 @@ class SeatReport:
     invalid_actions: int = 0  # with a number out of its range, played as no action
     ignored_fields: int = 0  # set outside the track's action set, in all actions together
     think_time: ThinkTime = NO_TIME
+    time_bank: float = 0.0  # s left of it
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,9 +37,11 @@ class Seat:
         self.sensors = sensors
         self.stream: asyncio.Task[Any] | None = None  # serves its connection
         self.refusal: RefusalError | None = None  # why its stream was ended
+        self.gets_ready = False  # whether it says itself when it is set up
+        self.ready = False  # whether it is
         self.gone = False  # plays no action for the rest of the match
         self.asked = -1  # step of the last observation that it was handed
-        self.asked_at = 0.0  # when, by the loop's clock
+        self.asked_at = 0.0  # when it was sent, by the loop's clock
         self.conduct = Conduct()
         self.times = array("d")  # s, of each step
         self._waiter: asyncio.Future[ServerMessage] | None = None  # done when its next message is there
@@ -84,11 +86,27 @@ class Seat:
 
     def conduct_message(self) -> SeatConduct:
         """Return its conduct so far as a message."""
-        return encode_conduct(asdict(self.conduct), self.conduct.status.fault)
+        time = ThinkTime.of(self.times)
+        return encode_conduct(
+            {
+                "fault": self.conduct.status.fault or "",
+                "time_used": time.total,
+                "latency_p50": time.p50,
+                "latency_p99": time.p99,
+                "latency_max": time.max,
+                "time_bank": self.bank.left,
+                **asdict(self.conduct),
+            }
+        )
 
     def report(self) -> SeatReport:
         """Return its conduct so far."""
-        return SeatReport(seat=self.number, think_time=ThinkTime.of(self.times), **asdict(self.conduct))
+        return SeatReport(
+            seat=self.number,
+            think_time=ThinkTime.of(self.times),
+            time_bank=self.bank.left,
+            **asdict(self.conduct),
+        )
 
 
 def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, "Sensor"]:

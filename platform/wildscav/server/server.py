@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import resource
 import secrets
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ import grpc
 from grpc_health.v1 import health, health_pb2, health_pb2_grpc
 
 from wildscav.errors import AddressInUseError, UserError
-from wildscav.proto.match_pb2_grpc import add_ArenaServicer_to_server, add_MatchServicer_to_server
+from wildscav.proto.match_pb2_grpc import add_ArenaServicer_to_server
 from wildscav.server.addresses import check_free, is_public, with_port
 from wildscav.server.arena import ArenaService
 from wildscav.server.deadlines import Clock, TimeBank
@@ -29,7 +30,12 @@ OPTIONS = (
     ("grpc.so_reuseport", 0),  # so that a port in use is an error
     ("grpc.max_receive_message_length", 256 * 1024),  # bytes: actions are tiny, specs small
     ("grpc.keepalive_time_ms", 30_000),  # finds out that a remote peer is gone
+    ("grpc.keepalive_timeout_ms", 10_000),
+    ("grpc.server_handshake_timeout_ms", 10_000),  # for a connection to speak HTTP/2
+    ("grpc.max_connection_idle_ms", 60_000),  # without a stream
+    ("grpc.max_concurrent_streams", 128),  # of one connection
 )
+CONNECTIONS = 2000  # to one address at one time
 
 
 class MatchServer:
@@ -38,15 +44,19 @@ class MatchServer:
     Args:
         arena: Whether matches can be opened over the wire, too.
         organizer_token: The secret that the arena asks for; needed on addresses that others can reach.
+        connections: How many may be open to one address; more are closed at once.
     """
 
-    def __init__(self, *, arena: bool = False, organizer_token: str | None = None) -> None:
+    def __init__(
+        self, *, arena: bool = False, organizer_token: str | None = None, connections: int = CONNECTIONS
+    ) -> None:
         self._places: dict[str, Place] = {}
         self._matches: set[HostedMatch] = set()
         self._arena, self._organizer_token = arena, organizer_token
         self._health = health.aio.HealthServicer()  # type: ignore[attr-defined]
-        self._grpc = grpc.aio.server(options=OPTIONS)
-        add_MatchServicer_to_server(MatchService(self._places), self._grpc)
+        limit = ("grpc.max_allowed_incoming_connections", connections)
+        self._grpc = grpc.aio.server(options=(*OPTIONS, limit))
+        self._grpc.add_generic_rpc_handlers((MatchService(self._places).handler(),))
         health_pb2_grpc.add_HealthServicer_to_server(self._health, self._grpc)
         if arena:
             add_ArenaServicer_to_server(ArenaService(self, organizer_token), self._grpc)
@@ -72,6 +82,7 @@ class MatchServer:
                     "(--organizer-token-file), or listen on 127.0.0.1 or a unix socket",
                     exit_code=2,
                 )
+        _allow_many_files()
         taken = [self._listen(address) for address in addresses]
         await self._grpc.start()
         for service in SERVICES:
@@ -143,6 +154,14 @@ class MatchServer:
             with contextlib.suppress(MatchCancelledError):
                 await hosted.finished()
         await self._grpc.stop(grace)
+
+
+def _allow_many_files() -> None:
+    """Raise the limit of open files as far as it goes: each connection is one."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != hard:
+        with contextlib.suppress(OSError, ValueError):
+            resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
 def _set_up(spec: "MatchSpec", sensors: Iterable[Mapping[str, "Sensor"]]) -> "Match":

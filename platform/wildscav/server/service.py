@@ -1,4 +1,7 @@
-"""The Match service: one call of ``Play`` is one seat's stream."""
+"""The Match service: one call of ``Play`` is one seat's stream.
+
+It takes and gives bytes: what comes from outside is measured before it is parsed.
+"""
 
 import asyncio
 from collections.abc import AsyncIterator, Mapping
@@ -9,17 +12,20 @@ from google.protobuf.message import DecodeError
 
 from wildscav.proto import PROTOCOL_VERSION
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join, ServerMessage
-from wildscav.proto.match_pb2_grpc import MatchServicer
 from wildscav.server.reports import SeatStatus
 from wildscav.server.seat import Seat
 from wildscav.server.session import HostedMatch
-from wildscav.wire.errors import RefusalError, encode_refusal
+from wildscav.server.strangers import Strangers
+from wildscav.wire.errors import ProtocolRefusalError, RefusalError, encode_refusal
 
+SERVICE = "wildscav.match.v1.Match"
 JOIN_TIME = 10.0  # s that a new stream has to say who it is
+REFUSAL_DELAY = 0.2  # s until a stranger hears that it is refused: who tries again and again, tries slowly
 STREAM_ENDED = "its stream ended"
 STALE_LIMIT = 16  # old answers that a seat may send in one step
+MESSAGE_LIMIT = 4096  # bytes of what an agent sends; an action has 40 at most
 
-Context: TypeAlias = grpc.aio.ServicerContext[ClientMessage, ServerMessage]
+Context: TypeAlias = "grpc.aio.ServicerContext[bytes, bytes]"
 
 
 class Place(NamedTuple):
@@ -29,7 +35,11 @@ class Place(NamedTuple):
     seat: Seat
 
 
-class MatchService(MatchServicer):
+class StreamLostError(Exception):
+    """The connection of a stream is gone."""
+
+
+class MatchService:
     """Serves the seats of all matches of a server.
 
     Args:
@@ -38,17 +48,34 @@ class MatchService(MatchServicer):
 
     def __init__(self, places: Mapping[str, Place]) -> None:
         self._places = places
+        self._strangers = Strangers()
 
-    async def Play(self, request_iterator: AsyncIterator[ClientMessage], context: Context) -> None:  # noqa: N802, ARG002
+    def handler(self) -> grpc.GenericRpcHandler:
+        """Return what a gRPC server is to be given."""
+        play = grpc.stream_stream_rpc_method_handler(self.play)
+        handler: grpc.GenericRpcHandler = grpc.method_handlers_generic_handler(SERVICE, {"Play": play})
+        return handler
+
+    async def play(self, _: AsyncIterator[bytes], context: Context) -> None:
         """Serve one seat from joining to the end of its match."""
         try:
-            place = self._place(await _read_join(context))
-            task = asyncio.current_task()
-            if task is not None:
-                info = place.match.join(place.seat, task)
-                await _serve(place, info, context)
+            place, gets_ready = await self._welcome(context)
+            place.match.join(place.seat, _this_task(), gets_ready=gets_ready)
+            await _serve(place, context)
         except RefusalError as refusal:
-            await context.abort_with_status(encode_refusal(refusal))
+            await _refuse(context, refusal)
+        except StreamLostError:
+            pass  # nobody is there to hear anything
+
+    async def _welcome(self, context: Context) -> tuple[Place, bool]:
+        """Find out who has come, and whether it will get ready. Whoever is refused here waits for it."""
+        with self._strangers.counted(_this_task()):
+            try:
+                join = await _read_join(context)
+                return self._place(join), join.gets_ready
+            except RefusalError:
+                await asyncio.sleep(REFUSAL_DELAY)
+                raise
 
     def _place(self, join: Join) -> Place:
         if join.protocol_version != PROTOCOL_VERSION:
@@ -65,29 +92,41 @@ class MatchService(MatchServicer):
         return place
 
 
-async def _serve(place: Place, info: ServerMessage, context: Context) -> None:
+def _this_task() -> "asyncio.Task[None]":
+    task = asyncio.current_task()
+    if task is None:
+        raise RuntimeError("a stream is served by a task")
+    return task
+
+
+async def _serve(place: Place, context: Context) -> None:
     """Speak the protocol with a seat that has been taken."""
     match, seat = place
+    loop = asyncio.get_running_loop()
     try:
-        await context.write(info)
+        await _write(context, match.info_for(seat))
+        if seat.gets_ready:
+            await _read_ready(context)
+            match.ready(seat)
         while True:
             message = await match.next_message(seat)
-            await context.write(message)
+            seat.asked_at = loop.time()
+            await _write(context, message)
             if message.HasField("match_over"):
                 return
-            answer = await _read_answer(seat, context)
-            if answer is None:
-                match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
-                return
-            match.receive(seat, answer)
+            match.receive(seat, await _read_answer(seat, context))
     except asyncio.CancelledError:
         if seat.refusal is None:  # the connection was lost
             raise
         raise seat.refusal from None
-    except RefusalError as refusal:
-        if refusal.reason == "PROTOCOL_ERROR":
-            match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
+    except ProtocolRefusalError as refusal:
+        match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
         raise
+    except (RefusalError, StreamLostError):
+        raise
+    except Exception as error:
+        match.fail(error)
+        raise RefusalError(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", "the platform failed") from error
     finally:
         # Whatever else ended the stream, cancellation by a lost connection included.
         match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
@@ -99,35 +138,68 @@ async def _read_join(context: Context) -> Join:
         async with asyncio.timeout(JOIN_TIME):
             message = await _read(context)
     except TimeoutError:
-        raise _protocol_error(f"said nothing for {JOIN_TIME:g} s") from None
-    if message is None or not message.HasField("join"):
-        raise _protocol_error("the first message must be a Join")
+        raise ProtocolRefusalError("JOIN_TIMEOUT", f"said nothing for {JOIN_TIME:g} s") from None
+    if not message.HasField("join"):
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "the first message must be a Join")
     return message.join
 
 
-async def _read_answer(seat: Seat, context: Context) -> Action | None:
-    """Read the answer to a seat's last observation, dropping older ones; None at the end of its stream."""
+async def _read_ready(context: Context) -> None:
+    if not (await _read(context)).HasField("ready"):
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "after a Join that says so, a Ready must come")
+
+
+async def _read_answer(seat: Seat, context: Context) -> Action:
+    """Read the answer to a seat's last observation, dropping older ones."""
     for _ in range(STALE_LIMIT):
         message = await _read(context)
-        if message is None:
-            return None
         if not message.HasField("action"):
-            raise _protocol_error("after joining, every message must be an Action")
+            raise ProtocolRefusalError("PROTOCOL_ERROR", "after joining, every message must be an Action")
         if message.action.step == seat.asked:
             return message.action
         if message.action.step > seat.asked:
-            raise _protocol_error(f"answered step {message.action.step} before it was asked")
+            raise ProtocolRefusalError(
+                "TOO_EARLY", f"answered step {message.action.step} before it was asked"
+            )
         seat.conduct.dropped_actions += 1
-    raise _protocol_error(f"sent {STALE_LIMIT} old answers in one step")
+    raise ProtocolRefusalError("FLOOD", f"sent {STALE_LIMIT} old answers in one step")
 
 
-async def _read(context: Context) -> ClientMessage | None:
+async def _read(context: Context) -> ClientMessage:
+    """Read a message.
+
+    Raises:
+        ProtocolRefusalError: It is too large, or none.
+        StreamLostError: The stream has ended.
+    """
     try:
-        message = await context.read()
+        content = await context.read()
+    except grpc.aio.BaseError as error:
+        raise StreamLostError from error
+    if not isinstance(content, bytes):
+        raise StreamLostError
+    if len(content) > MESSAGE_LIMIT:
+        raise ProtocolRefusalError(
+            "MESSAGE_TOO_LARGE",
+            f"sent a message of {len(content):,} bytes; {MESSAGE_LIMIT:,} are allowed",
+            grpc.StatusCode.RESOURCE_EXHAUSTED,
+        )
+    try:
+        return ClientMessage.FromString(content)
     except DecodeError:
-        raise _protocol_error("sent bytes that are no ClientMessage") from None
-    return message if isinstance(message, ClientMessage) else None
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are no ClientMessage") from None
 
 
-def _protocol_error(message: str) -> RefusalError:
-    return RefusalError(grpc.StatusCode.INVALID_ARGUMENT, "PROTOCOL_ERROR", message)
+async def _write(context: Context, message: ServerMessage) -> None:
+    try:
+        await context.write(message.SerializeToString())
+    except grpc.aio.BaseError as error:
+        raise StreamLostError from error
+
+
+async def _refuse(context: Context, refusal: RefusalError) -> None:
+    """End a stream with a status, if anybody is there to hear it."""
+    try:
+        await context.abort_with_status(encode_refusal(refusal))
+    except grpc.aio.BaseError:
+        return

@@ -1,6 +1,7 @@
 """One hosted match, from the first seat that is taken to the last message."""
 
 import asyncio
+import contextlib
 import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ import grpc
 from wildscav.errors import WildscavError
 from wildscav.proto.match_pb2 import Action, MatchOver, ServerMessage
 from wildscav.server.deadlines import Clock
-from wildscav.server.lockstep import Lockstep
+from wildscav.server.lockstep import LAG, Lockstep
 from wildscav.server.reports import MatchOutcome, SeatStatus
 from wildscav.server.seat import Seat
 from wildscav.server.snapshot import match_info
@@ -61,6 +62,11 @@ class HostedMatch:
         return self._seats
 
     @property
+    def clock(self) -> Clock:
+        """The limits of the seats' time in this match."""
+        return self._clock
+
+    @property
     def playing(self) -> bool:
         """Whether the wait for seats is over."""
         return self._playing
@@ -99,8 +105,13 @@ class HostedMatch:
 
     # What the seats' streams do.
 
-    def join(self, seat: Seat, stream: asyncio.Task[None]) -> ServerMessage:
-        """Take a seat for a stream, and return the match info.
+    def join(self, seat: Seat, stream: asyncio.Task[None], *, gets_ready: bool) -> None:
+        """Take a seat for a stream.
+
+        Args:
+            seat: Which one.
+            stream: Serves its connection.
+            gets_ready: Whether the seat will say itself when it is set up.
 
         Raises:
             RefusalError: The seat is not to be had.
@@ -111,9 +122,23 @@ class HostedMatch:
             )
         if seat.stream is not None:
             raise RefusalError(grpc.StatusCode.ALREADY_EXISTS, "SEAT_TAKEN", f"seat {seat.number} is taken")
-        seat.stream = stream
-        self._check_joined()
+        seat.stream, seat.gets_ready = stream, gets_ready
+        if not gets_ready:
+            self.ready(seat)
+
+    def info_for(self, seat: Seat) -> ServerMessage:
+        """Return the first message to a seat."""
         return encode_match_info(match_info(self.match, seat.number, self._clock))
+
+    def ready(self, seat: Seat) -> None:
+        """Wait no longer for a seat to get ready."""
+        seat.ready = True
+        self._check_joined()
+
+    def fail(self, error: Exception) -> None:
+        """Give the match up: the platform failed."""
+        self._lockstep.fail(error)
+        self._joined.set()
 
     async def next_message(self, seat: Seat) -> ServerMessage:
         """Wait for what a seat that owes no answer is to be sent next: an observation, or the end."""
@@ -156,18 +181,28 @@ class HostedMatch:
 
     async def _wait_for_seats(self) -> None:
         self._check_joined()
-        timer = asyncio.get_running_loop().call_later(self._clock.join_timeout, self._joined.set)
-        await self._joined.wait()
-        timer.cancel()
+        loop = asyncio.get_running_loop()
+        due = loop.time() + self._clock.join_timeout
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout_at(due):
+                await self._joined.wait()
+        if not self._joined.is_set() and loop.time() - due > LAG:
+            # The server was busy, and a Join may lie unread: the seats get that time back.
+            await asyncio.sleep(loop.time() - due)
         self._playing = True
         for seat in self._seats.values():
-            if seat.stream is None:
-                self.leave(
-                    seat, SeatStatus.NEVER_JOINED, f"did not join within {self._clock.join_timeout:g} s"
-                )
+            if not seat.ready:
+                self._shut_out(seat)
+
+    def _shut_out(self, seat: Seat) -> None:
+        """Close a seat whose time to start up is over."""
+        missed = "join" if seat.stream is None else "get ready"
+        reason = f"did not {missed} within {self._clock.join_timeout:g} s"
+        self.leave(seat, SeatStatus.NEVER_JOINED, reason)
+        seat.dismiss(RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", reason))
 
     def _check_joined(self) -> None:
-        if all(seat.gone or seat.stream is not None for seat in self._seats.values()):
+        if all(seat.gone or seat.ready for seat in self._seats.values()):
             self._joined.set()
 
     async def _play(self) -> MatchOutcome:

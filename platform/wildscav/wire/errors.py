@@ -27,6 +27,21 @@ class RefusalError(WildscavError):
         self.code, self.reason = code, reason
 
 
+class ProtocolRefusalError(RefusalError):
+    """What the server answers to a client that sends what no client may send; its seat is closed.
+
+    Args:
+        reason: One of the reasons listed at the top of ``match.proto``.
+        message: One line for the person behind the client.
+        code: The gRPC status code.
+    """
+
+    def __init__(
+        self, reason: str, message: str, code: grpc.StatusCode = grpc.StatusCode.INVALID_ARGUMENT
+    ) -> None:
+        super().__init__(code, reason, message)
+
+
 def encode_refusal(refusal: RefusalError) -> grpc.Status:
     """Return a refusal as a status with typed details."""
     detail = AnyMessage()

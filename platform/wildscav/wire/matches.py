@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from wildscav.proto import PROTOCOL_VERSION
-from wildscav.proto.match_pb2 import ClientMessage, Join, SeatConduct, SeatResult, ServerMessage
+from wildscav.proto.match_pb2 import ClientMessage, Join, Ready, SeatConduct, SeatResult, ServerMessage
 from wildscav.proto.match_pb2 import MatchInfo as MatchInfoMessage
 from wildscav.proto.match_pb2 import SupplyWave as SupplyWaveMessage
 from wildscav.proto.match_pb2 import Vector as VectorMessage
@@ -14,8 +14,19 @@ from wildscav.wire.observations import decode_vector
 
 def encode_join(token: str, sdk_name: str, sdk_version: str) -> ClientMessage:
     """Return the message that takes a seat."""
-    join = Join(token=token, protocol_version=PROTOCOL_VERSION, sdk_name=sdk_name, sdk_version=sdk_version)
+    join = Join(
+        token=token,
+        protocol_version=PROTOCOL_VERSION,
+        sdk_name=sdk_name,
+        sdk_version=sdk_version,
+        gets_ready=True,
+    )
     return ClientMessage(join=join)
+
+
+def encode_ready() -> ClientMessage:
+    """Return the message that says that an agent is set up for its match."""
+    return ClientMessage(ready=Ready())
 
 
 def encode_match_info(info: MatchInfo) -> ServerMessage:
@@ -72,11 +83,10 @@ def encode_seat_result(values: Mapping[str, Any], name: str) -> SeatResult:
     return SeatResult(name=name, **values)
 
 
-def encode_conduct(values: Mapping[str, Any], fault: str | None) -> SeatConduct:
+def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
     """Return how a seat behaved as a message.
 
     Args:
-        values: The fields of the server's ``Conduct`` by name.
-        fault: Whose fault it is if something went wrong.
+        values: The fields of the message by name.
     """
-    return SeatConduct(fault=fault or "", **values)
+    return SeatConduct(**values)

@@ -1,0 +1,205 @@
+"""A hostile client, move by move, and the server that has to bear it."""
+
+import asyncio
+import contextlib
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import grpc
+from hypothesis import strategies as some
+from tests.platform.seats import HandPlayed, connected, host, small_spec, start_agent
+
+from wildscav.proto.match_pb2 import Action, ClientMessage, Join, Ready
+from wildscav.server import Clock, HostedMatch, MatchServer
+from wildscav.wire.errors import reason_of
+
+REASONS = frozenset(
+    {
+        *("PROTOCOL_VERSION", "SEAT_TOKEN_UNKNOWN", "SEAT_TAKEN", "SEAT_CLOSED", "SERVER_BUSY"),
+        *("JOIN_TIMEOUT", "PROTOCOL_ERROR", "MESSAGE_TOO_LARGE", "TOO_EARLY", "FLOOD", "MATCH_CANCELLED"),
+    }
+)
+OUTCOMES = frozenset({"finished", "timed_out", "crashed", "protocol_error", "never_joined"})
+HASTY = Clock(step_budget=0.02, time_bank=0.02, join_timeout=0.1)
+STEPS = 3
+PATIENCE = 0.15  # s that an attacker waits for an answer
+NUMBERS = some.sampled_from([0.0, 5.0, 10.1, -1.0, math.nan, math.inf, -math.inf, 1e38, -1e38])
+
+
+class Move(NamedTuple):
+    """Something that a hostile client does."""
+
+    kind: str
+    what: Any = None
+
+
+MOVES = some.one_of(
+    some.sampled_from(["own", "unknown", "other", ""]).map(lambda token: Move("join", token)),
+    some.sampled_from([0, 2, 2**32 - 1]).map(lambda version: Move("version", version)),
+    some.tuples(some.integers(-4, 4), NUMBERS, NUMBERS, NUMBERS).map(lambda what: Move("act", what)),
+    some.binary(max_size=40).map(lambda content: Move("bytes", content)),
+    some.sampled_from([4_096, 4_097, 100_000, 262_144, 262_145]).map(lambda size: Move("large", size)),
+    some.integers(2, 40).map(lambda count: Move("repeat", count)),
+    some.sampled_from(["get ready", "ready", "empty", "read", "twice", "half", "cancel", "pause"]).map(Move),
+)
+# Most begin as an agent does, or the rest would never be reached.
+ATTACKS = some.tuples(some.booleans(), some.lists(MOVES, max_size=8)).map(
+    lambda drawn: [Move("join", "own"), Move("read"), Move("read"), *drawn[1]] if drawn[0] else drawn[1]
+)
+
+
+class Attacker:
+    """One client at one seat."""
+
+    def __init__(self, seat: HandPlayed, hosted: HostedMatch, address: str) -> None:
+        self._seat, self._hosted, self._address = seat, hosted, address
+        self._asked = 0  # step of the last observation
+        self._last = ClientMessage()
+
+    async def make(self, moves: Sequence[Move]) -> str:
+        """Make moves until the stream ends; return how it ended: a reason, or nothing if without one."""
+        try:
+            with contextlib.suppress(asyncio.InvalidStateError):  # it wrote to a stream that had ended
+                for move in moves:
+                    await self._make(move)
+                await self._seat.call.done_writing()
+            async with asyncio.timeout(5.0):
+                await self._seat.read_out()
+        except grpc.aio.AioRpcError as error:
+            return reason_of(error) or untyped(error)
+        except asyncio.CancelledError:
+            if not self._seat.call.cancelled():
+                raise
+        return ""
+
+    async def _make(self, move: Move) -> None:  # noqa: C901 - a row a move
+        match move.kind:
+            case "join":
+                tokens = {"own": self._hosted.tokens[0], "other": self._hosted.tokens[1]}
+                await self._send(join(tokens.get(move.what, move.what)))
+            case "get ready":
+                await self._send(join(self._hosted.tokens[0], gets_ready=True))
+            case "version":
+                await self._send(join(self._hosted.tokens[0], protocol_version=move.what))
+            case "act":
+                ahead, direction, speed, turn = move.what
+                step = max(0, self._asked + ahead)
+                action = Action(step=step, walk_direction=direction, walk_speed=speed, turn=turn)
+                await self._send(ClientMessage(action=action))
+            case "ready":
+                await self._send(ClientMessage(ready=Ready()))
+            case "empty":
+                await self._send(ClientMessage())
+            case "repeat":
+                for _ in range(move.what):
+                    await self._send(self._last)
+            case "bytes":
+                await self._seat.send(move.what)
+            case "large":
+                await self._seat.send(bytes(move.what))
+            case "read":
+                await self._read()
+            case "twice":
+                await self._join_again()
+            case "half":
+                await self._seat.call.done_writing()
+            case "cancel":
+                self._seat.call.cancel()
+            case "pause":
+                await asyncio.sleep(0.03)
+
+    async def _send(self, message: ClientMessage) -> None:
+        self._last = message
+        await self._seat.send(message)
+
+    async def _read(self) -> None:
+        message = await heard(self._seat)
+        if message is not None and message.HasField("observation"):
+            self._asked = message.observation.step
+
+    async def _join_again(self) -> None:
+        async with connected(self._address) as thief:
+            await thief.send(join(self._hosted.tokens[0]))
+            await heard(thief)
+
+
+def join(token: str, **fields: Any) -> ClientMessage:
+    return ClientMessage(join=Join(**{"token": token, "protocol_version": 1, **fields}))
+
+
+async def heard(seat: HandPlayed) -> Any:
+    """Return the next message of a stream, None if none comes soon or ever."""
+    # A read that is given up would end the stream, so it goes on by itself.
+    reading = asyncio.ensure_future(seat.call.read())
+    reading.add_done_callback(lambda done: done.cancelled() or done.exception())
+    done, _ = await asyncio.wait([reading], timeout=PATIENCE)
+    if not done or reading.cancelled() or reading.exception() or reading.result() is grpc.aio.EOF:
+        return None
+    return reading.result()
+
+
+def untyped(error: grpc.aio.AioRpcError) -> str:
+    """Return what to call a status without a reason: gRPC's own of what is too large, or a surprise."""
+    details = error.details() or ""
+    if error.code() == grpc.StatusCode.RESOURCE_EXHAUSTED and "larger than max" in details:
+        return "too large for gRPC"
+    if details == "Internal error from Core":  # the client's own: it wrote to an ended stream
+        return ""
+    return f"{error.code().name}: {details}"
+
+
+class Siege:
+    """A server under attack, at which one honest agent plays a long match in a process of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self._runner = asyncio.Runner()
+        self._runner.run(self._begin(folder))
+
+    async def _begin(self, folder: Path) -> None:
+        self.server = MatchServer()
+        (self.address,) = await self.server.start([f"unix:{folder / 'match.sock'}"])
+        self.honest = await host(self.server, small_spec("navigation", seconds=3600.0))
+        self._agent = await start_agent("Walker", self.address, self.honest.tokens[0])
+        while self.honest.match.step_number < 10:  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+
+    def attack(self, attacks: Sequence[Sequence[Move]]) -> list[str]:
+        """Let clients attack a match of their own each, all at once; return how their streams ended."""
+        return self._runner.run(self._attack_all(attacks))
+
+    async def _attack_all(self, attacks: Sequence[Sequence[Move]]) -> list[str]:
+        async with asyncio.timeout(30):
+            return await asyncio.gather(*map(self._attack, attacks))
+
+    async def _attack(self, moves: Sequence[Move]) -> str:
+        hosted = await host(self.server, small_spec(seats=2, seconds=STEPS / 10), clock=HASTY)
+        async with connected(self.address) as seat:
+            ending = await Attacker(seat, hosted, self.address).make(moves)
+        outcome = await hosted.finished()
+        assert outcome.match.step_number == STEPS
+        assert {report.status.value for report in outcome.seats.values()} <= OUTCOMES
+        return ending
+
+    def end(self) -> Any:
+        """End the siege; return the honest agent's conduct."""
+        conduct = self._runner.run(self._end())
+        self._runner.close()
+        return conduct
+
+    async def _end(self) -> Any:
+        report = self.honest.seats[0].report()
+        assert self.honest.task.done() is False or report.status == "finished"
+        assert len(asyncio.all_tasks()) < 40, "tasks were left behind"
+        self.honest.cancel()
+        await self._agent.communicate()
+        await self.server.stop()
+        return report
+
+
+def memory() -> int:
+    """Return the resident memory of this process, bytes."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")

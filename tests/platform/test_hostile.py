@@ -1,0 +1,189 @@
+"""Clients that mean harm: they cost no other seat its time, and the server nothing for good."""
+
+import asyncio
+import contextlib
+import gc
+import os
+import socket
+from pathlib import Path
+
+import grpc
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as some
+from tests.platform.hostile import ATTACKS, REASONS, Move, Siege, memory
+from tests.platform.seats import connected, ended, host, serving, small_spec, start_agent
+
+from wildscav.proto.match_pb2 import ClientMessage, Join
+from wildscav.server import Clock, MatchServer
+from wildscav.server.warm import warm
+
+FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
+GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep
+
+
+def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
+    """Attack a server again and again, and see that it stays as it was."""
+    warm()
+    siege = Siege(tmp_path)
+    rounds, memories = 0, []
+
+    @settings(
+        max_examples=attacks // at_once,
+        deadline=None,
+        derandomize=True,
+        phases=[Phase.generate],  # to make a failing round smaller takes longer than to read it
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(some.lists(ATTACKS, min_size=at_once, max_size=at_once))
+    def attack(moves: list[list[Move]]) -> None:
+        nonlocal rounds
+        endings = set(siege.attack(moves))
+        assert endings <= REASONS | {"", "too large for gRPC"}, endings
+        rounds += 1
+        if rounds % 5 == 0:
+            gc.collect()
+            memories.append(memory())
+
+    try:
+        attack()
+    finally:
+        honest = siege.end()
+    late, most = honest.late_steps, honest.think_time.max
+    print(  # noqa: T201 - the figures of a run by hand
+        f"{rounds * at_once:,} attacks; honest agent: {honest.steps_played:,} steps, {late} late, "
+        f"p99 {honest.think_time.p99 * 1e3:.1f} ms, max {most * 1e3:.1f} ms; "
+        f"memory {memories[0] / 1e6:.0f} to {memories[-1] / 1e6:.0f} MB"
+    )
+    assert late == 0
+    assert honest.steps_played > 10
+    assert memories[-1] - memories[0] < GROWTH
+
+
+def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
+    besiege(tmp_path, FEW, at_once=20)
+
+
+@pytest.mark.slow
+def test_no_sequence_of_many_thousands_harms_the_server_or_another_match(tmp_path: Path) -> None:
+    besiege(tmp_path, int(os.environ.get("WILDSCAV_ATTACKS", MANY)), at_once=50)
+
+
+def raw_connections(path: str, count: int, said: bytes) -> list[socket.socket]:
+    """Open connections that say some bytes and no more."""
+    opened = []
+    for _ in range(count):
+        one = socket.socket(socket.AF_UNIX)
+        one.connect(path)
+        with contextlib.suppress(BrokenPipeError):
+            one.sendall(said)
+        one.setblocking(False)
+        opened.append(one)
+    return opened
+
+
+def still_open(one: socket.socket) -> bool:
+    try:
+        while content := one.recv(65_536):
+            del content
+    except BlockingIOError:
+        return True
+    except ConnectionError:
+        return False
+    return False
+
+
+PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
+SETTINGS = b"\0\0\0\4\0\0\0\0\0"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        pytest.param(b"", id="silent", marks=pytest.mark.slow),
+        pytest.param(b"GET / HTTP/1.1\r\n\r\n", id="http/1", marks=pytest.mark.slow),
+        pytest.param(PREFACE, id="half a handshake", marks=pytest.mark.slow),
+        pytest.param(PREFACE + SETTINGS, id="half-open"),
+        pytest.param(PREFACE + SETTINGS + b"\xff" * 5000, id="garbage frames", marks=pytest.mark.slow),
+        pytest.param(bytes(range(256)), id="garbage", marks=pytest.mark.slow),
+    ],
+)
+def test_thousands_of_connections_leave_a_match_its_time(tmp_path: Path, said: bytes) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=6.0))
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        while hosted.match.step_number == 0:  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+        path = address.removeprefix("unix:")
+        flood = await asyncio.to_thread(raw_connections, path, 3000, said)
+        assert await ended(agent) == (0, "")
+        report = (await hosted.finished()).seats[0]
+        assert (report.status, report.late_steps) == ("finished", 0)
+        assert sum(map(still_open, flood)) <= 2000
+        for one in flood:
+            one.close()
+        later = await host(server, small_spec())  # the flood gone, all is as before
+        agent = await start_agent("Walker", address, later.tokens[0])
+        assert await ended(agent) == (0, "")
+
+    serving(tmp_path, play)
+
+
+def test_one_address_has_so_many_connections_and_the_others_are_free(tmp_path: Path) -> None:
+    async def play(_: MatchServer, __: str) -> None:
+        server = MatchServer(connections=4)
+        address, second = await server.start([f"unix:{tmp_path / name}.sock" for name in ("first", "second")])
+        flood = await asyncio.to_thread(raw_connections, second.removeprefix("unix:"), 50, b"")
+        await asyncio.sleep(0.2)
+        assert sum(map(still_open, flood)) <= 4
+        hosted = await host(server, small_spec())
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        assert await ended(agent) == (0, "")
+        for one in flood:
+            one.close()
+        await server.stop()
+
+    serving(tmp_path, play)
+
+
+def test_a_reader_that_does_not_read_costs_its_seat_alone(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        before = memory()
+        depth = {"depth": {"width": 400, "height": 400}}  # 640 kB each: more than is sent ahead
+        spec, clock = small_spec(seats=2, seconds=3.0), Clock(step_budget=0.05, time_bank=0.1)
+        hosted = await host(server, spec, sensors={0: depth}, clock=clock)
+        agent = await start_agent("Walker", address, hosted.tokens[1])
+        async with connected(address) as deaf:
+            await deaf.send(ClientMessage(join=Join(token=hosted.tokens[0], protocol_version=1)))
+            outcome = await hosted.finished()
+        assert await ended(agent) == (0, "")
+        assert (outcome.seats[0].status, outcome.seats[0].steps_played) == ("timed_out", 0)
+        assert (outcome.seats[1].status, outcome.seats[1].late_steps) == ("finished", 0)
+        assert memory() - before < 50e6
+
+    serving(tmp_path, play)
+
+
+def test_a_flood_of_strangers_costs_a_match_no_step(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=6.0))
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        refused = 0
+
+        async def knock() -> None:
+            nonlocal refused
+            while not hosted.task.done():
+                async with connected(address) as seat:
+                    await seat.send(ClientMessage(join=Join(token="mine?", protocol_version=1)))  # noqa: S106
+                    with pytest.raises(grpc.aio.AioRpcError):
+                        await seat.read_out()
+                    refused += 1
+
+        await asyncio.gather(*(knock() for _ in range(60)))
+        assert await ended(agent) == (0, "")
+        report = (await hosted.finished()).seats[0]
+        assert (report.status, report.late_steps) == ("finished", 0)
+        assert refused > 60
+
+    serving(tmp_path, play)
