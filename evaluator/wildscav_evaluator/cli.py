@@ -11,11 +11,37 @@ import typer
 from wildscav.errors import UserError, describe
 
 if TYPE_CHECKING:
+    from wildscav_evaluator.seeds import SuiteSeed
     from wildscav_evaluator.submission import Submission
+    from wildscav_evaluator.suites import Suite
 
 Submissions = Annotated[
     list[Path],
     typer.Argument(help="Folders with a submission.toml.", metavar="SUBMISSION", show_default=False),
+]
+
+SuiteOption = Annotated[
+    str,
+    typer.Option(
+        help="Which matches. quick: 5 of navigation, 4 of gathering, 3 of battle, small and short. "
+        "official: the competition's 100, 100 and 10 on large maps. Or an own suite's file (.toml)."
+    ),
+]
+SeedOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Seed of the suite: another seed gives other maps. Default: 0.", min=0, show_default=False
+    ),
+]
+SecretOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="File with a hidden seed (`wildscav secret new`), instead of --seed.", show_default=False
+    ),
+]
+JobsOption = Annotated[
+    int | None,
+    typer.Option(help="Matches at once. Default: one a processor core.", min=1, show_default=False),
 ]
 
 
@@ -25,17 +51,10 @@ def evaluate(
         list[str] | None,
         typer.Option(help="Evaluate on this track; may be repeated. Default: all tracks of each submission."),
     ] = None,
-    suite: Annotated[
-        Literal["quick", "official"],
-        typer.Option(
-            help="Which matches. quick: 5 of navigation, 4 of gathering, 3 of battle, small and short. "
-            "official: the competition's 100, 100 and 10 on large maps."
-        ),
-    ] = "quick",
-    seed: Annotated[int, typer.Option(help="Seed of the suite: another seed gives other maps.", min=0)] = 0,
-    jobs: Annotated[
-        int | None, typer.Option(help="Matches at once. Default: one a processor core.", min=1)
-    ] = None,
+    suite: SuiteOption = "quick",
+    seed: SeedOption = None,
+    secret: SecretOption = None,
+    jobs: JobsOption = None,
     replays: Annotated[
         Literal["none", "first", "all"],
         typer.Option(help="Which matches of each submission and track to render as Rerun recordings."),
@@ -50,15 +69,16 @@ def evaluate(
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
 ) -> None:
     """Evaluate submissions on seeded suites of matches, each agent in a process of its own."""
+    from wildscav_evaluator.own_suite import find_suite
     from wildscav_evaluator.run import Plan, default_jobs
     from wildscav_evaluator.session import run_session
 
-    loaded = _load(submissions)
+    loaded, chosen = _load(submissions), find_suite(suite)
     plan = Plan(
         submissions=loaded,
-        tracks=_tracks(loaded, track or []),
-        suite=suite,
-        seed=seed,
+        tracks=suite_tracks(loaded, track or [], chosen),
+        suite=chosen,
+        seed=suite_seed(seed, secret),
         replays=replays,
         jobs=jobs or default_jobs(),
         out=out,
@@ -132,6 +152,44 @@ def _tracks(submissions: "tuple[Submission, ...]", asked: list[str]) -> tuple[st
     return tuple(
         name for name in wanted if any(name in submission.manifest.tracks for submission in submissions)
     )
+
+
+def suite_tracks(submissions: "tuple[Submission, ...]", asked: list[str], suite: "Suite") -> tuple[str, ...]:
+    """Return the tracks of a suite that are to be played.
+
+    Raises:
+        UserError: The suite has not a track that is asked for, or none that the submissions play.
+    """
+    tracks = _tracks(submissions, asked)
+    for name in tracks if asked else ():
+        if name not in suite.courses:
+            raise UserError(
+                f"suite {suite.name} has no {name}; its tracks are {', '.join(suite.courses)}", exit_code=2
+            )
+    played = tuple(name for name in tracks if name in suite.courses)
+    for submission in submissions:
+        if not set(played) & set(submission.manifest.tracks):
+            raise UserError(
+                f"submission {submission.name!r} plays no track of suite {suite.name}, which has "
+                f"{', '.join(suite.courses)}",
+                exit_code=2,
+            )
+    return played
+
+
+def suite_seed(seed: int | None, secret: Path | None) -> "SuiteSeed":
+    """Return the seed that is asked for.
+
+    Raises:
+        UserError: Both kinds are, or there is no such secret.
+    """
+    from wildscav_evaluator.seeds import SuiteSeed, read_secret
+
+    if secret is None:
+        return SuiteSeed(seed or 0)
+    if seed is not None:
+        raise UserError("--seed and --secret are given: the seed is public or hidden, not both", exit_code=2)
+    return read_secret(secret)
 
 
 def _check_plays(submission: "Submission", track: str) -> None:

@@ -33,7 +33,7 @@ class Identity(Part):
     simulation_version: int = SIMULATION_VERSION
     generator_version: int = GENERATOR_VERSION
     suite: str
-    seed: int
+    seed: str  # or the beginning of a hidden one's commitment
     tracks: tuple[str, ...]
     matches: str  # digest of the specs of all matches
     submissions: tuple[Entrant, ...]

@@ -13,6 +13,7 @@ from wildscav_evaluator.lock import Lock, locked
 from wildscav_evaluator.results import RESULTS_FILE
 from wildscav_evaluator.submission import MANIFEST, Submission
 
+SUITE_FILE = "suite.toml"  # a copy of an organizer's own
 FOLDERS = (RECORDS, REPLAYS, LOGS, MATCHES)
 # What an evaluation writes for each match, and so what the next one may remove. Nothing else is touched.
 OWN_FILES = (f"{RECORDS}/*{SUFFIX}", f"{REPLAYS}/*.rrd", f"{LOGS}/*.log", f"{MATCHES}/*.json")

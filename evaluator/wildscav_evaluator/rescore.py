@@ -10,6 +10,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
+from typing import NamedTuple
 
 from wildscav.console import printable
 from wildscav.errors import UserError, describe
@@ -22,8 +23,18 @@ from wildscav_evaluator.run import metric_infos
 from wildscav_evaluator.score import summary
 from wildscav_evaluator.seating import display_names, submission_seats
 
-NAME = re.compile(rf"(?P<track>{'|'.join(TRACKS)})-(?P<index>\d{{3,6}})-(?P<submission>[a-z0-9-]{{2,40}})")
+NAME = re.compile(
+    rf"(?P<track>{'|'.join(TRACKS)})-(?P<match>\d{{3,6}})-(?P<submission>[a-z0-9-]{{2,40}}){re.escape(SUFFIX)}"
+)
 RECORDED = "recorded"  # status of a match of which nothing but its record is known
+
+
+class RecordName(NamedTuple):
+    """What the name of a record's file says."""
+
+    track: str
+    match: int  # in the suite
+    submission: str
 
 
 @dataclass(frozen=True)
@@ -70,14 +81,18 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
         yield from pool.map(replay_one, paths[1:])
 
 
+def parse_name(path: Path) -> RecordName | None:
+    """Return what a record's name says; none if no evaluation named it."""
+    found = NAME.fullmatch(path.name)
+    return found and RecordName(found["track"], int(found["match"]), found["submission"])
+
+
 def replay_one(path: Path) -> Replayed:
     """Play a record again. Whatever is wrong with it, the others are still to be played."""
-    name = NAME.fullmatch(path.name.removesuffix(SUFFIX))
+    name, place = parse_name(path), f"{RECORDS}/{path.name}"
     if name is None:
-        return Replayed(
-            f"{RECORDS}/{path.name}", "", 0, "", fault="it is not named as evaluations name records"
-        )
-    told = Replayed(f"{RECORDS}/{path.name}", name["track"], int(name["index"]), name["submission"])
+        return Replayed(place, "", 0, "", fault="it is not named as evaluations name records")
+    told = Replayed(place, *name)
     try:
         record = read_record(path)
         found = verify_record(record)

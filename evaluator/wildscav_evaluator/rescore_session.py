@@ -1,6 +1,6 @@
 """``wildscav rescore`` as its user sees it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -8,11 +8,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from wildscav.console import console, counted, error_console
 from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION
-from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.complaints import raise_all
+from wildscav_evaluator.opening import expected_matches
 from wildscav_evaluator.rescore import Replayed, disagreements, recompute, record_paths, replay_all
 from wildscav_evaluator.results import RESULTS_FILE, Results, Timings, read_results
-from wildscav_evaluator.suites import SUITES, suite
 from wildscav_evaluator.tables import LEGEND, track_table
 
 SHOWN = 20  # disagreements, at most
@@ -34,14 +33,14 @@ def run_rescore(out: Path, jobs: int) -> None:
         raise_all(complaints)
         console.print(f"{everything} played again; there is no {out / RESULTS_FILE} to compare with")
         return
-    expected = expected_matches(told)
+    expected = expected_matches(out, told)
     complaints += disagreements(replayed, told, expected)
     if len(complaints) > SHOWN:
         complaints[SHOWN:] = [f"and {len(complaints) - SHOWN:,} more disagreements"]
     raise_all(complaints)
     console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}", soft_wrap=True)
     if expected is None:
-        console.print("Which matches the suite has was not checked: its seed is not known.")
+        console.print("That these are the suite's matches can be checked once its secret is opened.")
 
 
 def recomputed(replayed: Sequence[Replayed], told: Results | None) -> Results:
@@ -53,13 +52,6 @@ def recomputed(replayed: Sequence[Replayed], told: Results | None) -> Results:
     return Results(
         engine_version=ENGINE_VERSION, suite="unknown", seed=0, evaluations=evaluations, timings=nothing
     )
-
-
-def expected_matches(told: Results) -> Mapping[str, Sequence[MatchSpec]] | None:
-    """Return the matches of the suite that was played, by track; none if it is not known here."""
-    if told.suite not in SUITES:
-        return None
-    return {track: suite(track, told.suite, told.seed) for track in told.tracks}
 
 
 def _replay(paths: Sequence[Path], jobs: int) -> list[Replayed]:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wildscav.errors import UserError
 from wildscav_engine.files import write_whole
+from wildscav_evaluator.seeds import label
 
 RESULTS_FILE = "results.json"
 FORMAT = 1
@@ -117,10 +118,17 @@ class Results(Part):
 
     format: Literal[1] = 1
     engine_version: str
-    suite: str
-    seed: int
+    suite: str  # an organizer's own has a digest of its file behind an @
+    seed: int | None  # none while it is hidden
+    commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
+    rounds: int = 1  # how often the suite was played, each time with the next seed
     evaluations: tuple[Evaluation, ...]
     timings: Timings
+
+    @property
+    def seed_label(self) -> str:
+        """What may be shown of the seed."""
+        return label(self.seed, self.commitment)
 
     @property
     def tracks(self) -> tuple[str, ...]:

@@ -9,12 +9,14 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION
+from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator import results
 from wildscav_evaluator.identity import Entrant, Identity, digest_of
 from wildscav_evaluator.jobs import Job, JobResult
 from wildscav_evaluator.score import summary
+from wildscav_evaluator.seeds import SuiteSeed
 from wildscav_evaluator.submission import Submission
-from wildscav_evaluator.suites import suite
+from wildscav_evaluator.suites import Suite
 
 REPLAY_CHOICES = ("none", "first", "all")
 
@@ -25,12 +27,13 @@ class Plan:
 
     submissions: tuple[Submission, ...]
     tracks: tuple[str, ...]  # a submission plays those that it has, too
-    suite: str
-    seed: int
+    suite: Suite
+    seed: SuiteSeed
     replays: str  # one of REPLAY_CHOICES
     jobs: int  # matches at once
     out: Path
     fresh: bool = False  # whether another evaluation in the output folder is removed
+    rounds: int = 1  # how often the suite is played, each time with the next seed
 
     def entries(self) -> Iterator[tuple[str, Submission]]:
         """Yield every track with every submission that plays it."""
@@ -39,6 +42,15 @@ class Plan:
                 if track in submission.manifest.tracks:
                     yield track, submission
 
+    def matches(self, track: str) -> tuple[MatchSpec, ...]:
+        """Return the matches that every submission plays on a track."""
+        return matches(self.suite, track, self.seed.value, self.rounds)
+
+
+def matches(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
+    """Return the matches of a suite on a track, played in rounds of consecutive seeds."""
+    return tuple(spec for turn in range(rounds) for spec in suite.matches(track, seed + turn))
+
 
 def make_jobs(plan: Plan) -> list[Job]:
     """Return the matches to play; those of one map stand together, so that it is rarely made twice."""
@@ -46,7 +58,7 @@ def make_jobs(plan: Plan) -> list[Job]:
     jobs = []
     for track in plan.tracks:
         playing = [submission for on, submission in plan.entries() if on == track]
-        for index, spec in enumerate(suite(track, plan.suite, plan.seed)):
+        for index, spec in enumerate(plan.matches(track)):
             replay = plan.replays == "all" or (plan.replays == "first" and index == 0)
             jobs += [Job(one, track, index, spec, plan.out, replay, evaluation) for one in playing]
     return jobs
@@ -54,10 +66,10 @@ def make_jobs(plan: Plan) -> list[Job]:
 
 def identity(plan: Plan) -> Identity:
     """Return all that the results of a plan depend on."""
-    specs = [spec for track in plan.tracks for spec in suite(track, plan.suite, plan.seed)]
+    specs = [spec for track in plan.tracks for spec in plan.matches(track)]
     return Identity(
-        suite=plan.suite,
-        seed=plan.seed,
+        suite=plan.suite.label,
+        seed=plan.seed.label,
         tracks=plan.tracks,
         matches=digest_of(specs),
         submissions=tuple(
@@ -78,8 +90,10 @@ def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
     done = sorted(done, key=lambda result: (result.job.track, result.job.submission.name, result.job.index))
     return results.Results(
         engine_version=ENGINE_VERSION,
-        suite=plan.suite,
-        seed=plan.seed,
+        suite=plan.suite.label,
+        seed=None if plan.seed.commitment else plan.seed.value,
+        commitment=plan.seed.commitment,
+        rounds=plan.rounds,
         evaluations=tuple(_evaluation(track, submission, done) for track, submission in plan.entries()),
         timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
     )

@@ -15,11 +15,16 @@ def battle_seats(dice: Dice, robots: int) -> tuple[str, ...]:
     so that no agent can count on its seat.
     """
     seats = [BATTLE_ROBOTS[number % len(BATTLE_ROBOTS)] for number in range(robots)]
-    seats.append(SUBMISSION)
-    for last in range(len(seats) - 1, 0, -1):
+    return shuffled(dice, (*seats, SUBMISSION))
+
+
+def shuffled(dice: Dice, seats: Sequence[str]) -> tuple[str, ...]:
+    """Return seats in any order, all equally likely."""
+    dealt = list(seats)
+    for last in range(len(dealt) - 1, 0, -1):
         other = dice.integer(0, last)
-        seats[last], seats[other] = seats[other], seats[last]
-    return tuple(seats)
+        dealt[last], dealt[other] = dealt[other], dealt[last]
+    return tuple(dealt)
 
 
 def submission_seats(seats: Sequence[str]) -> tuple[int, ...]:

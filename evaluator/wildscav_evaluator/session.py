@@ -7,12 +7,13 @@ from rich.text import Text
 
 from wildscav.console import command, console, counted
 from wildscav.errors import UserError, describe
+from wildscav_engine.files import write_whole
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.complaints import raise_all
 from wildscav_evaluator.conduct import evaluation_remark
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, kept, sensors_read
 from wildscav_evaluator.lock import Lock
-from wildscav_evaluator.output import check_out, keep_only, output_folder
+from wildscav_evaluator.output import SUITE_FILE, check_out, keep_only, output_folder
 from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, collect, identity, make_jobs
@@ -37,6 +38,8 @@ def run_session(plan: Plan, database: Path) -> None:
         sink.check()
     jobs = make_jobs(plan)
     with output_folder(plan.out, identity(plan), fresh=plan.fresh) as lock:
+        if plan.suite.source is not None:
+            write_whole(plan.out / SUITE_FILE, plan.suite.source)
         try:
             results = collect(plan, _play(plan, jobs, lock))
         except KeyboardInterrupt:

@@ -7,15 +7,14 @@ Map seeds with the top bit set (2**63 and above) are kept for evaluation. Traini
 below 2**63, so no agent has trained on a map of a suite.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from hashlib import blake2b
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from wildscav_engine.rng import Dice, Stream
-from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
-from wildscav_evaluator.seating import battle_seats
-
-Choice = TypeVar("Choice")
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.courses import battle, capture, choose, gathering, navigation, royale
 
 EVALUATION_MAPS = 1 << 63  # the bit that marks a map seed as kept for evaluation
 
@@ -26,14 +25,45 @@ class Course(NamedTuple):
     maps: int
     episodes: int  # on each map
     draw: Callable[[Dice], MatchSpec]  # everything of a match but its map and seed
+    known_maps: tuple[MapSpec, ...] = ()  # as many as ``maps``: played instead of maps drawn
 
 
-class Suite(NamedTuple):
+@dataclass(frozen=True)
+class Suite:
     """A way to evaluate: what kind of maps, and a course for every track."""
 
+    name: str
     title: str
     map_config: Callable[[Dice], MapConfig]
-    courses: dict[str, Course]
+    courses: Mapping[str, Course]
+    source: bytes | None = None  # the file of an organizer's own suite
+
+    @property
+    def label(self) -> str:
+        """What tells it apart from all others: its name; of an organizer's own, also its file's content."""
+        if self.source is None:
+            return self.name
+        return f"{self.name}@{blake2b(self.source, digest_size=4).hexdigest()}"
+
+    def matches(self, track: str, seed: int) -> tuple[MatchSpec, ...]:
+        """Return the matches that evaluate a submission on a track.
+
+        Args:
+            track: One of ``courses``.
+            seed: Any whole number; each gives other maps and matches.
+        """
+        course = self.courses[track]
+        dice = _dice(track, self.name, seed)
+        specs = []
+        for number in range(course.maps):
+            if course.known_maps:
+                game_map = course.known_maps[number]
+            else:
+                game_map = MapSpec(config=self.map_config(dice), seed=EVALUATION_MAPS | dice.word())
+            for _ in range(course.episodes):
+                match = course.draw(dice)
+                specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()}))
+        return tuple(specs)
 
 
 def suite(track: str, name: str, seed: int) -> tuple[MatchSpec, ...]:
@@ -52,108 +82,13 @@ def suite(track: str, name: str, seed: int) -> tuple[MatchSpec, ...]:
     chosen = SUITES[name]
     if track not in chosen.courses:
         raise ValueError(f"suite {name} has no track {track!r}; it has {', '.join(chosen.courses)}")
-    course = chosen.courses[track]
-    dice = _dice(track, name, seed)
-    specs = []
-    for _ in range(course.maps):
-        game_map = MapSpec(config=chosen.map_config(dice), seed=EVALUATION_MAPS | dice.word())
-        for _ in range(course.episodes):
-            match = course.draw(dice)
-            specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()}))
-    return tuple(specs)
+    return chosen.matches(track, seed)
 
 
 def _dice(track: str, name: str, seed: int) -> Dice:
     """Return dice that no other track, suite or seed shares."""
     digest = blake2b(f"{name}/{track}/{seed}".encode(), digest_size=8).digest()
     return Dice(int.from_bytes(digest, "little"), Stream.SUITE)
-
-
-def choose(dice: Dice, choices: tuple[Choice, ...]) -> Choice:
-    """Return one of the choices, all equally likely."""
-    return choices[dice.integer(0, len(choices) - 1)]
-
-
-def navigation(time_limit: float) -> Callable[[Dice], MatchSpec]:
-    """Start and target are random outdoor places of the map; nothing else is drawn."""
-    return lambda _: MatchSpec(track="navigation", time_limit=time_limit)
-
-
-def gathering(
-    time_limit: float, offset: float, radii: tuple[float, ...], spacings: tuple[float, ...]
-) -> Callable[[Dice], MatchSpec]:
-    """One wave around a place near the middle of the map.
-
-    Args:
-        time_limit: Seconds of game time.
-        offset: The centre's x and z are each -offset, 0 or offset metres.
-        radii: Metres; standard deviations of the heat map.
-        spacings: Metres, of the outdoor grid.
-    """
-
-    def draw(dice: Dice) -> MatchSpec:
-        offsets = (-offset, 0.0, offset)
-        wave = SupplyWave(
-            center=(choose(dice, offsets), choose(dice, offsets)),
-            radius=choose(dice, radii),
-            outdoor_richness=choose(dice, (10.0, 20.0, 30.0)),
-            indoor_richness=choose(dice, (50.0, 70.0, 90.0)),
-        )
-        supplies = SupplyConfig(waves=(wave,), spacing=choose(dice, spacings))
-        return MatchSpec(track="gathering", time_limit=time_limit, supplies=supplies)
-
-    return draw
-
-
-def battle(
-    time_limit: float, robots: int, radius: float, refresh_time: float, refresh_radii: tuple[float, ...]
-) -> Callable[[Dice], MatchSpec]:
-    """One submission against robots, with one refresh around a random indoor place.
-
-    Args:
-        time_limit: Seconds of game time.
-        robots: Opponents.
-        radius: Metres; standard deviation of the first heat map, around the middle of the map.
-        refresh_time: Seconds into the match.
-        refresh_radii: Metres; standard deviations of the second heat map.
-    """
-
-    def draw(dice: Dice) -> MatchSpec:
-        outdoor, indoor = choose(dice, (10.0, 20.0, 30.0)), choose(dice, (70.0, 80.0, 90.0))
-        first = SupplyWave(center=(0.0, 0.0), radius=radius, outdoor_richness=outdoor, indoor_richness=indoor)
-        refresh = SupplyWave(
-            time=refresh_time,
-            center=None,
-            radius=choose(dice, refresh_radii),
-            outdoor_richness=outdoor,
-            indoor_richness=indoor,
-        )
-        supplies = SupplyConfig(waves=(first, refresh), spacing=5.0)
-        seats = battle_seats(dice, robots)
-        return MatchSpec(track="battle", time_limit=time_limit, seats=seats, supplies=supplies)
-
-    return draw
-
-
-def capture(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
-    """A hidden target, looked for by one submission and seekers, as one team.
-
-    Args:
-        time_limit: Seconds of game time.
-        robots: Teammates.
-    """
-    seats = (SUBMISSION, *("seeker",) * robots)
-    return lambda _: MatchSpec(track="capture", time_limit=time_limit, seats=seats)
-
-
-def royale(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
-    """One submission against robots, each alone; supplies and safe zone are the track's own.
-
-    Args:
-        time_limit: Seconds of game time.
-        robots: Opponents.
-    """
-    return lambda dice: MatchSpec(track="royale", time_limit=time_limit, seats=battle_seats(dice, robots))
 
 
 def _small_map(dice: Dice) -> MapConfig:
@@ -188,8 +123,9 @@ def _large_map(dice: Dice) -> MapConfig:
     )
 
 
-SUITES: dict[str, Suite] = {
-    "quick": Suite(
+_SUITES = (
+    Suite(
+        name="quick",
         title="a look at an agent in a minute or two: few short matches on small maps",
         map_config=_small_map,
         courses={
@@ -201,7 +137,8 @@ SUITES: dict[str, Suite] = {
         },
     ),
     # Counts, limits and supplies of the original competition.
-    "official": Suite(
+    Suite(
+        name="official",
         title="the competition's evaluation: its counts, time limits and supplies, on large maps",
         map_config=_large_map,
         courses={
@@ -217,4 +154,5 @@ SUITES: dict[str, Suite] = {
             "royale": Course(maps=10, episodes=1, draw=royale(900.0, 9)),
         },
     ),
-}
+)
+SUITES: dict[str, Suite] = {one.name: one for one in _SUITES}

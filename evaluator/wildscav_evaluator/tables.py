@@ -16,7 +16,7 @@ LEGEND = "↓ less is better, ↑ more is better. The first figure ranks."
 def track_table(results: Results, track: str) -> Table:
     """Return the table of one track: the submissions from best to worst."""
     evaluations = [one for one in results.evaluations if one.track == track]
-    table = new_table(f"{track} · suite {results.suite} · seed {results.seed}")
+    table = new_table(f"{track} · suite {results.suite} · seed {results.seed_label}")
     add_metrics(table, evaluations[0].metrics)
     add_columns(table, "matches\nfailed")
     for rank, one in ranked(evaluations):

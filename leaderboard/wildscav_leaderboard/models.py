@@ -38,7 +38,7 @@ class Evaluation(Base):
     submission: Mapped[Submission] = relationship(back_populates="evaluations")
     track: Mapped[str]
     suite: Mapped[str]
-    seed: Mapped[str]  # decimal; a seed may be wider than any integer column
+    seed: Mapped[str]  # decimal, wider than any integer column; of a hidden one, its commitment's beginning
     engine_version: Mapped[str]
     started: Mapped[datetime]  # UTC
     faults: Mapped[int]  # matches in which something went wrong

@@ -46,7 +46,7 @@ def _store(session: Session, whole: results.Results, evaluation: results.Evaluat
             Evaluation.submission == submission,
             Evaluation.track == evaluation.track,
             Evaluation.suite == whole.suite,
-            Evaluation.seed == str(whole.seed),
+            Evaluation.seed == whole.seed_label,
             Evaluation.engine_version == whole.engine_version,
         )
     ).one_or_none()
@@ -58,7 +58,7 @@ def _store(session: Session, whole: results.Results, evaluation: results.Evaluat
             submission=submission,
             track=evaluation.track,
             suite=whole.suite,
-            seed=str(whole.seed),
+            seed=whole.seed_label,
             engine_version=whole.engine_version,
             started=datetime.fromisoformat(whole.timings.started),
             faults=evaluation.faults,

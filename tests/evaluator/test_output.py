@@ -10,7 +10,9 @@ from wildscav.errors import UserError
 from wildscav_evaluator.identity import IDENTITY_FILE, read_identity
 from wildscav_evaluator.output import keep_only, output_folder
 from wildscav_evaluator.run import Plan, identity
+from wildscav_evaluator.seeds import SuiteSeed
 from wildscav_evaluator.submission import Submission, load_submission
+from wildscav_evaluator.suites import SUITES
 
 Submit = Callable[..., Submission]
 WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
@@ -19,7 +21,15 @@ WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
 @pytest.fixture
 def plan(submit: Submit, tmp_path: Path) -> Plan:
     walker = submit("walker", WALKER, tracks='["navigation", "gathering"]')
-    return Plan((walker,), ("navigation",), "quick", 0, replays="none", jobs=1, out=tmp_path / "out")
+    return Plan(
+        (walker,),
+        ("navigation",),
+        SUITES["quick"],
+        SuiteSeed(0),
+        replays="none",
+        jobs=1,
+        out=tmp_path / "out",
+    )
 
 
 def refusal(plan: Plan) -> str:
@@ -46,8 +56,8 @@ def test_another_evaluation_is_refused_with_the_difference(plan: Plan, submit: S
     changed = load_submission(walker.folder)
 
     for other, says in (
-        (replace(plan, suite="official"), "its suite is quick, not official"),
-        (replace(plan, seed=7), "its seed is 0, not 7"),
+        (replace(plan, suite=SUITES["official"]), "its suite is quick, not official"),
+        (replace(plan, seed=SuiteSeed(7)), "its seed is 0, not 7"),
         (replace(plan, tracks=("gathering",)), "its tracks are navigation, not gathering"),
         (replace(plan, submissions=(newer,)), "it is of walker 1.0.0, not 1.1.0"),
         (replace(plan, submissions=(submit("other", WALKER),)), "it is of walker, not of other"),
@@ -72,7 +82,7 @@ def test_a_fresh_evaluation_takes_the_folder(plan: Plan) -> None:
     with output_folder(plan.out, identity(plan)):
         (plan.out / "records" / "navigation-000-walker.wsr").touch()
         (plan.out / "notes.txt").touch()
-    other = replace(plan, seed=7)
+    other = replace(plan, seed=SuiteSeed(7))
 
     with output_folder(plan.out, identity(other), fresh=True):
         assert read_identity(plan.out) == identity(other)

@@ -7,13 +7,15 @@ from pathlib import Path
 import pytest
 
 from wildscav.errors import UserError
-from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.opening import expected_matches
 from wildscav_evaluator.rescore import Replayed, disagreements, recompute, record_paths, replay_one
-from wildscav_evaluator.rescore_session import expected_matches, recomputed, run_rescore
+from wildscav_evaluator.rescore_session import recomputed, run_rescore
 from wildscav_evaluator.results import Evaluation, Results, read_results, write_results
 from wildscav_evaluator.run import Plan
+from wildscav_evaluator.seeds import SuiteSeed
 from wildscav_evaluator.session import run_session
 from wildscav_evaluator.submission import load_submission
+from wildscav_evaluator.suites import SUITES
 
 HOMING = Path(__file__).parents[2] / "submissions" / "homing"
 
@@ -22,7 +24,15 @@ HOMING = Path(__file__).parents[2] / "submissions" / "homing"
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The output folder of an evaluation."""
     out = tmp_path_factory.mktemp("evaluation") / "out"
-    plan = Plan((load_submission(HOMING),), ("navigation",), "quick", 0, replays="none", jobs=1, out=out)
+    plan = Plan(
+        (load_submission(HOMING),),
+        ("navigation",),
+        SUITES["quick"],
+        SuiteSeed(0),
+        replays="none",
+        jobs=1,
+        out=out,
+    )
     run_session(plan, out / "wildscav.db")
     return out
 
@@ -42,7 +52,7 @@ def with_evaluation(told: Results, evaluation: Evaluation) -> Results:
 
 
 def faults(replayed: Sequence[Replayed], told: Results) -> str:
-    return "\n".join(disagreements(replayed, told, expected_matches(told)))
+    return "\n".join(disagreements(replayed, told, expected_matches(Path(), told)))
 
 
 def test_every_number_of_an_evaluation_comes_out_again(replayed: list[Replayed], told: Results) -> None:
@@ -138,11 +148,16 @@ def test_a_damaged_record_does_not_count(out: Path, tmp_path: Path) -> None:
     assert "checksum" in replay_one(path).fault
 
 
-def test_matches_are_not_checked_against_a_suite_that_is_not_known(told: Results) -> None:
-    assert expected_matches(told.model_copy(update={"suite": "theirs"})) is None
-    known = expected_matches(told)
-    assert known is not None
-    assert all(isinstance(spec, MatchSpec) for spec in known["navigation"])
+def test_matches_of_a_suite_that_is_not_the_one_played_are_no_measure(
+    out: Path, told: Results, tmp_path: Path
+) -> None:
+    theirs = told.model_copy(update={"suite": "theirs@12345678"})
+    with pytest.raises(UserError, match=r"suite\.toml: No such file"):
+        expected_matches(tmp_path, theirs)
+
+    (tmp_path / "suite.toml").write_text('name = "theirs"\ntracks = { navigation = { maps = 1 } }')
+    with pytest.raises(UserError, match="but theirs@12345678 was played"):
+        expected_matches(tmp_path, theirs)
 
 
 def test_the_command_shows_the_tables_and_says_whether_all_agree(

@@ -11,8 +11,10 @@ from sqlalchemy import func, select
 from tests.evaluator.killing import Sitting, check_whole, files, journal, without_timings
 
 from wildscav.errors import UserError
+from wildscav_evaluator.own_suite import read_suite
 from wildscav_evaluator.results import read_results
 from wildscav_evaluator.run import Plan
+from wildscav_evaluator.seeds import SuiteSeed
 from wildscav_evaluator.session import run_session
 from wildscav_evaluator.submission import Submission, load_submission
 from wildscav_evaluator.warm import warm
@@ -30,7 +32,15 @@ CRASHER = """
             raise RuntimeError("lost the thread")
         return Action()
 """
-MATCHES = 10  # of navigation in the quick suite, of both
+# Short matches: what is looked at is what lies between them.
+SUITE = """
+name = "short"
+map = { size = 40, houses = 0 }
+[tracks.navigation]
+maps = 3
+match = { time_limit = 2.0 }
+"""
+MATCHES = 6  # of both
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -44,8 +54,15 @@ def pair(submit: Submit) -> tuple[Path, Path]:
     return submit("walker", WALKER).folder, submit("crasher", CRASHER).folder
 
 
-def arguments(pair: tuple[Path, Path]) -> tuple[object, ...]:
-    return *pair, "--track=navigation", "--replays=none", "--jobs=2"
+@pytest.fixture
+def suite(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(SUITE)
+    return path
+
+
+def arguments(pair: tuple[Path, Path], suite: Path) -> tuple[object, ...]:
+    return *pair, f"--suite={suite}", "--replays=none", "--jobs=1"
 
 
 def check_same_as_whole(out: Path, whole: Path) -> None:
@@ -62,50 +79,54 @@ def check_same_as_whole(out: Path, whole: Path) -> None:
 
 
 def test_an_evaluation_that_was_killed_again_and_again_comes_to_the_same(
-    pair: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    pair: tuple[Path, Path], suite: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     whole, out = tmp_path / "whole", tmp_path / "out"
-    run_here(pair, whole)
+    run_here(pair, suite, whole)
 
-    for least in (0, 1, 4):
-        Sitting(out, *arguments(pair)).kill_at(least)
+    for least in (0, 1, 3):
+        Sitting(out, *arguments(pair, suite)).kill_at(least)
         check_whole(out)
     before = journal(out)
     capsys.readouterr()
-    run_here(pair, out)
+    run_here(pair, suite, out)
 
     # A worker that was left behind may have ended its match while the next evaluation waited for it.
     said = re.search(rf"(\d+) of {MATCHES} matches were played before", capsys.readouterr().out)
     assert said is not None
-    assert 4 <= len(before) <= int(said[1]) < MATCHES
+    assert 3 <= len(before) <= int(said[1]) < MATCHES
     played = journal(out)
     assert {stem: played[stem] for stem in before} == before, "a match was played again"
     check_same_as_whole(out, whole)
 
-    run_here(pair, out)
+    run_here(pair, suite, out)
     assert f"all {MATCHES} matches were played before" in capsys.readouterr().out
     assert journal(out) == played
 
 
-def run_here(pair: tuple[Path, Path], out: Path) -> None:
+def run_here(pair: tuple[Path, Path], suite: Path, out: Path) -> None:
     """The same command in this process."""
     submissions = tuple(map(load_submission, pair))
-    plan = Plan(submissions, ("navigation",), "quick", 0, replays="none", jobs=1, out=out)
+    plan = Plan(
+        submissions, ("navigation",), read_suite(suite), SuiteSeed(0), replays="none", jobs=1, out=out
+    )
     with pytest.raises(UserError, match="crasher failed in every match of navigation"):
         run_session(plan, out / "wildscav.db")
 
 
 @pytest.mark.slow
-def test_a_hundred_kills_at_random_moments_lose_nothing(pair: tuple[Path, Path], tmp_path: Path) -> None:
+def test_a_hundred_kills_at_random_moments_lose_nothing(
+    pair: tuple[Path, Path], suite: Path, tmp_path: Path
+) -> None:
     whole = tmp_path / "whole"
     started = time.monotonic()
-    Sitting(whole, *arguments(pair)).process.wait()
+    Sitting(whole, *arguments(pair, suite)).process.wait()
     length = time.monotonic() - started  # s of an evaluation, from start to end
     dice, kills = random.Random(2), 0  # noqa: S311
     folders = (tmp_path / f"out-{number}" for number in range(1000))
     out, before = next(folders), {}
     while True:
-        sitting = Sitting(out, *arguments(pair))
+        sitting = Sitting(out, *arguments(pair, suite))
         killed = kills < 100 and sitting.kill_after(dice.uniform(0.0, length))
         if killed:
             kills += 1

@@ -1,0 +1,67 @@
+"""The seed of a suite: public, or hidden behind a commitment until it is opened.
+
+A secret is a small file that nobody can guess. Its commitment is the SHA-256 of the file, as ``sha256sum``
+prints it: published beforehand it binds the organizer, who can play no other seed later, and tells nobody
+anything. Opening a secret is publishing the file.
+"""
+
+import hashlib
+import secrets
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav.errors import UserError
+
+SHORTEST, LONGEST = 32, 4096  # bytes of a secret
+OPENED_FILE = "secret.txt"  # the opened secret, in the output folder of an evaluation
+
+
+@dataclass(frozen=True)
+class SuiteSeed:
+    """What the matches of a suite follow from."""
+
+    value: int
+    commitment: str | None = None  # 64 hexadecimal digits; none of a public seed
+
+    @property
+    def label(self) -> str:
+        """What may be shown of it."""
+        return label(None if self.commitment else self.value, self.commitment)
+
+
+def label(seed: int | None, commitment: str | None) -> str:
+    """Return what may be shown of a seed: itself, or the beginning of its commitment."""
+    return str(seed) if commitment is None else f"hidden:{commitment[:12]}"
+
+
+def read_secret(path: Path) -> SuiteSeed:
+    """Return the seed that a secret stands for.
+
+    Raises:
+        UserError: The file cannot be read, or is too short or too long to be a secret.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise UserError(
+            f"the secret {path} cannot be read: {error.strerror}; `wildscav secret new {path}` makes one", 2
+        ) from error
+    if not SHORTEST <= len(content) <= LONGEST:
+        raise UserError(
+            f"{path} has {len(content)} bytes, a secret must have {SHORTEST} to {LONGEST}, all random: "
+            "`wildscav secret new FILE` makes one",
+            exit_code=2,
+        )
+    # Not the commitment itself, which is public.
+    value = hashlib.sha256(b"wildscav suite seed\0" + content).digest()
+    return SuiteSeed(int.from_bytes(value, "big"), commitment_of(content))
+
+
+def commitment_of(content: bytes) -> str:
+    """Return what binds to a secret and does not tell it, 64 hexadecimal digits."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def new_secret() -> bytes:
+    """Return a secret that nobody can guess: a line of 256 random bits."""
+    return f"wildscav-secret-1 {secrets.token_hex(32)}\n".encode()
