@@ -8,19 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, Field, no_actions
-from wildscav_engine.handles import Addresses, Handle, number_reader, reader, row_reader
-from wildscav_engine.kernel import kernel
+from wildscav_engine.handles import Addresses, Handle
 from wildscav_engine.maps import MapError, map_of
-from wildscav_engine.maps.bank import MapBank, world_at
+from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.play import look, play_batch
 from wildscav_engine.rows import clear_rows, fills_of
-from wildscav_engine.rules import Rules
-from wildscav_engine.sensors.visibility import Seen, allocate_seen, look_at_match
+from wildscav_engine.sensors.visibility import Seen, allocate_seen
 from wildscav_engine.set_up import MatchSetupError, place_match, plan_match
 from wildscav_engine.snapshot import History, decode, encode, map_for, write
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.state import State, allocate_state, with_room
-from wildscav_engine.step import play_step
 from wildscav_engine.threads import share
 from wildscav_engine.tracks import TRACKS
 
@@ -337,71 +335,3 @@ def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
 
 _EXAMPLE = allocate_state(1, 1, 1, 1)
 _FILLS = [fills_of(part) for part in (*_EXAMPLE, allocate_seen(1, 1))]
-# Kernels: they take the arrays of one match, or those of all matches, out of their tables.
-agents_of = row_reader(_EXAMPLE.agents)
-supplies_of = row_reader(_EXAMPLE.supplies)
-seen_of = row_reader(allocate_seen(1, 1))
-matches_at = reader(_EXAMPLE.matches)
-rules_from = number_reader(Rules())
-
-
-@kernel
-def play_batch(
-    bank: NDArray[np.int64],
-    agents: Addresses,
-    supplies: Addresses,
-    every: Addresses,
-    seen: Addresses,
-    rows: NDArray[np.int64],
-    actions: NDArray[np.float32],
-    allowed: NDArray[np.bool_],
-    frames_per_action: int,
-    rules: NDArray[np.float64],
-    opening: bool,
-) -> None:
-    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
-
-    Both are in one kernel, because they share most of what there is to compile.
-    """
-    matches = matches_at(every)
-    for index in range(rows.shape[0]):
-        match = rows[index]
-        if not matches.over[match]:
-            seats = matches.seats[match]
-            play_step(
-                world_at(bank[matches.map_index[match]]),
-                agents_of(agents, match, seats),
-                supplies_of(supplies, match, matches.slots[match]),
-                matches,
-                match,
-                seen_of(seen, match, seats),
-                actions[match][:seats],
-                allowed,
-                frames_per_action,
-                rules_from(rules),
-                opening,
-            )
-
-
-@kernel
-def look(
-    bank: NDArray[np.int64],
-    agents: Addresses,
-    supplies: Addresses,
-    every: Addresses,
-    seen: Addresses,
-    rules: NDArray[np.float64],
-) -> None:
-    """Find out what the agents of all matches see."""
-    matches = matches_at(every)
-    for match in range(matches.seats.shape[0]):
-        seats = matches.seats[match]
-        look_at_match(
-            world_at(bank[matches.map_index[match]]),
-            agents_of(agents, match, seats),
-            supplies_of(supplies, match, matches.slots[match]),
-            matches,
-            match,
-            rules_from(rules),
-            seen_of(seen, match, seats),
-        )

@@ -22,9 +22,15 @@ from typing import Any, NoReturn, ParamSpec, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import typeof_impl
 
 from wildscav_engine.linking import PartCompiler, keep
+
+try:
+    import fcntl
+except ImportError:  # a system without such locks: each process compiles for itself
+    fcntl = None  # type: ignore[assignment]
 
 Params = ParamSpec("Params")
 Returned = TypeVar("Returned")
@@ -115,7 +121,42 @@ def _take_nothing(*_: Any) -> NoReturn:
 
 def _compile(function: Callable[..., Any], **options: Any) -> Any:
     with _caching_in(function, "-".join(sorted(options)) or "plain"):
-        return njit(cache=True, **EXACTLY, **options)(function)
+        return _in_turn(njit(cache=True, **EXACTLY, **options)(function))
+
+
+def _in_turn(dispatcher: Any) -> Any:
+    """Let only one process at a time compile a function, or look for it on disk; return the function.
+
+    Two that compile one at once would both compile all that it calls, and could mix up what they keep: Numba
+    numbers the files of a function's types as it finds them. Nobody waits forever: who waits for a kernel has
+    locked only what calls it.
+    """
+    compile_now, name = dispatcher.compile, f"{dispatcher.py_func.__qualname__}.lock"
+    folder = Path(dispatcher._cache.cache_path)  # noqa: SLF001 - Numba has no other way to ask
+
+    def compile_alone(signature: Any) -> Any:
+        with global_compiler_lock, _lock(folder / name):
+            return compile_now(signature)
+
+    dispatcher.compile = compile_alone
+    return dispatcher
+
+
+@contextmanager
+def _lock(file: Path) -> Iterator[None]:
+    """Hold a lock between processes; where none can be had, do without."""
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError:
+        yield
+        return
+    try:
+        if fcntl is not None:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def _compile_part(function: Callable[..., Any], **options: bool) -> Any:
@@ -124,7 +165,7 @@ def _compile_part(function: Callable[..., Any], **options: bool) -> Any:
         pipeline_class=PartCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **EXACTLY, **options
     )(function)
     with _caching_in(function, "-".join(["part", *sorted(options)])):
-        return keep(part)
+        return _in_turn(keep(part))
 
 
 @contextmanager

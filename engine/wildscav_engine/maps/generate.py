@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from wildscav_engine.ahead import compile_ahead
 from wildscav_engine.geometry.world import build_world
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
@@ -26,6 +27,7 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
         MapError: The config asks for more than this map has room for, or leaves no place to stand.
     """
     spec = MapSpec(config=config, seed=seed)
+    compile_ahead()
     terrain, solids, solid_house, houses = lay_out(config, seed)
     water = water_of_cells(terrain.heights, terrain.water_level)
     world = build_world(terrain.corner, terrain.heights, water, solids, np.zeros((0, 3)))

@@ -17,7 +17,7 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.handles import Addresses
 from wildscav_engine.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.solids import Solids, all_shapes_of, gather_solids
+from wildscav_engine.rendering.solids import Solids, all_shapes_of
 from wildscav_engine.rendering.tracing.bodies import entered_face
 from wildscav_engine.rendering.tracing.canvas import (
     NOTHING,
@@ -32,6 +32,7 @@ from wildscav_engine.rendering.tracing.look import Desk, look_at_things, look_at
 from wildscav_engine.rendering.tracing.packing import (
     Packed,
     Shapes,
+    pack_nothing,
     pack_shapes,
     unpack_blocks,
     unpack_shapes,
@@ -44,14 +45,15 @@ __all__ = [
     "Hits",
     "Scene",
     "allocate_hits",
+    "depths_tracer",
     "scene_of",
-    "still_depths_tracer",
     "trace",
     "trace_depths",
-    "trace_still_depths_of_maps",
+    "trace_depths_of_maps",
 ]
 
 WATER_HIT = -3
+NOBODY = -2  # who looks
 
 
 class Hits(NamedTuple):
@@ -74,12 +76,10 @@ def allocate_hits(count: int, height: int, width: int) -> Hits:
 
 
 def _pack(moving: Solids) -> Packed:
-    return pack_shapes(all_shapes_of(moving)) if len(moving.kind) else _pack_nothing()
+    return pack_shapes(all_shapes_of(moving)) if len(moving.kind) else NOTHING_MOVES
 
 
-@cache
-def _pack_nothing() -> Packed:
-    return pack_shapes(all_shapes_of(gather_solids([])))
+NOTHING_MOVES = pack_nothing()
 
 
 def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
@@ -117,7 +117,19 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
     others = _pack(moving)
     _, height, width = depths.shape
     room = scene.rooms.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
-    return _trace_depths(*cameras, others.numbers, others.indices, room.addresses, depths)
+    tables = room.with_moving(others, cameras.viewers) if len(moving.kind) else room.tables
+    eyes, yaws, pitches, _, half_width, far = cameras
+    return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
+
+
+def trace_depths_of_maps(
+    scenes: Sequence[Scene], size: Size, cameras: Cameras, depths: NDArray[np.float32]
+) -> bool:
+    """Do what ``trace_depths`` does where nothing moves, for N cameras on N worlds, which may be the same."""
+    rooms = [scene.rooms.of(scene.packed, size) for scene in scenes]
+    tables = np.stack([room.addresses for room in rooms])
+    eyes, yaws, pitches, _, half_width, far = cameras
+    return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
 
 
 # What stays the same between calls comes to these kernels as a handle, what does not, array by array: from
@@ -161,132 +173,50 @@ def _trace_depths(
     eyes: NDArray[np.float64],
     yaws: NDArray[np.float64],
     pitches: NDArray[np.float64],
-    viewers: NDArray[np.int32],
-    half_width: float,
-    far: float,
-    moving_numbers: NDArray[np.float64],
-    moving_indices: NDArray[np.int64],
-    room: Addresses,
-    depths: NDArray[np.float32],
-) -> bool:
-    """Do what ``trace_depths`` says."""
-    if not are_finite(eyes, yaws, pitches):
-        return False
-    parts = read_room(room)
-    others = unpack_shapes(moving_numbers, moving_indices)
-    height, width = depths.shape[1:]
-    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
-    for image in range(yaws.shape[0]):
-        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        _look(parts, others, camera, viewers[image], False, canvas)
-        _write_depths(canvas, depths[image])
-    return True
-
-
-@kernel
-def _trace_still_depths(
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    pitches: NDArray[np.float64],
-    half_width: float,
-    far: float,
-    room: Addresses,
-    depths: NDArray[np.float32],
-) -> bool:
-    """Do what ``trace_depths`` does where nothing moves; return False for shapes that do not agree, too."""
-    count = depths.shape[0]
-    is_whole = eyes.shape[0] == yaws.shape[0] == pitches.shape[0] == count and eyes.shape[1] == 3
-    if not (is_whole and are_finite(eyes, yaws, pitches)):
-        return False
-    for image in range(count):
-        _trace_still_depth(eyes[image], yaws[image], pitches[image], half_width, far, room, depths[image])
-    return True
-
-
-def trace_still_depths_of_maps(
-    scenes: Sequence[Scene], size: Size, cameras: Cameras, depths: NDArray[np.float32]
-) -> bool:
-    """Do what ``trace_depths`` does where nothing moves, for N cameras on N worlds, which may be the same."""
-    rooms = [scene.rooms.of(scene.packed, size) for scene in scenes]
-    addresses = np.stack([room.addresses for room in rooms])
-    eyes, yaws, pitches, _, half_width, far = cameras
-    return _trace_still_depths_of_maps(eyes, yaws, pitches, half_width, far, addresses, depths)
-
-
-@kernel
-def _trace_still_depths_of_maps(
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    pitches: NDArray[np.float64],
     half_width: float,
     far: float,
     rooms: NDArray[np.int64],
     depths: NDArray[np.float32],
 ) -> bool:
-    if not are_finite(eyes, yaws, pitches):
+    """Do what ``trace_depths`` says, in one room or in one for each image.
+
+    Shapes that do not agree are refused, too, so that those who are in a hurry need not look at them.
+    """
+    count, height, width = depths.shape
+    is_whole = eyes.shape[0] == yaws.shape[0] == pitches.shape[0] == count and eyes.shape[1] == 3
+    if not (is_whole and are_finite(eyes, yaws, pitches)):
         return False
-    for image in range(depths.shape[0]):
-        _trace_still_depth(
-            eyes[image], yaws[image], pitches[image], half_width, far, rooms[image], depths[image]
-        )
+    for image in range(count):
+        parts = read_room(rooms[image if rooms.shape[0] > 1 else 0])
+        canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
+        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        others = unpack_shapes(parts.moving_numbers, parts.moving_indices)
+        viewer = parts.viewers[image] if others.boxes.shape[0] > 0 else NOBODY
+        _look(parts, others, camera, viewer, False, canvas)
+        _write_depths(canvas, depths[image])
     return True
 
 
-@kernel
-def _trace_still_depth(
-    eye: NDArray[np.float64],
-    yaw: float,
-    pitch: float,
-    half_width: float,
-    far: float,
-    room: Addresses,
-    depths: NDArray[np.float32],
-) -> None:
-    parts = read_room(room)
-    height, width = depths.shape
-    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
-    camera = camera_at(eye, yaw, pitch, half_width, width, height, far)
-    _look_at_world(parts, camera, False, canvas)
-    _write_depths(canvas, depths)
-
-
 @cache
-def still_depths_tracer() -> Callable[..., bool]:
-    """Return the shortest way to depths of a world in which nothing moves, for arrays that are just right.
+def depths_tracer() -> Callable[..., bool]:
+    """Return the shortest way to depths, for arrays that are just right.
 
-    A small image takes hardly longer than looking at three arrays in Python, and handing them on. So here the
-    kernel itself finds out whether it can take what it is given.
+    A small image takes hardly longer than looking at three arrays in Python, and handing them on. So here
+    the kernel itself finds out whether it can take what it is given. Where shapes do not agree, or a number
+    is not finite, it writes nothing and returns False; for what is no array of its type, in order, aligned
+    and writable, it raises TypeError, ValueError or NumbaError.
 
-    Args of what is returned:
-        eyes: (N, 3) float64 m, in order, aligned and writable; so are the other arrays.
-        yaws: (N,) float64 degrees.
-        pitches: (N,) float64 degrees.
-        half_width: See ``Cameras``.
-        far: Likewise.
-        room: The addresses of a room for the images.
-        depths: (N, H, W) float32 m, written.
-
-    Returns of what is returned:
-        Whether the shapes agree and all numbers are finite; else nothing is written.
-
-    Raises of what is returned:
-        TypeError, NumbaError: What was given is of another type.
+    Args of what is returned: (N, 3) float64 m, the eyes; (N,) float64 degrees, yaws; (N,) float64 degrees,
+    pitches; the half width and the reach of ``Cameras``; tables of one room or N; (N, H, W) float32, written.
     """
     numbers, depths = np.zeros(1), np.zeros((1, 1, 1), np.float32)
-    room = np.zeros((1, 1), np.int64)
-    return only_for(_trace_still_depths, numbers[None], numbers, numbers, 1.0, 1.0, room, depths)
+    tables = np.zeros((1, 1, 1), np.int64)
+    return only_for(_trace_depths, numbers[None], numbers, numbers, 1.0, 1.0, tables, depths)
 
 
 @inlined_kernel
 def _look(parts: Room, others: Shapes, camera: Camera, viewer: int, with_water: bool, canvas: Canvas) -> None:
     """Make one image on a canvas."""
-    _look_at_world(parts, camera, with_water, canvas)
-    look_at_things(others, parts.done.shape[0] - 1, camera, viewer, parts.outside, canvas)
-
-
-@inlined_kernel
-def _look_at_world(parts: Room, camera: Camera, with_water: bool, canvas: Canvas) -> None:
-    """Make one image of a world in which nothing moves."""
     blocks = unpack_blocks(parts.numbers, parts.indices, parts.halves)
     solids = unpack_shapes(parts.numbers, parts.indices)
     desk = Desk(
@@ -301,6 +231,7 @@ def _look_at_world(parts: Room, camera: Camera, with_water: bool, canvas: Canvas
     )
     start(canvas, camera)
     look_at_world(blocks, solids, camera, with_water, desk, canvas)
+    look_at_things(others, solids.boxes.shape[0], camera, viewer, desk.outside, canvas)
 
 
 @inlined_kernel

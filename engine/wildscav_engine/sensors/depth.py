@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.trace import (
-    still_depths_tracer,
+    depths_tracer,
     trace_depths,
-    trace_still_depths_of_maps,
+    trace_depths_of_maps,
 )
 from wildscav_engine.rendering.tracing.room import MOST_KEPT, Size
 from wildscav_engine.sensors.base import sensor
@@ -73,8 +73,8 @@ class DepthCamera(MovingOption, PinholeCamera):
             room = scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size)
             try:
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
-                trace = still_depths_tracer()
-                if trace(positions, yaws, pitches, lens[0], lens[1], room.addresses, depths):
+                trace = depths_tracer()
+                if trace(positions, yaws, pitches, lens[0], lens[1], room.tables, depths):
                     return depths
             except (TypeError, ValueError, NumbaError):
                 pass
@@ -87,7 +87,7 @@ class DepthCamera(MovingOption, PinholeCamera):
         if self.rays > MOST_KEPT:
             # Room for one of them at a time: they are large.
             return super().look_at_maps(maps, cameras, images)
-        return trace_still_depths_of_maps([one.scene for one in maps], self._size, cameras, images)
+        return trace_depths_of_maps([one.scene for one in maps], self._size, cameras, images)
 
     def look(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]

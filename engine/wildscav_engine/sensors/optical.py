@@ -98,14 +98,14 @@ class OpticalSensor(Sensor):
             ValueError: The match has no such seat.
         """
         rows = rows_of(match, seats)
-        agents = match.state.agents
+        agents, moving = match.state.agents, self.moving_in(match)
+        bodies: dict[str, Any] = {"moving": moving, "viewers": rows} if len(moving.kind) else {}
         return self.render(
             match.game_map,
             agents.position[0, rows] + np.array([0.0, EYE_HEIGHT, 0.0]),
             agents.yaw[0, rows],
             agents.pitch[0, rows],
-            moving=self.moving_in(match),
-            viewers=rows,
+            **bodies,
         )
 
     def render(

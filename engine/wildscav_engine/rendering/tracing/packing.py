@@ -93,6 +93,12 @@ def pack_scene(blocks: Blocks, shapes: Shapes) -> Packed:
     )
 
 
+def pack_nothing() -> Packed:
+    """Return no solids."""
+    none = np.zeros(0, np.int64)
+    return pack_shapes(Shapes(np.zeros((0, 9)), np.zeros(1, np.int64), np.zeros((0, 4)), none, none))
+
+
 @inlined_kernel
 def unpack_shapes(numbers: NDArray[np.float64], indices: NDArray[np.int64]) -> Shapes:
     """Return some solids, or those of a scene, as views of what ``Packed`` holds."""

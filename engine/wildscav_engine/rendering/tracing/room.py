@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.handles import Handle, reader
+from wildscav_engine.handles import Handle, addresses_of, reader
 from wildscav_engine.rendering.tracing.canvas import allocate_rays, allocate_strips
 from wildscav_engine.rendering.tracing.look import allocate_desk
-from wildscav_engine.rendering.tracing.packing import Packed
+from wildscav_engine.rendering.tracing.packing import Packed, pack_nothing
 
 KEPT = 8  # rooms of a thread and a scene
 MOST_KEPT = 2**16  # rays of an image whose room is kept
@@ -41,10 +41,14 @@ class Room(NamedTuple):
     rings: NDArray[np.int64]
     cells: NDArray[np.int64]
     done: NDArray[np.int64]
+    moving_numbers: NDArray[np.float64]  # what moves; see ``Packed``
+    moving_indices: NDArray[np.int64]
+    viewers: NDArray[np.int32]  # (N,) see ``Cameras``; none where nothing moves
 
 
 def allocate_room(scene: Packed, size: Size) -> Room:
-    """Return room for images of a size."""
+    """Return room for images of a size in which nothing moves."""
+    nothing = pack_nothing()
     return Room(
         scene.numbers,
         scene.indices,
@@ -53,30 +57,56 @@ def allocate_room(scene: Packed, size: Size) -> Room:
         np.empty(size.height * size.width, np.int32),
         allocate_strips(size.height, size.width),
         *allocate_desk(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
+        nothing.numbers,
+        nothing.indices,
+        np.zeros(0, np.int32),
     )
+
+
+class Moving(NamedTuple):
+    """The last arrays of a room."""
+
+    moving_numbers: NDArray[np.float64]
+    moving_indices: NDArray[np.int64]
+    viewers: NDArray[np.int32]
 
 
 NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), 0, 0, 0)
 read_room = reader(allocate_room(NOWHERE, Size(1, 1, 1.0)))
 
 
+class PlacedRoom(Handle):
+    """A room, and where it lies."""
+
+    def __init__(self, room: Room) -> None:
+        """Note where it lies."""
+        super().__init__(room)
+        self.tables = self.addresses[np.newaxis]  # (1, F, 6) as kernels take those of several images
+
+    def with_moving(self, moving: Packed, viewers: NDArray[np.int32]) -> NDArray[np.int64]:
+        """Return ``tables`` of the same room with what moves, and who looks; both are not kept alive."""
+        tables = self.tables.copy()
+        tables[0, -3:] = addresses_of(Moving(moving.numbers, moving.indices, viewers))
+        return tables
+
+
 class Rooms(threading.local):
     """The rooms of one scene, each thread's own."""
 
     def __init__(self) -> None:
-        self.kept: dict[Size, Handle] = {}
+        self.kept: dict[Size, PlacedRoom] = {}
 
     def __reduce__(self) -> tuple[type["Rooms"], tuple[()]]:
         """Copy and pickle as what is empty."""
         return Rooms, ()
 
-    def of(self, scene: Packed, size: Size) -> Handle:
+    def of(self, scene: Packed, size: Size) -> PlacedRoom:
         """Return room for images of a size, of the scene, which is always the same."""
         return self.kept.get(size) or self.make(scene, size)
 
-    def make(self, scene: Packed, size: Size) -> Handle:
+    def make(self, scene: Packed, size: Size) -> PlacedRoom:
         """Make room that is not kept yet."""
-        room = Handle(allocate_room(scene, size))
+        room = PlacedRoom(allocate_room(scene, size))
         if size.height * size.width <= MOST_KEPT:
             if len(self.kept) >= KEPT:
                 self.kept.clear()
