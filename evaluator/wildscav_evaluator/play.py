@@ -9,7 +9,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from wildscav.errors import SensorError, UserError, WildscavError, describe
@@ -69,6 +69,7 @@ class Played:
 
     match: Match
     seats: dict[int, SeatReport]  # of the submissions' seats
+    endings: dict[int, Ending] = field(default_factory=dict)  # of the processes that ended by themselves
     platform_faults: tuple[str, ...] = ()  # what broke the tries before this one, a line each
 
 
@@ -127,7 +128,7 @@ async def play_once(
         OSError: An agent's process could not be started.
         PlatformFaultError: A sandbox failed under an agent.
     """
-    with _socket_folders(len(seating.seats)) as folders:
+    with socket_folders(len(seating.seats)) as folders:
         server = MatchServer(connections=CONNECTIONS)
         # A socket of its own for each seat, so that a sandbox can hand over just that.
         addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
@@ -156,13 +157,7 @@ async def _play_hosted(
     try:
         entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
         for seat, submission, log, address in entries:
-            launch = Launch(
-                folder=submission.folder,
-                entry_point=submission.manifest.entry_point,
-                address=address,
-                token=hosted.tokens[seat],
-                log=log,
-            )
+            launch = launch_for(submission, address, hosted.tokens[seat], log)
             agents.append(await sandbox.start(launch))
             watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[-1]))
         outcome = await _outcome(hosted, watchers)
@@ -172,13 +167,24 @@ async def _play_hosted(
             if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:
                 raise PlatformFaultError(ending.platform_fault)
         reports = {seat: _explained(report, endings.get(seat)) for seat, report in outcome.seats.items()}
-        return Played(outcome.match, reports)
+        return Played(outcome.match, reports, endings)
     finally:
         hosted.cancel()
         for watcher in watchers.values():
             watcher.cancel()
         ends = [*(agent.stop() for agent in agents), *watchers.values()]
         await asyncio.gather(*ends, return_exceptions=True)
+
+
+def launch_for(submission: Submission, address: str, token: str, log: Path) -> Launch:
+    """Return what a sandbox needs to start a submission at a seat."""
+    return Launch(
+        folder=submission.folder,
+        entry_point=submission.manifest.entry_point,
+        address=address,
+        token=token,
+        log=log,
+    )
 
 
 async def _watch(hosted: HostedMatch, seat: int, agent: RunningAgent) -> Ending:
@@ -232,7 +238,7 @@ def _explained(report: SeatReport, ending: Ending | None) -> SeatReport:
 
 
 @contextmanager
-def _socket_folders(count: int) -> Iterator[list[Path]]:
+def socket_folders(count: int) -> Iterator[list[Path]]:
     """Make private folders for a unix socket each, with paths short enough for one."""
     folder = Path(tempfile.mkdtemp(prefix="wildscav-"))
     if len(bytes(folder / str(count) / SOCKET)) > SOCKET_PATH_LIMIT:

@@ -39,6 +39,7 @@ class Seat:
         self.refusal: RefusalError | None = None  # why its stream was ended
         self.gets_ready = False  # whether it says itself when it is set up
         self.ready = False  # whether it is
+        self.start_up: float | None = None  # s that it took to be
         self.gone = False  # plays no action for the rest of the match
         self.asked = -1  # step of the last observation that it was handed
         self.asked_at = 0.0  # when it was sent, by the loop's clock
@@ -105,6 +106,7 @@ class Seat:
             seat=self.number,
             think_time=ThinkTime.of(self.times),
             time_bank=self.bank.left,
+            start_up=self.start_up,
             **asdict(self.conduct),
         )
 

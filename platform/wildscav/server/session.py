@@ -44,6 +44,7 @@ class HostedMatch:
         self._seats = {seat.number: seat for seat in seats}
         self._clock = clock
         self._lockstep = Lockstep(match, seats, clock)
+        self._opened = time.perf_counter()
         self._joined = asyncio.Event()  # nobody is waited for any more
         self._playing = False
         self._goodbyes: dict[int, ServerMessage] = {}
@@ -132,7 +133,7 @@ class HostedMatch:
 
     def ready(self, seat: Seat) -> None:
         """Wait no longer for a seat to get ready."""
-        seat.ready = True
+        seat.ready, seat.start_up = True, time.perf_counter() - self._opened
         self._check_joined()
 
     def fail(self, error: Exception) -> None:

@@ -1,0 +1,106 @@
+"""The matches that a check plays: one on each track, one with no time, one that is broken off."""
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+
+from wildscav.server import Clock, HostedMatch, MatchServer
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.check import findings
+from wildscav_evaluator.check.findings import Finding
+from wildscav_evaluator.play import Played, Seating, launch_for, play_match, prepare_logs, socket_folders
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Ending, Sandbox
+from wildscav_evaluator.submission import Submission
+from wildscav_evaluator.suites import suite
+
+NO_TIME = Clock(step_budget=0.0005, time_bank=0.0)  # in which no agent keeps up
+BREAK_AT = 3  # steps played
+LEAVING_TIME = 5.0  # s
+LIMITS = DEFAULT_LIMITS
+
+
+def run_checks(
+    submission: Submission, sandbox: Sandbox, logs: Path, *, clock: Clock | None = None
+) -> Iterator[Finding]:
+    """Yield what is found, as it is found.
+
+    Args:
+        submission: Loaded, so its files are as they must be.
+        sandbox: The judge's.
+        logs: Folder for what the agent prints.
+        clock: The judge's; the server's default if none.
+
+    Raises:
+        WildscavError: The platform failed.
+    """
+    clock = clock or Clock()
+    for number, track in enumerate(submission.manifest.tracks):
+        spec = suite(track, "quick", seed=0)[0]
+        played, log = _play(submission, spec, sandbox, logs / f"{track}.log", clock)
+        seat = next(iter(played.seats))
+        fitted = clock.fitted(spec)
+        found = list(findings.judge_match(played.seats[seat], fitted, LIMITS, f"match: {track}"))
+        if number == 0:
+            yield from found
+            yield findings.output(log.stat().st_size, LIMITS)
+        else:
+            yield from (one for one in found if one.check != "start-up")
+        if played.seats[seat].status != "finished":
+            return  # what cannot play a match fails the rest for the same reason
+        if number == 0:
+            yield findings.farewell(played.endings.get(seat))
+    yield from _in_bad_weather(submission, sandbox, logs, clock)
+
+
+def _in_bad_weather(submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock) -> Iterator[Finding]:
+    spec = short_spec(submission.manifest.tracks[0])
+    late, _ = _play(submission, spec, sandbox, logs / "late.log", NO_TIME)
+    yield findings.lateness(next(iter(late.seats.values())), LIMITS, clock)
+    log = logs / "broken-off.log"
+    prepare_logs([log])
+    yield findings.break_off(asyncio.run(_break_off(submission, spec, sandbox, log)), LEAVING_TIME)
+
+
+def short_spec(track: str) -> MatchSpec:
+    """Return a match of ten seconds on a small map."""
+    small = MapSpec(config=MapConfig(size=60, houses=1), seed=1)
+    return MatchSpec(track=track, map=small, seats=("submission",), time_limit=10.0)
+
+
+def _play(
+    submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path, clock: Clock
+) -> tuple[Played, Path]:
+    """Play a match; return it with the log of the first of the submission's seats."""
+    count = spec.seats.count("submission")
+    logs = tuple(log.with_stem(f"{log.stem}-{seat}") if seat else log for seat in range(count))
+    prepare_logs(logs)
+    played = asyncio.run(play_match(Seating(spec, (submission,) * count, logs), sandbox=sandbox, clock=clock))
+    return played, log
+
+
+async def _break_off(submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path) -> Ending | None:
+    """Cancel a match while it is played; return how the agent's process ended, None if it did not."""
+    seating = Seating(spec, (submission,), (log,))
+    with socket_folders(1) as folders:
+        server = MatchServer()
+        (address,) = await server.start([f"unix:{folders[0] / 'match.sock'}"])
+        try:
+            sensors = {0: submission.manifest.sensors}
+            hosted = await server.host(spec, names=seating.names, sensors=sensors, clock=Clock())
+            agent = await sandbox.start(launch_for(submission, address, hosted.tokens[0], log))
+            ending = asyncio.create_task(agent.ended())
+            try:
+                await _wait_for_step(hosted, ending)
+                hosted.cancel()
+                await asyncio.wait([ending], timeout=LEAVING_TIME)
+                return ending.result() if ending.done() else None
+            finally:
+                await agent.stop()
+                await asyncio.wait([ending])
+        finally:
+            await server.stop()
+
+
+async def _wait_for_step(hosted: HostedMatch, ending: "asyncio.Task[Ending]") -> None:
+    while hosted.match.step_number < BREAK_AT and not ending.done() and not hosted.task.done():  # noqa: ASYNC110
+        await asyncio.sleep(0.005)

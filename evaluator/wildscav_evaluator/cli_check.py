@@ -1,0 +1,36 @@
+"""The command ``wildscav check``."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from wildscav.errors import UserError, describe
+
+InSandbox = Annotated[
+    Literal["oci", "bubblewrap", "process"], typer.Option("--sandbox", help="How the agent runs.")
+]
+
+
+def check(
+    submission: Annotated[
+        Path,
+        typer.Argument(help="Folder with a submission.toml.", metavar="SUBMISSION", show_default=False),
+    ],
+    sandbox: InSandbox = "process",
+    logs: Annotated[Path, typer.Option(help="Folder for what the agent prints.")] = Path("out/check"),
+) -> None:
+    """Try whether a submission keeps the rules: in the judge's sandbox, under its clock and its limits.
+
+    It plays a match of the quick suite on each of its tracks, one in which it is always late, and one that is
+    broken off. Every failure is explained, with the way to mend it.
+    """
+    from wildscav_evaluator.check.session import run_check
+    from wildscav_evaluator.sandbox import SANDBOXES
+    from wildscav_evaluator.submission import load_submission
+
+    loaded = load_submission(submission)
+    try:
+        run_check(loaded, SANDBOXES[sandbox], logs)
+    except OSError as error:
+        raise UserError(describe(error)) from error
