@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from wildscav_engine.envs.columns import GROUPS
-from wildscav_engine.envs.config import AGENTS, OPPONENTS, EnvConfig
+from wildscav_engine.envs.config import EnvConfig
 from wildscav_engine.envs.presets import PRESETS
 from wildscav_engine.envs.registry import env_id, zoo_id
 from wildscav_engine.tracks import TRACKS
@@ -41,7 +41,7 @@ def test_the_page_tells_every_option() -> None:
 def test_the_page_tells_every_track() -> None:
     for track in TRACKS:
         ids = rf"`{env_id(track)}` \| `{zoo_id(track)}`"
-        row = rf"^\| `{track}` \| {ids} \| {AGENTS[track]} \| {OPPONENTS[track]} "
+        row = rf"^\| `{track}` \| {ids} \| {TRACKS[track].learners} \| {TRACKS[track].opponents} "
         assert re.search(row, TEXT, re.MULTILINE), track
 
 

@@ -10,10 +10,11 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, Reading
-from wildscav_engine.envs.config import AGENTS, EnvConfig, read_config
+from wildscav_engine.envs.config import EnvConfig, read_config
 from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.observation import Observation, observation_space
 from wildscav_engine.envs.saving import load, save
+from wildscav_engine.tracks import TRACKS
 
 Flags = NDArray[np.bool_]
 
@@ -225,4 +226,4 @@ def several_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
     Raises:
         ValueError: One is wrong.
     """
-    return read_config(track, options, agents=AGENTS.get(track, 1), opponents=())
+    return read_config(track, options, agents=TRACKS[track].learners if track in TRACKS else 1, opponents=())

@@ -26,22 +26,7 @@ from wildscav_engine.tracks.rewards import RewardSum
 ActionMode = Literal["dict", "box", "baseline", "multidiscrete"]
 RenderMode = Literal["rgb_array", "depth_array", "human"]
 
-# By track: how many learners where there are several, robots against a single learner, s of a match.
-AGENTS = {"navigation": 2, "gathering": 4, "capture": 4, "battle": 10, "royale": 10}
-OPPONENTS = {"navigation": 0, "gathering": 0, "capture": 0, "battle": 9, "royale": 9}
-TIME_LIMITS = {"navigation": 120.0, "gathering": 180.0, "capture": 120.0, "battle": 300.0, "royale": 300.0}
-# The paper's depth map, which all tracks have by default, and what battles list besides.
-PAPER_DEPTH = {"depth": {"width": 10, "height": 10}}
-SUPPLIES_SEEN = {"nearby_supplies": {"limit": 8}}
 MOST_MATES = 7  # that a learner is told of by default, the nearest
-AGENTS_SEEN = {"visible_agents": {"limit": 8}}
-SENSORS_OF_TRACKS: dict[str, dict[str, dict[str, Any]]] = {
-    "navigation": PAPER_DEPTH,
-    "gathering": PAPER_DEPTH | SUPPLIES_SEEN,
-    "capture": PAPER_DEPTH,
-    "battle": PAPER_DEPTH | SUPPLIES_SEEN | AGENTS_SEEN,
-    "royale": PAPER_DEPTH | SUPPLIES_SEEN | AGENTS_SEEN | {"zone": {}},
-}
 
 
 class EnvConfig(Spec):
@@ -98,7 +83,7 @@ class EnvConfig(Spec):
         if self.opponents is not None:
             return self.opponents
         # What fills the seats of a battle that no other learner fills.
-        missing = OPPONENTS[self.track] + 1 - self.agents - len(self.teammates)
+        missing = TRACKS[self.track].opponents + 1 - self.agents - len(self.teammates)
         return (TRACKS[self.track].robot,) * max(0, missing)
 
     @property
@@ -142,7 +127,7 @@ class EnvConfig(Spec):
         teams = self.match_spec().team_of_seats
         mates = max(teams.count(teams[seat]) for seat in range(self.agents)) - 1
         told = {"teammates": {"limit": min(mates, MOST_MATES)}} if mates else {}
-        return parse_sensors(SENSORS_OF_TRACKS[self.track] | told)
+        return parse_sensors(TRACKS[self.track].sensors | told)
 
     def match_spec(self) -> MatchSpec:
         """Return the match that is played, but for its map and its seed.
@@ -154,7 +139,7 @@ class EnvConfig(Spec):
             track=self.track,
             seats=self.seats,
             teams=self.team_of_seats,
-            time_limit=TIME_LIMITS[self.track] if self.time_limit is None else self.time_limit,
+            time_limit=TRACKS[self.track].time_limit if self.time_limit is None else self.time_limit,
             frames_per_action=self.frames_per_action,
             start=self.start,
             starts=self.starts,

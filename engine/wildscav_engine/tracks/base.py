@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from wildscav_engine.actions import Field
 from wildscav_engine.spec import MatchSpec, SupplyConfig, ZoneConfig
@@ -13,6 +13,10 @@ if TYPE_CHECKING:
 MOVES = frozenset({Field.WALK_DIRECTION, Field.WALK_SPEED, Field.TURN, Field.LOOK, Field.JUMP})
 
 NO_ZONE = ZoneConfig()
+Sensors = dict[str, dict[str, Any]]  # options of sensors, by the sensors' names
+PAPER_DEPTH: Sensors = {"depth": {"width": 10, "height": 10}}
+SUPPLIES_SEEN: Sensors = {"nearby_supplies": {"limit": 8}}
+AGENTS_SEEN: Sensors = {"visible_agents": {"limit": 8}}
 
 
 class Metric(NamedTuple):
@@ -32,7 +36,13 @@ class Track(ABC):
     fields: ClassVar[frozenset[Field]]  # the action set; other fields of an action are ignored
     metrics: ClassVar[tuple[Metric, ...]]  # what is measured; the first is the score
     rewards: ClassVar[Mapping[str, float]]  # weights of the reward terms that learners get by default
-    robot: ClassVar[str]  # who fills the other seats of an environment by default
+    # What environments are like by default:
+    robot: ClassVar[str]  # who fills the other seats
+    learners: ClassVar[int]  # where there are several
+    opponents: ClassVar[int] = 0  # robots against a single learner
+    time_limit: ClassVar[float] = 120.0  # s
+    sensors: ClassVar[Sensors] = PAPER_DEPTH
+    # What its rules are:
     has_target: ClassVar[bool] = False  # whether reaching the target ends the match
     hides_target: ClassVar[bool] = False  # whether the target has to be found first
     has_supplies: ClassVar[bool] = False  # whether there are supply boxes

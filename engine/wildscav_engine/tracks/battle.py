@@ -4,7 +4,15 @@ from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.actions import Field
 from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.tracks.base import Metric, Track, carried_by_team
+from wildscav_engine.tracks.base import (
+    AGENTS_SEEN,
+    PAPER_DEPTH,
+    SUPPLIES_SEEN,
+    Metric,
+    Sensors,
+    Track,
+    carried_by_team,
+)
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -21,6 +29,10 @@ class Battle(Track):
     has_supplies: ClassVar[bool] = True
     rewards: ClassVar[dict[str, float]] = {"supply_found": 1.0, "kill": 1.0, "death": -1.0}
     robot: ClassVar[str] = "fighter"
+    learners: ClassVar[int] = 10
+    opponents: ClassVar[int] = 9
+    time_limit: ClassVar[float] = 300.0
+    sensors: ClassVar[Sensors] = PAPER_DEPTH | SUPPLIES_SEEN | AGENTS_SEEN
     metrics = (
         Metric("supplies", "supplies", "", lower_is_better=False),
         Metric("kills", "kills", "", lower_is_better=False),

@@ -23,6 +23,7 @@ class Capture(Track):
     hides_target: ClassVar[bool] = True
     rewards: ClassVar[dict[str, float]] = {"target_reached": 1.0}
     robot: ClassVar[str] = "seeker"
+    learners: ClassVar[int] = 4
     metrics = Navigation.metrics
 
     def teams(self, seats: int) -> tuple[int, ...]:

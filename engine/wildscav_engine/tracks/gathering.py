@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, ClassVar
 from wildscav_engine.actions import Field
 from wildscav_engine.rules import FRAME
 from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.tracks.base import MOVES, Metric, Track, carried_by_team
+from wildscav_engine.tracks.base import (
+    MOVES,
+    PAPER_DEPTH,
+    SUPPLIES_SEEN,
+    Metric,
+    Sensors,
+    Track,
+    carried_by_team,
+)
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -25,6 +33,9 @@ class Gathering(Track):
     has_supply_goal: ClassVar[bool] = True
     rewards: ClassVar[dict[str, float]] = {"supply_found": 1.0}
     robot: ClassVar[str] = "gatherer"
+    learners: ClassVar[int] = 4
+    time_limit: ClassVar[float] = 180.0
+    sensors: ClassVar[Sensors] = PAPER_DEPTH | SUPPLIES_SEEN
     metrics = (
         Metric("supplies", "supplies", "", lower_is_better=False),
         Metric("own_supplies", "own supplies", "", lower_is_better=False),

@@ -26,6 +26,7 @@ class Navigation(Track):
     has_target: ClassVar[bool] = True
     rewards: ClassVar[dict[str, float]] = {"target_reached": 1.0}
     robot: ClassVar[str] = "seeker"
+    learners: ClassVar[int] = 2
     metrics = (
         Metric("time", "used + punish time", "s", lower_is_better=True),
         Metric("used_time", "used time", "s", lower_is_better=True),

@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.actions import Field
 from wildscav_engine.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
-from wildscav_engine.tracks.base import Metric, Track, carried_by_team
+from wildscav_engine.tracks.base import (
+    AGENTS_SEEN,
+    PAPER_DEPTH,
+    SUPPLIES_SEEN,
+    Metric,
+    Sensors,
+    Track,
+    carried_by_team,
+)
 from wildscav_engine.tracks.battle import Battle
 
 if TYPE_CHECKING:
@@ -31,6 +39,10 @@ class Royale(Track):
     respawns: ClassVar[bool] = False
     rewards: ClassVar[dict[str, float]] = {"outlived": 1.0, "kill": 0.1, "supply_found": 0.1}
     robot: ClassVar[str] = "fighter"
+    learners: ClassVar[int] = 10
+    opponents: ClassVar[int] = 9
+    time_limit: ClassVar[float] = 300.0
+    sensors: ClassVar[Sensors] = PAPER_DEPTH | SUPPLIES_SEEN | AGENTS_SEEN | {"zone": {}}
     metrics = (
         Metric("points", "points", "", lower_is_better=False),
         Metric("placement", "placement", "", lower_is_better=True),
