@@ -4,16 +4,11 @@ The command line imports this to show its help: what is heavy is imported when a
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
 from wildscav.errors import UserError, describe
-
-if TYPE_CHECKING:
-    from wildscav_evaluator.seeds import SuiteSeed
-    from wildscav_evaluator.submission import Submission
-    from wildscav_evaluator.suites import Suite
 
 Submissions = Annotated[
     list[Path],
@@ -71,9 +66,10 @@ def evaluate(
     """Evaluate submissions on seeded suites of matches, each agent in a process of its own."""
     from wildscav_evaluator.own_suite import find_suite
     from wildscav_evaluator.run import Plan, default_jobs
+    from wildscav_evaluator.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.session import run_session
 
-    loaded, chosen = _load(submissions), find_suite(suite)
+    loaded, chosen = load_submissions(submissions), find_suite(suite)
     plan = Plan(
         submissions=loaded,
         tracks=suite_tracks(loaded, track or [], chosen),
@@ -108,11 +104,12 @@ def play(
 ) -> None:
     """Play one match, each agent in a process of its own."""
     from wildscav_evaluator import single
+    from wildscav_evaluator.selection import check_plays, load_submissions, tracks_played
 
-    loaded = _load(submissions)
-    chosen = _tracks(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
+    loaded = load_submissions(submissions)
+    chosen = tracks_played(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
     for submission in loaded:
-        _check_plays(submission, chosen)
+        check_plays(submission, chosen)
     spec = single.make_spec(
         chosen,
         submissions=len(loaded),
@@ -126,76 +123,3 @@ def play(
         single.play_single(spec, loaded, record=record, replay=replay, logs=logs)
     except OSError as error:
         raise UserError(describe(error)) from error
-
-
-def _load(folders: list[Path]) -> "tuple[Submission, ...]":
-    from wildscav_evaluator.submission import load_submission
-
-    return tuple(load_submission(folder) for folder in folders)
-
-
-def _tracks(submissions: "tuple[Submission, ...]", asked: list[str]) -> tuple[str, ...]:
-    """Return the tracks to play, in the order of the registry.
-
-    Raises:
-        UserError: There is no such track, or a submission plays none of them.
-    """
-    from wildscav_engine.tracks import TRACKS
-
-    for name in asked:
-        if name not in TRACKS:
-            raise UserError(f"there is no track {name!r}; the tracks are {', '.join(TRACKS)}", exit_code=2)
-    wanted = [name for name in TRACKS if not asked or name in asked]
-    for submission in submissions:
-        if not set(wanted) & set(submission.manifest.tracks):
-            _check_plays(submission, wanted[0])
-    return tuple(
-        name for name in wanted if any(name in submission.manifest.tracks for submission in submissions)
-    )
-
-
-def suite_tracks(submissions: "tuple[Submission, ...]", asked: list[str], suite: "Suite") -> tuple[str, ...]:
-    """Return the tracks of a suite that are to be played.
-
-    Raises:
-        UserError: The suite has not a track that is asked for, or none that the submissions play.
-    """
-    tracks = _tracks(submissions, asked)
-    for name in tracks if asked else ():
-        if name not in suite.courses:
-            raise UserError(
-                f"suite {suite.name} has no {name}; its tracks are {', '.join(suite.courses)}", exit_code=2
-            )
-    played = tuple(name for name in tracks if name in suite.courses)
-    for submission in submissions:
-        if not set(played) & set(submission.manifest.tracks):
-            raise UserError(
-                f"submission {submission.name!r} plays no track of suite {suite.name}, which has "
-                f"{', '.join(suite.courses)}",
-                exit_code=2,
-            )
-    return played
-
-
-def suite_seed(seed: int | None, secret: Path | None) -> "SuiteSeed":
-    """Return the seed that is asked for.
-
-    Raises:
-        UserError: Both kinds are, or there is no such secret.
-    """
-    from wildscav_evaluator.seeds import SuiteSeed, read_secret
-
-    if secret is None:
-        return SuiteSeed(seed or 0)
-    if seed is not None:
-        raise UserError("--seed and --secret are given: the seed is public or hidden, not both", exit_code=2)
-    return read_secret(secret)
-
-
-def _check_plays(submission: "Submission", track: str) -> None:
-    if track not in submission.manifest.tracks:
-        raise UserError(
-            f"submission {submission.name!r} does not play {track}: the tracks in "
-            f"{submission.folder / 'submission.toml'} are {', '.join(submission.manifest.tracks)}",
-            exit_code=2,
-        )

@@ -1,9 +1,66 @@
-"""The command ``wildscav rescore``."""
+"""The commands ``wildscav compare`` and ``wildscav rescore``."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from wildscav.errors import UserError
+from wildscav_evaluator.cli import JobsOption, SecretOption, SeedOption, SuiteOption
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(help="A folder with a submission.toml.", metavar="A")],
+    second: Annotated[Path, typer.Argument(help="Another one, or another version of it.", metavar="B")],
+    track: Annotated[
+        list[str] | None,
+        typer.Option(help="Compare on this track; may be repeated. Default: all that both play."),
+    ] = None,
+    suite: SuiteOption = "quick",
+    rounds: Annotated[
+        int, typer.Option(help="How often to play the suite, each time with the next seed.", min=1)
+    ] = 2,
+    seed: SeedOption = None,
+    secret: SecretOption = None,
+    jobs: JobsOption = None,
+    out: Annotated[
+        Path, typer.Option(help="Output folder. The same command goes on with what was broken off.")
+    ] = Path("out/comparison"),
+    fresh: Annotated[
+        bool,
+        typer.Option("--fresh", help="Begin anew: remove what is in the output folder."),
+    ] = False,
+) -> None:
+    """Play two submissions on the same matches, and say which is better, or that they are tied.
+
+    The verdict is that of a paired bootstrap: one is better if the 95 % interval of the differences, match by
+    match, leaves out zero.
+    """
+    from wildscav_evaluator.compare_session import run_comparison, told_apart
+    from wildscav_evaluator.own_suite import find_suite
+    from wildscav_evaluator.run import Plan, default_jobs
+    from wildscav_evaluator.selection import load_submissions, suite_seed, suite_tracks
+
+    loaded, chosen = told_apart(load_submissions([first, second])), find_suite(suite)
+    tracks = [
+        name
+        for name in suite_tracks(loaded, track or [], chosen)
+        if all(name in one.manifest.tracks for one in loaded)
+    ]
+    if not tracks:
+        raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
+    plan = Plan(
+        submissions=loaded,
+        tracks=tuple(tracks),
+        suite=chosen,
+        seed=suite_seed(seed, secret),
+        replays="none",
+        jobs=jobs or default_jobs(),
+        out=out,
+        fresh=fresh,
+        rounds=rounds,
+    )
+    run_comparison(plan)
 
 
 def rescore(

@@ -1,6 +1,7 @@
 """An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from rich.text import Text
@@ -31,11 +32,31 @@ def run_session(plan: Plan, database: Path) -> None:
         UserError: Nothing could be evaluated; or something could not be kept, or a submission failed in all
             its matches, after everything else was shown and kept.
     """
-    check_names(plan.submissions)
-    check_out(plan.out, plan.submissions)
     kept_by = tuple(sinks(str(database)))
     for sink in kept_by:
         sink.check()
+    with evaluating(plan) as results:
+        for track in results.tracks:
+            console.print()
+            console.print(track_table(results, track))
+        console.print(f"\n{LEGEND}", style="dim")
+        _remark(results)
+        complaints = list(_keep(results, plan, kept_by, database))
+        complaints += [
+            all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
+        ]
+    raise_all(complaints)
+
+
+@contextmanager
+def evaluating(plan: Plan) -> Iterator[Results]:
+    """Play all matches of a plan, or what is left of them, and hold its output folder while the block lasts.
+
+    Raises:
+        UserError: They cannot be played, or it was interrupted.
+    """
+    check_names(plan.submissions)
+    check_out(plan.out, plan.submissions)
     jobs = make_jobs(plan)
     with output_folder(plan.out, identity(plan), fresh=plan.fresh) as lock:
         if plan.suite.source is not None:
@@ -46,16 +67,7 @@ def run_session(plan: Plan, database: Path) -> None:
             raise UserError(_interrupted(plan, jobs), INTERRUPTED) from None
         except WorkerDiedError as error:
             raise UserError(str(error)) from error
-        for track in results.tracks:
-            console.print()
-            console.print(track_table(results, track))
-        console.print(f"\n{LEGEND}", style="dim")
-        _remark(results)
-        complaints = list(_keep(results, plan, kept_by, database))
-        complaints += [
-            _all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
-        ]
-    raise_all(complaints)
+        yield results
 
 
 def _play(plan: Plan, jobs: Sequence[Job], lock: Lock) -> list[JobResult]:
@@ -146,7 +158,8 @@ def _replay_to_show(results: Results) -> str | None:
     return None
 
 
-def _all_failed(evaluation: Evaluation, out: Path) -> str:
+def all_failed(evaluation: Evaluation, out: Path) -> str:
+    """Say that a submission failed in every match of a track, and why."""
     first = evaluation.matches[0]
     see = f" (its log: {out / first.log})" if first.log else ""
     return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"
