@@ -1,0 +1,59 @@
+"""Work is shared by threads: every part is done once, by whoever did it the last time if he is not late."""
+
+import threading
+import time
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wildscav_engine.threads import share
+
+
+@given(count=st.integers(0, 50), parts=st.integers(1, 12), threads=st.integers(1, 6))
+def test_everything_is_done_exactly_once(count: int, parts: int, threads: int) -> None:
+    done: list[int] = []
+
+    def work(part: slice) -> bool:
+        done.extend(range(part.start, part.stop))
+        return True
+
+    assert share(work, count, parts, threads)
+    assert sorted(done) == list(range(count))
+
+
+def test_each_thread_does_the_same_parts_again() -> None:
+    """While all are equally fast, nothing moves from the cache of one processor core to another's."""
+    meet = threading.Barrier(2)
+
+    def once() -> dict[int, str]:
+        who: dict[int, str] = {}
+
+        def work(part: slice) -> bool:
+            who[part.start] = threading.current_thread().name
+            meet.wait(10)
+            return True
+
+        assert share(work, 8, 4, 2)
+        return who
+
+    first = once()
+    assert first[0] == first[2] != first[4] == first[6]
+    assert all(once() == first for _ in range(5))
+
+
+def test_who_is_done_takes_over_what_another_has_left() -> None:
+    slow: list[str] = []
+
+    def work(part: slice) -> bool:
+        if part.start == 0:
+            time.sleep(0.3)
+        slow.append(threading.current_thread().name if part.start < 4 else "")
+        return True
+
+    assert share(work, 8, 8, 2)
+    assert len(set(slow) - {""}) == 2, "the other thread did none of the first half"
+
+
+def test_a_failure_is_told() -> None:
+    assert not share(lambda part: part.start != 3, 8, 8, 1)
+    assert not share(lambda part: part.start != 3, 8, 8, 3)
