@@ -10,6 +10,7 @@ from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.geometry.world import CELL, Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
+from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.sensors.visibility import Seen
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_engine.state import Supplies
@@ -45,6 +46,21 @@ def map_from(world: World, indoor: Sequence[Sequence[float]] = ()) -> GameMap:
     inside = np.array(indoor, float).reshape(-1, 3)
     houses = np.full(len(world.solid_kind), -1, np.int16)
     return GameMap(spec, world, (), inside, world.spawns.copy(), houses)
+
+
+def random_map_config(seed: int, *, steepest: float) -> MapConfig:
+    """Return a kind of map drawn by a seed, with at most so much relief."""
+    dice = Dice(seed, Stream.HOUSES)
+    return MapConfig(
+        size=2 * dice.integer(30, 60),
+        houses=dice.integer(0, 4),
+        storeys=((1, 4), (1, 2), (2, 3))[seed % 3],
+        density=("low", "high")[seed % 2],
+        relief=dice.uniform(0.3, steepest),
+        ruggedness=dice.uniform(),
+        water=dice.uniform(0.0, 0.25),
+        vegetation=dice.uniform(),
+    )
 
 
 def make_match(track: str = "battle", world: World | None = None, seats: int = 1, **spec: Any) -> Match:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.engine.maps.walker import Walker
 
-from builders import box, flat_world
+from builders import box, flat_world, random_map_config
 from wildscav_engine.maps import GameMap, MapError, generate_map
 from wildscav_engine.maps.walk import build_graph, find_path
 from wildscav_engine.rng import Dice, Stream
@@ -63,17 +63,7 @@ def test_every_path_between_places_of_any_map_is_walked_to_its_end(config: MapCo
 @pytest.mark.parametrize("hundred", [0, 1])
 def test_paths_on_two_hundred_random_maps_are_walked_to_their_ends(hundred: int) -> None:
     for seed in range(100 * hundred, 100 * hundred + 100):
-        dice = Dice(seed, Stream.HOUSES)
-        config = MapConfig(
-            size=2 * dice.integer(30, 60),
-            houses=dice.integer(0, 4),
-            storeys=((1, 4), (1, 2), (2, 3))[seed % 3],
-            density=("low", "high")[seed % 2],
-            relief=dice.uniform(0.3, 1.6),
-            ruggedness=dice.uniform(),
-            water=dice.uniform(0.0, 0.25),
-            vegetation=dice.uniform(),
-        )
+        config = random_map_config(seed, steepest=1.6)
         game_map = try_map(config, seed)
         if game_map:
             walk_between_places(game_map, seed, paths=6)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tests.engine.systems.random_walks import WORST, Worst, play
 
+from builders import random_map_config
 from wildscav_engine.body import FALL_SPEED_LIMIT, GRAVITY
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.maps import GameMap, MapError, generate_map
@@ -72,17 +73,7 @@ def test_nothing_bad_happens_in_a_crowd(country: GameMap) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_nothing_bad_happens_in_a_million_frames_on_random_maps(seed: int) -> None:
-    dice = Dice(seed, Stream.HOUSES)
-    config = MapConfig(
-        size=2 * dice.integer(30, 60),
-        houses=dice.integer(0, 4),
-        storeys=((1, 4), (1, 2), (2, 3))[seed % 3],
-        density=("low", "high")[seed % 2],
-        relief=dice.uniform(0.3, 1.8),
-        ruggedness=dice.uniform(),
-        water=dice.uniform(0.0, 0.25),
-        vegetation=dice.uniform(),
-    )
+    config = random_map_config(seed, steepest=1.8)
     try:
         game_map = generate_map(config, seed)
     except MapError:  # steep and wet, and more houses than fit
