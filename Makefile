@@ -1,7 +1,7 @@
 # Everything runs in .venv, which these targets make and keep up to date by themselves.
 PYTHON ?= python3
 BIN := .venv/bin
-BENCHMARKS := compile maps processes rays server steps
+BENCHMARKS := compile legacy maps processes rays server steps
 .DEFAULT_GOAL := help
 
 .PHONY: help demo test test-slow check format bench proto clean

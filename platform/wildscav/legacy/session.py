@@ -57,7 +57,7 @@ class Session:
         """Play an episode, and return the reply that ends it."""
         self._episodes += 1
         episode = read_episode(command)
-        match = _match_of(episode)
+        match = match_of(episode)
         requests = Requests(match, episode)
         seats = {number: seat for seat, number in enumerate(episode.ids)}
         log.info(
@@ -106,7 +106,7 @@ class Session:
             log.info("record of episode %d: %s", self._episodes, self._records / name)
 
 
-def _match_of(episode: Episode) -> "Match":
+def match_of(episode: Episode) -> "Match":
     """Return the match of an episode.
 
     Raises:

@@ -85,9 +85,9 @@ def _is_open(game_map: GameMap, place: list[float], direction: float, length: fl
 
 
 @functools.cache
-def face_to_face(distance: float = 5.0) -> tuple[list[float], list[float]]:
+def face_to_face(distance: float = 5.0, map_id: int = MAP) -> tuple[list[float], list[float]]:
     """Two places on nearly level open ground, the second north of the first and in plain sight."""
-    game_map = load_map(MAP)
+    game_map = load_map(map_id)
     for place in game_map.outdoor.tolist():
         ahead = [place[0], place[1], place[2] + distance]
         if max(map(abs, ahead)) > game_map.config.size / 2 - 2:

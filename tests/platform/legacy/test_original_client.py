@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
-from tests.platform.legacy.commands import open_way
+from tests.platform.legacy.commands import face_to_face, open_way
 from tests.platform.legacy.original import install, logs, play
 
 from wildscav_engine.record import read_record, verify_record
@@ -13,7 +13,7 @@ from wildscav_engine.record import read_record, verify_record
 @pytest.fixture(scope="session")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("legacy")
-    install(folder, "1")
+    install(folder, "1-2")
     return folder
 
 
@@ -44,3 +44,21 @@ def test_records_hold_and_have_the_names_that_the_client_gives(installed: Path) 
     record = read_record(one)
     assert record.names == ("agent_0",)
     assert verify_record(record).holds
+
+
+@pytest.mark.slow
+def test_gathering_with_a_depth_map_and_a_battle_of_ten_on_another_map(installed: Path) -> None:
+    told = play("battle", installed, open_way(10, map_id=1), face_to_face(map_id=2))
+    assert told["boxes"] > 10
+    assert told["gathered"] > 0
+    assert told["frames"] == 300
+    assert told["depth"] == [22, 38]
+    assert 0 < told["farthest"] <= 100
+    # 20 hp a hit, and one shot in 10 frames: 60 hp are gone with the third.
+    assert [health for health, _, _ in told["shots"][:5]] == [40, 40, 20, 20, 0]
+    assert told["shots"][0] == [40, False, True]
+    assert told["shots"][4] == [0, True, True]
+    assert told["agents"] == 10
+    assert told["ammo"] < 15
+    # Back after 10 s with the health of its own set-up, and invincible for 10 s.
+    assert told["last"] == [60, True]

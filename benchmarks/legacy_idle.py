@@ -1,0 +1,40 @@
+"""An engine that does nothing: it tells the client the same all the time, as much as the real one does."""
+
+import sys
+
+from wildscav.legacy.actions import read_actions
+from wildscav.legacy.channel import Client
+from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand, Request
+from wildscav.legacy.episode import read_episode
+from wildscav.legacy.program import read_address
+from wildscav.legacy.requests import START, Requests
+from wildscav.legacy.session import match_of
+
+WARM_UP = 50  # steps of the real match after which its observations are taken
+
+
+def observations(command: GMCommand) -> bytes:
+    """Return what the real engine tells in the middle of an episode."""
+    episode = read_episode(command)
+    match = match_of(episode)
+    commands = [AgentCommand(id=agent, walk_dir=36 * agent, walk_speed=5) for agent in episode.ids]
+    rows, _ = read_actions(commands, {agent: seat for seat, agent in enumerate(episode.ids)})
+    for _ in range(WARM_UP):
+        match.step(rows)
+    return Requests(match, episode).next()
+
+
+def main() -> None:
+    """Serve one client."""
+    client = Client(read_address(sys.argv[1:]))
+    reply = client.ask(START)
+    while reply.game_state == GameState.RESET:
+        told = observations(reply.gm_cmd)
+        for _ in range(10 * reply.gm_cmd.timeout):
+            client.ask(told)
+        # A later field of a message replaces an earlier one of the same number.
+        reply = client.ask(told + Request(game_state=GameState.OVER).SerializeToString())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,179 @@
+"""The map files of the client: small, and the same world as the engine's.
+
+The mesh is read back from its file and traced by Embree, with the camera of the original's version 1.0.0: x
+negated, 1.5 m above the soles, 60° wide, square pixels, planar depth, rays cut at their length.
+"""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
+from tests.platform.legacy.original import environment
+
+from builders import place, seen_now
+from wildscav.legacy.maps import is_written, obj_of, paths_of, write_map
+from wildscav_engine.maps import GameMap, load_map
+from wildscav_engine.match import Match
+from wildscav_engine.sensors import DepthCamera
+from wildscav_engine.spec import MatchSpec
+
+EYE = np.array([0.0, 1.5, 0.0])
+WIDTH, HEIGHT, FAR = 64, 36, 200.0
+POSES = 100
+Numbers = NDArray[np.float64]
+
+
+class Mesh:
+    """The mesh of a map's file, in Embree."""
+
+    def __init__(self, game_map: GameMap, folder: Path) -> None:
+        file = folder / "map.obj"
+        file.write_bytes(obj_of(game_map))
+        mesh = trimesh.load(file, force="mesh")
+        self._scene = EmbreeScene()
+        vertices, triangles = mesh.vertices.astype(np.float32), mesh.faces.astype(np.int32)
+        self._kept = TriangleMesh(self._scene, vertices, triangles)
+
+    def distances(self, starts: Numbers, ways: Numbers, reach: Numbers) -> Numbers:
+        """Return (n,) m to what rays meet, their reach if nothing; all in the engine's frame."""
+        mirrored = [np.float32(rays * [-1.0, 1.0, 1.0]) for rays in (starts, ways)]
+        met = self._scene.run(*mirrored, query="DISTANCE", dists=np.float32(reach))
+        return np.minimum(np.asarray(met, np.float64), reach)
+
+
+def rays_of(yaw: float, pitch: float) -> Numbers:
+    """Return (HEIGHT · WIDTH, 3) unit vectors through the middles of pixels, from the top row on."""
+    half = np.tan(np.radians(30.0))
+    right = ((np.arange(WIDTH) + 0.5) / WIDTH * 2 - 1) * half
+    up = (1 - (np.arange(HEIGHT) + 0.5) / HEIGHT * 2) * half * HEIGHT / WIDTH
+    across, rise = np.meshgrid(right, up)
+    sin_yaw, cos_yaw = np.sin(np.radians(yaw)), np.cos(np.radians(yaw))
+    sin_pitch, cos_pitch = np.sin(np.radians(pitch)), np.cos(np.radians(pitch))
+    forward = np.array([sin_yaw * cos_pitch, -sin_pitch, cos_yaw * cos_pitch])
+    above = np.array([sin_yaw * sin_pitch, cos_pitch, cos_yaw * sin_pitch])
+    aside = np.array([cos_yaw, 0.0, -sin_yaw])
+    ways = forward + across[..., None] * aside + rise[..., None] * above
+    unit: Numbers = (ways / np.linalg.norm(ways, axis=-1, keepdims=True)).reshape(-1, 3)
+    return unit
+
+
+def depth_by_mesh(mesh: Mesh, eye: Numbers, yaw: float, pitch: float) -> Numbers:
+    """Return (HEIGHT, WIDTH) m, planar depth as the original's definition has it."""
+    ways = rays_of(yaw, pitch)
+    distances = mesh.distances(np.tile(eye, (len(ways), 1)), ways, np.full(len(ways), FAR))
+    forward = (
+        rays_of(yaw, pitch).reshape(HEIGHT, WIDTH, 3)[HEIGHT // 2 - 1 : HEIGHT // 2 + 1].mean(axis=(0, 1))
+    )
+    along = ways @ (forward / np.linalg.norm(forward))
+    depth: Numbers = np.where(distances >= FAR, FAR, distances * along).reshape(HEIGHT, WIDTH)
+    return depth
+
+
+def standing_places(game_map: GameMap, count: int, seed: int) -> Numbers:
+    """Return (count, 3) m places of a map, one in four of them indoors."""
+    dice = np.random.default_rng(seed)
+    indoors, outdoors = count // 4, count - count // 4
+    chosen: Numbers = np.concatenate(
+        [
+            game_map.indoor[dice.integers(len(game_map.indoor), size=indoors)],
+            game_map.outdoor[dice.integers(len(game_map.outdoor), size=outdoors)],
+        ]
+    )
+    return chosen
+
+
+@pytest.mark.parametrize("map_id", [103, pytest.param(1, marks=pytest.mark.slow)])
+def test_depth_over_the_mesh_is_the_engines(map_id: int, tmp_path: Path) -> None:
+    game_map = load_map(map_id)
+    mesh = Mesh(game_map, tmp_path)
+    dice = np.random.default_rng(map_id)
+    eyes = standing_places(game_map, POSES, seed=1) + EYE
+    yaws, pitches = dice.uniform(-180, 180, POSES), dice.uniform(-30, 30, POSES)
+    ours = DepthCamera(WIDTH, HEIGHT, FAR).render(game_map, eyes, yaws, pitches)
+    theirs = [depth_by_mesh(mesh, *pose) for pose in zip(eyes, yaws, pitches, strict=True)]
+    same = np.abs(ours - np.array(theirs)) <= 0.05
+    assert same.mean() >= 0.995
+
+
+@pytest.mark.parametrize("map_id", [103, pytest.param(1, marks=pytest.mark.slow)])
+def test_line_of_sight_over_the_mesh_is_the_engines(map_id: int, tmp_path: Path) -> None:
+    game_map = load_map(map_id)
+    mesh = Mesh(game_map, tmp_path)
+    match = Match(MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * 2), game_map)
+    everywhere = np.concatenate([game_map.indoor, game_map.outdoor])
+    dice = np.random.default_rng(3)
+    ours, theirs = [], []
+    for watcher in standing_places(game_map, 300, seed=2):
+        # Not so near that a part of the body is out of view.
+        distances = np.linalg.norm(everywhere - watcher, axis=1)
+        body = everywhere[dice.choice(np.flatnonzero((distances > 5) & (distances < 60)))]
+        ours.append(is_seen(match, watcher, body))
+        theirs.append(is_in_sight(mesh, watcher, body))
+    assert 0.05 < np.mean(ours) < 0.95, "some are seen and some are hidden"
+    assert np.mean(np.array(ours) == np.array(theirs)) >= 0.99
+
+
+def is_seen(match: Match, watcher: Numbers, body: Numbers) -> bool:
+    """Return whether one who looks at a body sees it in the engine."""
+    way = body - watcher
+    pitch = np.degrees(np.arctan2(-way[1], np.hypot(way[0], way[2])))
+    place(match, 0, watcher, yaw=float(np.degrees(np.arctan2(way[0], way[2]))), pitch=float(pitch))
+    place(match, 1, body)
+    return bool(seen_now(match).agent_count[0, 0] == 1)
+
+
+def is_in_sight(mesh: Mesh, watcher: Numbers, body: Numbers) -> bool:
+    """Return whether a body, as 1.78 m of axis and 0.9 m of shoulders, is in sight over the mesh."""
+    way = body - watcher
+    aside = np.array([way[2], 0.0, -way[0]]) / max(1e-9, np.hypot(way[0], way[2])) * 0.8 * 0.45
+    heights = [0.95 * 1.78, 0.6 * 1.78, 0.2 * 1.78]
+    up = np.array([0.0, 1.0, 0.0])
+    points = [body + height * up for height in heights]
+    points += [body + 0.7 * 1.78 * up + aside, body + 0.7 * 1.78 * up - aside]
+    ways = np.array(points) - (watcher + EYE)
+    lengths = np.linalg.norm(ways, axis=1)
+    starts = np.tile(watcher + EYE, (len(ways), 1))
+    met = mesh.distances(starts, ways / lengths[:, None], lengths)
+    return bool((met >= lengths - 1e-4).any())
+
+
+def test_locations_are_those_of_the_map(tmp_path: Path) -> None:
+    write_map(103, tmp_path)
+    obj, places = paths_of(103, tmp_path)
+    assert (obj.name, places.name) == ("103.obj", "103.json")
+    told = json.loads(places.read_text())
+    game_map = load_map(103)
+    assert set(told) == {"indoor", "outdoor"}
+    assert np.allclose(told["indoor"], game_map.indoor, atol=1e-3)
+    assert np.allclose(told["outdoor"], game_map.outdoor, atol=1e-3)
+
+
+def test_a_map_that_something_else_made_or_that_is_cut_short_is_missing(tmp_path: Path) -> None:
+    assert not is_written(103, tmp_path)
+    write_map(103, tmp_path)
+    assert is_written(103, tmp_path)
+    obj, places = paths_of(103, tmp_path)
+    places.unlink()
+    assert not is_written(103, tmp_path)
+    places.write_text("{}")
+    obj.write_text("# Wildscav map 103, generator 1: x west, y up, z north; m\n")
+    assert not is_written(103, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_client_loads_the_largest_maps_in_2_seconds(tmp_path: Path) -> None:
+    write_map(8, tmp_path)
+    code = (
+        "import sys, time; from inspirai_fps.raycast import RaycastManager as R; "
+        "R(sys.argv[1]); began = time.process_time(); R(sys.argv[1]); print(time.process_time() - began)"
+    )
+    done = subprocess.run(
+        [environment(), "-c", code, paths_of(8, tmp_path)[0]], capture_output=True, text=True, check=True
+    )
+    assert float(done.stdout) < 2.0
