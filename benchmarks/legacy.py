@@ -21,7 +21,7 @@ PACKAGES = (
     *("inspirai-fps==0.0.3", "numpy<2", "protobuf==3.20.*"),
     *("grpcio", "trimesh", "Pillow", "rich"),
 )
-MODES = {"navigation": (0, 1, 3000), "gathering": (1, 1, 400), "battle": (2, 10, 60)}  # mode, agents, steps
+MODES = {"navigation": (0, 1, 2000), "gathering": (1, 1, 300), "battle": (2, 10, 50)}  # mode, agents, steps
 REPEATS = 3
 NEEDED = 0.6  # of the rate with an engine that does nothing
 

@@ -13,6 +13,11 @@ game = Game(map_dir=f"{folder}/maps", engine_dir=engine, engine_log_dir=f"{folde
 game.set_random_seed(1)
 game.set_start_location(game.outdoor_locations[100])
 game.set_target_location(game.outdoor_locations[-1])
+# Supplies as the competition had them.
+game.set_supply_heatmap_radius(30)
+game.set_supply_outdoor_richness(20)
+game.set_supply_indoor_richness(70)
+game.set_supply_spacing(10)
 game.set_available_actions(
     [
         *(ActionVariable.WALK_DIR, ActionVariable.WALK_SPEED, ActionVariable.TURN_LR_DELTA),

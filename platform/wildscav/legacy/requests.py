@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 START = Request(game_state=GameState.START).SerializeToString()
-UPDATE, OVER = int(GameState.UPDATE), int(GameState.OVER)
+UPDATE, OVER = GameState.UPDATE, GameState.OVER
 OBSERVATIONS = bytes([Request.AGENT_OBS_LIST_FIELD_NUMBER << 3 | 2])  # tag of a field of bytes
 Row = dict[str, list]  # type: ignore[type-arg] # facts of agents by name, one for each seat
 
