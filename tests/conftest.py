@@ -1,6 +1,11 @@
 """What all tests share."""
 
+import os
+
 from hypothesis import settings
+
+# The sandboxes have tests of their own; elsewhere agents are our own, and start quicker without.
+os.environ.setdefault("WILDSCAV_SANDBOX", "process")
 
 # The first call of a kernel may compile it, so no single example has a deadline. The same examples are
 # drawn each time, so that a run tells about the code and not about luck.

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import typer
 
 from wildscav.errors import UserError, describe
+from wildscav_evaluator.sandbox_option import InSandbox, chosen_sandbox
 
 Submissions = Annotated[
     list[Path],
@@ -62,8 +63,9 @@ def evaluate(
         bool, typer.Option("--fresh", help="Begin anew: remove the evaluation in the output folder.")
     ] = False,
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
+    sandbox: InSandbox = None,
 ) -> None:
-    """Evaluate submissions on seeded suites of matches, each agent in a process of its own."""
+    """Evaluate submissions on seeded suites of matches, each agent in a sandbox of its own."""
     from wildscav_evaluator.own_suite import find_suite
     from wildscav_evaluator.run import Plan, default_jobs
     from wildscav_evaluator.selection import load_submissions, suite_seed, suite_tracks
@@ -79,6 +81,7 @@ def evaluate(
         jobs=jobs or default_jobs(),
         out=out,
         fresh=fresh,
+        sandbox=chosen_sandbox(sandbox),
     )
     run_session(plan, db)
 
@@ -101,8 +104,9 @@ def play(
         Path | None, typer.Option(help="Render the match as a Rerun recording into this file (.rrd).")
     ] = None,
     logs: Annotated[Path, typer.Option(help="Folder for what the agents print.")] = Path("out/play"),
+    sandbox: InSandbox = None,
 ) -> None:
-    """Play one match, each agent in a process of its own."""
+    """Play one match, each agent in a sandbox of its own."""
     from wildscav_evaluator import single
     from wildscav_evaluator.selection import check_plays, load_submissions, tracks_played
 
@@ -120,6 +124,8 @@ def play(
         time_limit=time_limit,
     )
     try:
-        single.play_single(spec, loaded, record=record, replay=replay, logs=logs)
+        single.play_single(
+            spec, loaded, record=record, replay=replay, logs=logs, sandbox=chosen_sandbox(sandbox)
+        )
     except OSError as error:
         raise UserError(describe(error)) from error

@@ -1,15 +1,12 @@
 """The command ``wildscav check``."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from wildscav.errors import UserError, describe
-
-InSandbox = Annotated[
-    Literal["oci", "bubblewrap", "process"], typer.Option("--sandbox", help="How the agent runs.")
-]
+from wildscav_evaluator.sandbox_option import InSandbox, chosen_sandbox
 
 
 def check(
@@ -17,7 +14,7 @@ def check(
         Path,
         typer.Argument(help="Folder with a submission.toml.", metavar="SUBMISSION", show_default=False),
     ],
-    sandbox: InSandbox = "process",
+    sandbox: InSandbox = None,
     logs: Annotated[Path, typer.Option(help="Folder for what the agent prints.")] = Path("out/check"),
 ) -> None:
     """Try whether a submission keeps the rules: in the judge's sandbox, under its clock and its limits.
@@ -31,6 +28,6 @@ def check(
 
     loaded = load_submission(submission)
     try:
-        run_check(loaded, SANDBOXES[sandbox], logs)
+        run_check(loaded, SANDBOXES[chosen_sandbox(sandbox)], logs)
     except OSError as error:
         raise UserError(describe(error)) from error

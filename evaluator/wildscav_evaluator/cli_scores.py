@@ -7,6 +7,7 @@ import typer
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli import JobsOption, SecretOption, SeedOption, SuiteOption
+from wildscav_evaluator.sandbox_option import InSandbox, chosen_sandbox
 
 
 def compare(
@@ -30,6 +31,7 @@ def compare(
         bool,
         typer.Option("--fresh", help="Begin anew: remove what is in the output folder."),
     ] = False,
+    sandbox: InSandbox = None,
 ) -> None:
     """Play two submissions on the same matches, and say which is better, or that they are tied.
 
@@ -59,6 +61,7 @@ def compare(
         out=out,
         fresh=fresh,
         rounds=rounds,
+        sandbox=chosen_sandbox(sandbox),
     )
     run_comparison(plan)
 

@@ -13,6 +13,7 @@ from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.journal import read_entry, write_entry
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.results import MatchRow, MatchTiming
+from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.warm import Wanted
 
@@ -32,6 +33,7 @@ class Job:
     out: Path
     replay: bool  # whether to render one
     evaluation: str = ""  # digest of the evaluation's identity
+    sandbox: str = "process"  # in which its agent runs
 
     @property
     def stem(self) -> str:
@@ -105,7 +107,7 @@ def _play(runner: asyncio.Runner, job: Job) -> JobResult:
     seating = job.seating
     try:
         prepare_logs(seating.logs)
-        played = runner.run(play_match(seating))
+        played = runner.run(play_match(seating, sandbox=SANDBOXES[job.sandbox]))
         write_record(job.out / job.record, played.match, seating.names)
         remove_empty_logs(seating.logs)
         seat = seating.seats[0]

@@ -34,6 +34,7 @@ class Plan:
     out: Path
     fresh: bool = False  # whether another evaluation in the output folder is removed
     rounds: int = 1  # how often the suite is played, each time with the next seed
+    sandbox: str = "process"  # in which agents run
 
     def entries(self) -> Iterator[tuple[str, Submission]]:
         """Yield every track with every submission that plays it."""
@@ -60,7 +61,9 @@ def make_jobs(plan: Plan) -> list[Job]:
         playing = [submission for on, submission in plan.entries() if on == track]
         for index, spec in enumerate(plan.matches(track)):
             replay = plan.replays == "all" or (plan.replays == "first" and index == 0)
-            jobs += [Job(one, track, index, spec, plan.out, replay, evaluation) for one in playing]
+            jobs += [
+                Job(one, track, index, spec, plan.out, replay, evaluation, plan.sandbox) for one in playing
+            ]
     return jobs
 
 

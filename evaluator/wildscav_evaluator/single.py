@@ -27,6 +27,7 @@ from wildscav_evaluator.conduct import remark
 from wildscav_evaluator.jobs import FINISHED
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.run import metric_infos
+from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.seating import BATTLE_ROBOTS
 from wildscav_evaluator.session import INTERRUPTED
 from wildscav_evaluator.submission import Submission
@@ -84,6 +85,7 @@ def play_single(
     record: Path | None,
     replay: Path | None,
     logs: Path,
+    sandbox: str,
 ) -> None:
     """Play a match, show how it went, and write what is asked for.
 
@@ -96,7 +98,7 @@ def play_single(
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
     seating = Seating(spec, tuple(submissions), paths)
     with _logging(logs, paths):
-        played = _play(seating)
+        played = _play(seating, SANDBOXES[sandbox])
     console.print(_table(seating, played))
     _remark(seating, played)
     complaints = list(_write(played, seating, record, replay))
@@ -119,18 +121,18 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
                 empty.rmdir()
 
 
-def _play(seating: Seating) -> Played:
+def _play(seating: Seating, sandbox: Sandbox) -> Played:
     try:
         with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
             warm([submission.manifest.sensors for submission in seating.submissions])
-        return asyncio.run(_play_with_progress(seating))
+        return asyncio.run(_play_with_progress(seating, sandbox))
     except KeyboardInterrupt:
         raise UserError("interrupted: the match was not played to its end", INTERRUPTED) from None
     except MatchSetupError as error:
         raise UserError(str(error)) from error
 
 
-async def _play_with_progress(seating: Seating) -> Played:
+async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> Played:
     spec = seating.spec
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
@@ -144,7 +146,9 @@ async def _play_with_progress(seating: Seating) -> Played:
 
         try:
             return await play_match(
-                seating, started=lambda hosted: watching.append(asyncio.create_task(watch(hosted)))
+                seating,
+                sandbox=sandbox,
+                started=lambda hosted: watching.append(asyncio.create_task(watch(hosted))),
             )
         finally:
             for watcher in watching:

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from wildscav.errors import UserError
+from wildscav_evaluator.archives import SUFFIXES, is_archive, unpack
 
 MANIFEST = "submission.toml"
 # What tools leave behind is no part of a submission.
@@ -79,14 +80,17 @@ class Submission:
 
 
 def load_submission(folder: Path) -> Submission:
-    """Read and check a submission's folder. None of its code runs.
+    """Read and check a submission: a folder, or an archive of one. None of its code runs.
 
     Raises:
         SubmissionError: One line that says which file and field, what is wrong, and what is allowed.
     """
+    if folder.is_file() and is_archive(folder):
+        folder = unpack(folder)
     if not folder.is_dir():
         what = "is a file, not a folder" if folder.exists() else "does not exist"
-        raise SubmissionError(f"submission {folder} {what}: give a folder with a {MANIFEST} in it")
+        allowed = f"give a folder with a {MANIFEST} in it, or one as {', '.join(SUFFIXES)}"
+        raise SubmissionError(f"submission {folder} {what}: {allowed}")
     path = folder / MANIFEST
     if not path.is_file():
         raise SubmissionError(f"{path} is missing: `wildscav init DIR` makes a folder with one")

@@ -1,7 +1,6 @@
 """What every sandbox does: start an agent, tell how it ended, and leave nothing of it behind."""
 
 import signal
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -82,7 +81,7 @@ class Sandbox(Protocol):
     name: str
     isolated: bool  # whether it keeps an agent from the host's files, network and other processes
 
-    def promises(self, limits: Limits) -> Sequence[Promise]:
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:
         """Try everything that the sandbox promises on this machine, with these limits. Takes a second."""
         ...
 

@@ -35,7 +35,7 @@ class BubblewrapSandbox:
     name = "bubblewrap"
     isolated = True
 
-    def promises(self, limits: Limits) -> Sequence[Promise]:
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:
         """Try everything. See ``Sandbox.promises``."""
         from wildscav_evaluator.sandbox.promises import try_promises
 

@@ -14,7 +14,6 @@ import resource
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
 from wildscav_evaluator.sandbox import runtime
@@ -48,7 +47,7 @@ class OciSandbox:
     name = "oci"
     isolated = True
 
-    def promises(self, limits: Limits) -> Sequence[Promise]:
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:
         """Try everything. See ``Sandbox.promises``."""
         from wildscav_evaluator.sandbox.promises import try_promises
 

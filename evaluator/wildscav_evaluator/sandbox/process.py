@@ -9,7 +9,6 @@ import contextlib
 import os
 import signal
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 from wildscav_evaluator.sandbox.base import Launch, Promise, SandboxError
@@ -41,7 +40,7 @@ class ProcessSandbox:
     name = "process"
     isolated = False
 
-    def promises(self, limits: Limits) -> Sequence[Promise]:  # noqa: ARG002 - it keeps none of them
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:  # noqa: ARG002 - it keeps none of them
         """Say that nothing is promised. See ``Sandbox.promises``."""
         return ()
 

@@ -1,12 +1,14 @@
 """Whether a sandbox keeps its promises on this machine: a probe is run in it, which tries to break each."""
 
 import asyncio
+import contextlib
 import json
+import secrets
 import shutil
 import socket
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,11 +27,12 @@ TRIED = {
     "wall_clock": 30.0,
 }
 TOLERANCE = 1.3  # of processor time, which is shared out in slices
+CUT = "\n[the log is cut here]"
 NO_CAPABILITIES = "0" * 16
 HAS_FILTER = "2"
 
 
-def try_promises(sandbox: Sandbox, limits: Limits) -> Sequence[Promise]:
+def try_promises(sandbox: Sandbox, limits: Limits) -> tuple[Promise, ...]:
     """Run the probe in a sandbox and return what it found, promise by promise.
 
     Must not be called where an event loop runs.
@@ -37,12 +40,12 @@ def try_promises(sandbox: Sandbox, limits: Limits) -> Sequence[Promise]:
     tried = limits.model_copy(update=TRIED)
     with _probe_folder(tried) as folder:
         try:
-            found, size = asyncio.run(_probe(sandbox, folder, tried))
+            found = asyncio.run(_probe(sandbox, folder, tried))
         except SandboxError as error:
             return (Promise("an agent can be started", kept=False, found=str(error)),)
         except OSError as error:
             return (Promise("an agent can be started", kept=False, found=error.strerror or str(error)),)
-    return tuple(_judge(found, tried, size))
+    return tuple(_judge(found, tried))
 
 
 @contextmanager
@@ -75,14 +78,14 @@ def _home_files() -> list[str]:
     return [str(entry) for entry in entries if not any(path.is_relative_to(entry) for path in python)]
 
 
-async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> tuple[dict[str, Any], int]:
-    """Return what the probe found, and the size of its log in bytes."""
-    log = folder / "log"
+async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> dict[str, Any]:
+    """Return what the probe found, and what was found of it when it had ended."""
+    log, token = folder / "log", secrets.token_hex()
     launch = Launch(
         folder=folder / "code",
         entry_point="agent:Probe",
         address=f"unix:{folder / 'match.sock'}",
-        token="probe",  # noqa: S106
+        token=token,
         log=log,
         limits=limits,
     )
@@ -93,12 +96,22 @@ async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> tuple[dict[s
         await agent.stop()
     text = log.read_text("utf-8", "replace") if log.exists() else ""
     try:
-        return json.loads(text.partition("\n")[0]), len(text)
+        found: dict[str, Any] = json.loads(text.partition("\n")[0])
     except ValueError:
         raise SandboxError(f"the probe did not run: {ending}") from None
+    return found | {"printed": len(text.partition(CUT)[0]), "left": _processes_with(token)}
 
 
-def _judge(found: dict[str, Any], limits: Limits, log_size: int) -> Iterator[Promise]:
+def _processes_with(token: str) -> int:
+    """Return how many processes have a token in their environment."""
+    count = 0
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):
+            count += token.encode() in path.read_bytes()
+    return count
+
+
+def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
     """Yield every promise with what was found."""
     yield _promise("no network", found["interfaces"] == ["lo"], f"interfaces: {_words(found['interfaces'])}")
     yield _promise(
@@ -131,14 +144,15 @@ def _judge(found: dict[str, Any], limits: Limits, log_size: int) -> Iterator[Pro
     yield _promise(
         "processes of its own", len(found["processes_seen"]) <= FEW, f"sees {len(found['processes_seen'])}"
     )
-    yield from _judge_limits(found, limits, log_size)
+    yield from _judge_limits(found, limits)
+    yield _promise("nothing is left of it", found["left"] == 0, f"{found['left']} processes")
 
 
 FEW = 8  # processes that a sandbox may have besides
 FILTER = "install libseccomp2"
 
 
-def _judge_limits(found: dict[str, Any], limits: Limits, log_size: int) -> Iterator[Promise]:
+def _judge_limits(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
     memory, tmp = found["memory"], max(found["writable"].values(), default=0)
     yield _promise(
         "limit on memory", memory <= limits.memory, f"{_size(memory)} of {_size(limits.memory)}", GROUPS
@@ -165,8 +179,8 @@ def _judge_limits(found: dict[str, Any], limits: Limits, log_size: int) -> Itera
     )
     yield _promise(
         "limit on output",
-        log_size <= limits.output + 100,
-        f"{log_size:,} of {int(limits.output):,} bytes",
+        found["printed"] <= limits.output,
+        f"{found['printed']:,} of {int(limits.output):,} bytes",
     )
 
 

@@ -138,6 +138,10 @@ def main() -> None:
     for _ in range(ORDERS["output"] // 1024):
         sys.stdout.write("x" * 1023 + "\n")
     sys.stdout.flush()
+    # Somebody stays behind.
+    if os.fork() == 0:
+        os.setsid()
+        time.sleep(60)
     os._exit(0)
 
 

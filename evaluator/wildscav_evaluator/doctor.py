@@ -1,0 +1,45 @@
+"""``wildscav doctor``: which sandboxes keep their promises on this machine, and what to install."""
+
+from typing import TYPE_CHECKING
+
+from wildscav.errors import UserError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wildscav_evaluator.sandbox import Promise
+
+
+def doctor() -> None:
+    """Try every promise of every sandbox on this machine; say which are kept, and what to install."""
+    from wildscav.console import console
+    from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
+
+    whole = []
+    for name, sandbox in SANDBOXES.items():
+        if not sandbox.isolated:
+            continue
+        with console.status(f"trying {name}"):
+            promises = sandbox.promises(DEFAULT_LIMITS)
+        console.print(_table(name, promises))
+        if all(promise.kept for promise in promises):
+            whole.append(name)
+    console.print("[bold]process[/bold] promises nothing: for agents that you would run yourself.")
+    if not whole:
+        raise UserError("no sandbox keeps all its promises here: agents would run as plain processes")
+    console.print(f"Unless you say otherwise, agents run in [bold]{whole[0]}[/bold].")
+
+
+def _table(name: str, promises: "tuple[Promise, ...]") -> "Table":
+    from rich import box
+    from rich.table import Table
+
+    kept = sum(promise.kept for promise in promises)
+    title = f"{name}: {kept} of {len(promises)} promises kept"
+    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    for heading in ("promise", "", "found", "what to do"):
+        table.add_column(heading)
+    for promise in promises:
+        mark = "[green]kept[/green]" if promise.kept else "[red]broken[/red]"
+        table.add_row(promise.name, mark, promise.found, promise.remedy)
+    return table

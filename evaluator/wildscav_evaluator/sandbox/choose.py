@@ -1,0 +1,102 @@
+"""Which sandbox agents run in: the one asked for, or the strongest that keeps its promises here."""
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav import __version__
+from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.sandbox.base import Promise, Sandbox, SandboxError
+from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.process import WARNING, ProcessSandbox
+
+BOOT = Path("/proc/sys/kernel/random/boot_id")
+PROGRAMS = ("podman", "docker", "runc", "crun", "bwrap", "setpriv")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A sandbox, and what to tell about it."""
+
+    sandbox: Sandbox
+    warnings: tuple[str, ...] = ()
+
+
+def choose(
+    asked: str | None, sandboxes: Sequence[Sandbox], limits: Limits, *, images: bool = False
+) -> Choice:
+    """Return the sandbox to use.
+
+    Args:
+        asked: Its name; none for the strongest that works here.
+        sandboxes: All there are, the strongest first.
+        limits: That it must keep.
+        images: Whether submissions are images, which only containers run.
+
+    Raises:
+        SandboxError: What was asked for does not keep its promises; says which.
+    """
+    if asked is not None:
+        sandbox = next(one for one in sandboxes if one.name == asked)
+        why = whats_missing(sandbox, limits)
+        if why:
+            raise SandboxError(f"--sandbox {asked} cannot be kept here: {why}; `wildscav doctor` tells more")
+        return Choice(sandbox, (WARNING,) if isinstance(sandbox, ProcessSandbox) else ())
+    complaints: list[str] = []
+    for sandbox in sandboxes:
+        if images and sandbox.name != "oci":
+            raise SandboxError(
+                f"a submission is an image, which only containers run: {'; '.join(complaints)}"
+            )
+        why = whats_missing(sandbox, limits)
+        if not why:
+            return Choice(sandbox, () if sandbox.isolated else (WARNING, *complaints))
+        complaints.append(f"{sandbox.name} does not work here: {why}")
+    raise SandboxError("; ".join(complaints))
+
+
+def whats_missing(sandbox: Sandbox, limits: Limits) -> str:
+    """Return which promises a sandbox breaks on this machine, nothing if it keeps all.
+
+    That all are kept is remembered until the machine starts anew or a program changes; a limit that cannot be
+    set stops every start anyway.
+    """
+    if not sandbox.isolated:
+        return ""
+    memory = _memory(sandbox, limits)
+    if memory.exists():
+        return ""
+    broken = [promise for promise in sandbox.promises(limits) if not promise.kept]
+    if not broken:
+        with contextlib.suppress(OSError):
+            memory.parent.mkdir(parents=True, exist_ok=True)
+            memory.touch()
+    return "; ".join(map(describe_broken, broken))
+
+
+def describe_broken(promise: Promise) -> str:
+    """Return one line about a promise that is not kept."""
+    return f"{promise.name}: {promise.found}" + (f" ({promise.remedy})" if promise.remedy else "")
+
+
+def _memory(sandbox: Sandbox, limits: Limits) -> Path:
+    """Return the file whose being there says that a sandbox kept all promises, as things are."""
+    places = [shutil.which(name) or "" for name in PROGRAMS]
+    facts = [
+        sandbox.name,
+        __version__,
+        BOOT.read_text("ascii") if BOOT.exists() else "",
+        os.getuid(),
+        sys.executable,
+        limits.model_dump_json(),
+        [(place, os.stat(place).st_mtime if place else 0) for place in places],  # noqa: PTH116
+        sorted((path.name, path.stat().st_mtime) for path in Path(__file__).parent.glob("*.py")),
+    ]
+    digest = hashlib.blake2b(json.dumps(facts).encode(), digest_size=16).hexdigest()
+    return cache_folder("sandboxes") / digest

@@ -1,0 +1,36 @@
+"""The option ``--sandbox`` of every command that runs agents."""
+
+from typing import Annotated, Literal
+
+import typer
+
+InSandbox = Annotated[
+    Literal["oci", "bubblewrap", "process"] | None,
+    typer.Option(
+        "--sandbox",
+        envvar="WILDSCAV_SANDBOX",
+        help="How agents run. oci: in containers of Podman or Docker. bubblewrap: in namespaces of their "
+        "own. process: as you do, for agents that you trust. Default: the first of these that works here.",
+        show_default=False,
+    ),
+]
+
+
+def chosen_sandbox(asked: str | None) -> str:
+    """Return the name of the sandbox to use, and tell it.
+
+    Raises:
+        SandboxError: The one that is asked for does not keep its promises on this machine.
+    """
+    from rich.text import Text
+
+    from wildscav.console import console
+    from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
+    from wildscav_evaluator.sandbox.choose import choose
+
+    with console.status("trying the sandbox"):
+        choice = choose(asked, list(SANDBOXES.values()), DEFAULT_LIMITS)
+    console.print(f"sandbox   {choice.sandbox.name}", highlight=False)
+    for warning in choice.warnings:
+        console.print(Text.assemble(("warning: ", "yellow"), warning), soft_wrap=True)
+    return choice.sandbox.name
