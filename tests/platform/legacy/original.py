@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import venv
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,12 +38,19 @@ def environment() -> Path:
     return python
 
 
-def play(script: str, folder: Path, *arguments: object, timeout: float = 300.0) -> Any:
+def play(script: str, folder: Path, *arguments: object) -> Any:
     """Run a script of the client in an installed folder, and return what it writes down."""
     written = folder / f"{script}.json"
     given = [argument if isinstance(argument, str | Path) else json.dumps(argument) for argument in arguments]
+    run([SCRIPTS / f"{script}.py", folder, str(free_port()), *given, written], folder)
+    return json.loads(written.read_text())
+
+
+def run(arguments: Sequence[str | Path], folder: Path, timeout: float = 120.0) -> str:
+    """Run the client's Python in a folder, and return what it prints."""
     done = subprocess.run(
-        [environment(), SCRIPTS / f"{script}.py", folder, str(free_port()), *given, written],
+        [environment(), *arguments],
+        cwd=folder,
         # Whatever the client's own code is found by is nothing to the engine.
         env={**os.environ, "PYTHONPATH": str(folder / "logs")},
         capture_output=True,
@@ -50,7 +58,7 @@ def play(script: str, folder: Path, *arguments: object, timeout: float = 300.0) 
         timeout=timeout,
     )
     assert done.returncode == 0, f"{done.stderr}\n{logs(folder)}"
-    return json.loads(written.read_text())
+    return done.stdout
 
 
 def logs(folder: Path) -> str:

@@ -1,0 +1,37 @@
+"""docs/legacy.md tells the fields as they are, and names what there is."""
+
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+from tests.platform.legacy.original import free_port, install, run
+
+import wildscav
+from wildscav.legacy.episode import FIELDS
+
+PAGE = (Path(__file__).parents[3] / "docs" / "legacy.md").read_text("utf-8")
+
+
+def test_every_field_is_told_with_its_default_and_its_range() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| ([-\d.]+) \| ([-\d.]+) \| ([-\d.]+) \|", PAGE, re.MULTILINE)
+    told = {name: tuple(map(float, numbers)) for name, *numbers in rows}
+    assert told == {name: tuple(map(float, number)) for name, number in FIELDS.items()}
+
+
+@pytest.mark.parametrize("name", ["Action", "MatchInfo", "Observation"])
+def test_new_names_are_those_of_the_sdk(name: str) -> None:
+    known = {field.name for field in fields(getattr(wildscav, name))} | {"depth"}
+    table = PAGE.partition("| `inspirai_fps` |")[2]
+    named = set(re.findall(rf"`{name}\.(\w+)`", table))
+    assert len(named) > 2
+    assert named <= known
+
+
+@pytest.mark.slow
+def test_the_script_of_the_page_runs(tmp_path: Path) -> None:
+    script = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
+    install(tmp_path / "wilderness", "1")
+    script = script.replace("50051", str(free_port()))
+    said = run(["-c", script], tmp_path).splitlines()
+    assert "500 (22, 38)" in said
