@@ -2,24 +2,26 @@
 
 import asyncio
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from wildscav.errors import WildscavError, describe
-from wildscav.server import SeatReport
+from wildscav.server import HostedMatch, SeatReport
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.journal import read_entry, write_entry
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.results import MatchRow, MatchTiming
-from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.warm import Wanted
 
 RECORDS, REPLAYS, LOGS = "records", "replays", "logs"
 REPLAYED: Wanted = {"camera": {}, "depth": {}}  # what a replay shows of the agent that it follows
 FINISHED, FAILED = "finished", "failed"
+BEAT = 0.5  # s between two words on how far a match is
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,13 @@ def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:
     return [*wanted.values(), *replayed]
 
 
+class Beat(NamedTuple):
+    """How far a match has come that is being played."""
+
+    frames: int
+    steps: int
+
+
 @dataclass(frozen=True)
 class JobResult:
     """What became of a job."""
@@ -84,12 +93,17 @@ class JobResult:
         return self.job.replay and self.row.record is not None and self.row.replay is None
 
 
-def run_job(runner: asyncio.Runner, job: Job) -> JobResult:
+def run_job(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None] = lambda _: None) -> JobResult:
     """Play a job's match, unless it was played before, and write its files.
 
     Whatever goes wrong costs this job alone.
+
+    Args:
+        runner: Of the loop to play in.
+        job: The job.
+        beat: Told now and then how far the match is.
     """
-    result = kept(job) or _play(runner, job)
+    result = kept(job) or _play(runner, job, beat)
     return _rendered(result) if result.to_render else result
 
 
@@ -102,12 +116,12 @@ def kept(job: Job) -> JobResult | None:
     return JobResult(job, _with_replay(job, entry.row) if rendered else entry.row, entry.timing)
 
 
-def _play(runner: asyncio.Runner, job: Job) -> JobResult:
+def _play(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None]) -> JobResult:
     started, clock = time.time(), time.perf_counter()
     seating = job.seating
     try:
         prepare_logs(seating.logs)
-        played = runner.run(play_match(seating, sandbox=SANDBOXES[job.sandbox]))
+        played = runner.run(_play_telling(seating, SANDBOXES[job.sandbox], beat))
         write_record(job.out / job.record, played.match, seating.names)
         remove_empty_logs(seating.logs)
         seat = seating.seats[0]
@@ -123,6 +137,27 @@ def _play(runner: asyncio.Runner, job: Job) -> JobResult:
         return failed(job, str(error))
     except Exception as error:  # noqa: BLE001 (a match that breaks must not take the others along)
         return failed(job, f"{type(error).__name__}: {error}")
+
+
+async def _play_telling(seating: Seating, sandbox: Sandbox, beat: Callable[[Beat], None]) -> Played:
+    """Play a match, and tell how far it is; from its start again, if it is played again."""
+    telling: list[asyncio.Task[None]] = []
+
+    async def tell(hosted: HostedMatch) -> None:
+        while True:
+            beat(Beat(hosted.match.frame, hosted.match.step_number))
+            await asyncio.sleep(BEAT)
+
+    def begin(hosted: HostedMatch) -> None:
+        for task in telling:
+            task.cancel()
+        telling.append(asyncio.create_task(tell(hosted)))
+
+    try:
+        return await play_match(seating, sandbox=sandbox, started=begin)
+    finally:
+        for task in telling:
+            task.cancel()
 
 
 def failed(job: Job, reason: str) -> JobResult:

@@ -20,6 +20,7 @@ from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, collect, identity, make_jobs
 from wildscav_evaluator.sinks import ResultSink, sinks
 from wildscav_evaluator.tables import LEGEND, ranked, track_table
+from wildscav_evaluator.tally import Tally
 from wildscav_evaluator.workers import WorkerDiedError, Workers
 
 INTERRUPTED = 130  # exit code, as shells have it
@@ -76,23 +77,26 @@ def _play(plan: Plan, jobs: Sequence[Job], lock: Lock) -> list[JobResult]:
     keep_only(plan.out, (result.job.stem for result in done))
     if done:
         console.print(_goes_on(len(done), len(jobs)))
-    progress = EvaluationProgress(console, jobs)
+    tally = Tally(jobs, plan.jobs)
+    progress = EvaluationProgress(console, tally, f"suite {plan.suite.label} · seed {plan.seed.label}")
     for result in done:
-        progress.add(result)
+        progress.add(result, tally.add(result))
     complete = {result.job.stem for result in done if not result.to_render}
     waiting = [job for job in jobs if job.stem not in complete]
-    if not waiting:
-        return done
-    played = {result.job.stem: result for result in done}
+    if waiting:
+        _play_waiting(plan, waiting, tally, progress, lock)
+    return list(tally.done.values())
+
+
+def _play_waiting(
+    plan: Plan, waiting: Sequence[Job], tally: Tally, progress: EvaluationProgress, lock: Lock
+) -> None:
     with Workers(min(plan.jobs, len(waiting)), lock) as workers:
         with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
             workers.warm(sensors_read(waiting))
         with progress.shown():
-            for result in workers.run(waiting):
-                if result.job.stem not in played:
-                    progress.add(result)
-                played[result.job.stem] = result
-    return list(played.values())
+            for result in workers.run(waiting, tally.start, tally.beat):
+                progress.add(result, tally.add(result))
 
 
 def _goes_on(done: int, jobs: int) -> str:

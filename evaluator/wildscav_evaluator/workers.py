@@ -12,13 +12,14 @@ import os
 import signal
 import sys
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
-from wildscav_evaluator.jobs import Job, JobResult, failed, run_job
+from wildscav_evaluator.jobs import Beat, Job, JobResult, failed, run_job
 from wildscav_evaluator.lock import Lock
 from wildscav_evaluator.warm import Wanted, warm
 
@@ -58,16 +59,17 @@ class Worker:
         with contextlib.suppress(OSError):
             self.connection.send(job)
 
-    def take(self) -> JobResult:
-        """Return the result that is waiting; of a worker that died, the failure of its job."""
+    def take(self) -> Beat | JobResult:
+        """Return what is waiting: how far its match is, or the result; if it died, the failure of its job."""
         job = cast(Job, self.job)
         try:
-            result = cast(JobResult, self.connection.recv())
+            result = cast(Beat | JobResult, self.connection.recv())
         except (EOFError, OSError):
             self.dead = True
             self.process.join()
             return failed(job, f"the worker process died (exit code {self.process.exitcode})")
-        self.rendered += result.row.replay is not None
+        if isinstance(result, JobResult):
+            self.rendered += result.row.replay is not None
         return result
 
     def close(self) -> None:
@@ -121,21 +123,36 @@ class Workers:
                 f"the engine could not be compiled (exit code {worker.process.exitcode})"
             ) from error
 
-    def run(self, jobs: Iterable[Job]) -> Iterator[JobResult]:
-        """Run all jobs and yield their results as they come. One worker's death costs its job alone."""
+    def run(
+        self,
+        jobs: Iterable[Job],
+        started: Callable[[Job], None] = lambda _: None,
+        beat: Callable[[Job, Beat], None] = lambda _job, _beat: None,
+    ) -> Iterator[JobResult]:
+        """Run all jobs and yield their results as they come. One worker's death costs its job alone.
+
+        Args:
+            jobs: What to play, in this order.
+            started: Told of every job as it is begun.
+            beat: Told now and then how far a match is.
+        """
         waiting = deque(jobs)
         while len(self._workers) < min(self._count, len(waiting)):
             self._start()
         busy: dict[Connection, Worker] = {}
         for worker in self._workers:
-            _next_job(worker, waiting, busy)
+            _next_job(worker, waiting, busy, started)
         while busy:
             for connection in wait(list(busy)):
-                worker = busy.pop(cast(Connection, connection))
+                worker = busy[cast(Connection, connection)]
                 result = worker.take()
+                if isinstance(result, Beat):
+                    beat(cast(Job, worker.job), result)
+                    continue
+                del busy[worker.connection]
                 if worker.dead or worker.rendered >= REPLAYS_PER_WORKER:
                     worker = self._replace(worker)
-                _next_job(worker, waiting, busy)
+                _next_job(worker, waiting, busy, started)
                 yield result
 
     def _replace(self, worker: Worker) -> Worker:
@@ -149,9 +166,13 @@ class Workers:
         return worker
 
 
-def _next_job(worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker]) -> None:
+def _next_job(
+    worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker], started: Callable[[Job], None]
+) -> None:
     if waiting:
-        worker.give(waiting.popleft())
+        job = waiting.popleft()
+        started(job)
+        worker.give(job)
         busy[worker.connection] = worker
 
 
@@ -174,9 +195,15 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
             else:
                 # Only a match has agents to be stopped; elsewhere a worker may end on the spot.
                 signal.signal(signal.SIGTERM, _leave)
-                result = run_job(runner, message)
+                result = run_job(runner, message, partial(_send_beat, connection))
                 signal.signal(signal.SIGTERM, signal.SIG_DFL)
                 connection.send(result)
+
+
+def _send_beat(connection: Connection, beat: Beat) -> None:
+    # Nobody listens any more: the result will not be taken either, and that ends this process.
+    with contextlib.suppress(OSError):
+        connection.send(beat)
 
 
 def _leave(number: int, _: object) -> None:

@@ -12,6 +12,7 @@ from wildscav_evaluator.jobs import Job, JobResult
 from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import MatchRow
 from wildscav_evaluator.submission import Submission
+from wildscav_evaluator.tally import Tally
 
 Submit = Callable[..., Submission]
 DETAIL = "the agent's process ended (exit code 3): RuntimeError: [red]lost[/red] the thread, and much more"
@@ -24,12 +25,15 @@ def shown(submit: Submit, tmp_path: Path, *, terminal: bool) -> str:
         for name in ("crasher", "walker")
     ]
     console = Console(file=io.StringIO(), force_terminal=terminal, width=80, color_system=None)
-    progress = EvaluationProgress(console, jobs)
+    tally = Tally(jobs)
+    progress = EvaluationProgress(console, tally)
     with progress.shown():
         failed = MatchRow(index=0, seat=0, status="crashed", fault="agent", detail=DETAIL)
-        progress.add(JobResult(jobs[0], failed))
+        result = JobResult(jobs[0], failed)
+        progress.add(result, tally.add(result))
         metrics = {"time": 7.0, "used_time": 7.0, "punish_time": 0.0, "success": 1.0}
-        progress.add(JobResult(jobs[1], MatchRow(index=0, seat=0, status="finished", metrics=metrics)))
+        result = JobResult(jobs[1], MatchRow(index=0, seat=0, status="finished", metrics=metrics))
+        progress.add(result, tally.add(result))
     assert isinstance(console.file, io.StringIO)
     return console.file.getvalue()
 
