@@ -37,6 +37,7 @@ class Identity(Part):
     tracks: tuple[str, ...]
     matches: str  # digest of the specs of all matches
     submissions: tuple[Entrant, ...]
+    sandbox: str  # in which agents run: its limits may cost them time
 
     @property
     def digest(self) -> str:

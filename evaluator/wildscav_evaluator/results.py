@@ -122,6 +122,7 @@ class Results(Part):
     seed: int | None  # none while it is hidden
     commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
     rounds: int = 1  # how often the suite was played, each time with the next seed
+    sandbox: str = "process"  # in which agents ran
     evaluations: tuple[Evaluation, ...]
     timings: Timings
 

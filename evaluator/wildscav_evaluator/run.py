@@ -36,6 +36,11 @@ class Plan:
     rounds: int = 1  # how often the suite is played, each time with the next seed
     sandbox: str = "process"  # in which agents run
 
+    @property
+    def title(self) -> str:
+        """What is evaluated, in a few words."""
+        return f"suite {self.suite.label} · seed {self.seed.label} · sandbox {self.sandbox}"
+
     def entries(self) -> Iterator[tuple[str, Submission]]:
         """Yield every track with every submission that plays it."""
         for track in self.tracks:
@@ -79,6 +84,7 @@ def identity(plan: Plan) -> Identity:
             Entrant(name=one.name, version=one.manifest.version, digest=one.digest)
             for one in plan.submissions
         ),
+        sandbox=plan.sandbox,
     )
 
 
@@ -97,6 +103,7 @@ def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
         seed=None if plan.seed.commitment else plan.seed.value,
         commitment=plan.seed.commitment,
         rounds=plan.rounds,
+        sandbox=plan.sandbox,
         evaluations=tuple(_evaluation(track, submission, done) for track, submission in plan.entries()),
         timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
     )

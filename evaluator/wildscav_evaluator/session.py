@@ -78,7 +78,7 @@ def _play(plan: Plan, jobs: Sequence[Job], lock: Lock) -> list[JobResult]:
     if done:
         console.print(_goes_on(len(done), len(jobs)))
     tally = Tally(jobs, plan.jobs)
-    progress = EvaluationProgress(console, tally, f"suite {plan.suite.label} · seed {plan.seed.label}")
+    progress = EvaluationProgress(console, tally, plan.title)
     for result in done:
         progress.add(result, tally.add(result))
     complete = {result.job.stem for result in done if not result.to_render}

@@ -58,6 +58,7 @@ def test_another_evaluation_is_refused_with_the_difference(plan: Plan, submit: S
     for other, says in (
         (replace(plan, suite=SUITES["official"]), "its suite is quick, not official"),
         (replace(plan, seed=SuiteSeed(7)), "its seed is 0, not 7"),
+        (replace(plan, sandbox="oci"), "its sandbox is process, not oci"),
         (replace(plan, tracks=("gathering",)), "its tracks are navigation, not gathering"),
         (replace(plan, submissions=(newer,)), "it is of walker 1.0.0, not 1.1.0"),
         (replace(plan, submissions=(submit("other", WALKER),)), "it is of walker, not of other"),
