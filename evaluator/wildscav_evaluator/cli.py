@@ -72,16 +72,18 @@ def evaluate(
     from wildscav_evaluator.session import run_session
 
     loaded, chosen = load_submissions(submissions), find_suite(suite)
+    tracks = suite_tracks(loaded, track or [], chosen)
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
     plan = Plan(
         submissions=loaded,
-        tracks=suite_tracks(loaded, track or [], chosen),
+        tracks=tracks,
         suite=chosen,
         seed=suite_seed(seed, secret),
         replays=replays,
         jobs=jobs or default_jobs(),
         out=out,
         fresh=fresh,
-        sandbox=chosen_sandbox(sandbox),
+        sandbox=runs_in,
     )
     run_session(plan, db)
 
@@ -123,9 +125,8 @@ def play(
         seed=seed,
         time_limit=time_limit,
     )
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
     try:
-        single.play_single(
-            spec, loaded, record=record, replay=replay, logs=logs, sandbox=chosen_sandbox(sandbox)
-        )
+        single.play_single(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in)
     except OSError as error:
         raise UserError(describe(error)) from error

@@ -24,10 +24,11 @@ def check(
     """
     from wildscav_evaluator.check.session import run_check
     from wildscav_evaluator.sandbox import SANDBOXES
-    from wildscav_evaluator.submission import load_submission
+    from wildscav_evaluator.selection import load_submissions
 
-    loaded = load_submission(submission)
+    (loaded,) = load_submissions([submission])
+    runs_in, (loaded,) = chosen_sandbox(sandbox, [loaded])
     try:
-        run_check(loaded, SANDBOXES[chosen_sandbox(sandbox)], logs)
+        run_check(loaded, SANDBOXES[runs_in], logs)
     except OSError as error:
         raise UserError(describe(error)) from error

@@ -51,6 +51,7 @@ def compare(
     ]
     if not tracks:
         raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
     plan = Plan(
         submissions=loaded,
         tracks=tuple(tracks),
@@ -61,7 +62,7 @@ def compare(
         out=out,
         fresh=fresh,
         rounds=rounds,
-        sandbox=chosen_sandbox(sandbox),
+        sandbox=runs_in,
     )
     run_comparison(plan)
 

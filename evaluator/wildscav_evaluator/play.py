@@ -180,6 +180,7 @@ def launch_for(submission: Submission, address: str, token: str, log: Path) -> L
     """Return what a sandbox needs to start a submission at a seat."""
     return Launch(
         folder=submission.folder,
+        image=submission.image,
         entry_point=submission.manifest.entry_point,
         address=address,
         token=token,

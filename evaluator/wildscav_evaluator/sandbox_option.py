@@ -1,8 +1,12 @@
 """The option ``--sandbox`` of every command that runs agents."""
 
-from typing import Annotated, Literal
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+
+if TYPE_CHECKING:
+    from wildscav_evaluator.submission import Submission
 
 InSandbox = Annotated[
     Literal["oci", "bubblewrap", "process"] | None,
@@ -16,21 +20,26 @@ InSandbox = Annotated[
 ]
 
 
-def chosen_sandbox(asked: str | None) -> str:
-    """Return the name of the sandbox to use, and tell it.
+def chosen_sandbox(
+    asked: str | None, submissions: "Sequence[Submission]"
+) -> "tuple[str, tuple[Submission, ...]]":
+    """Return the name of the sandbox to use, having told it, and the submissions as they run in it.
 
     Raises:
+        SubmissionError: One needs packages and was not built, or is an image and the sandbox runs none.
         SandboxError: The one that is asked for does not keep its promises on this machine.
     """
     from rich.text import Text
 
     from wildscav.console import console
+    from wildscav_evaluator.images import with_images
     from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
     from wildscav_evaluator.sandbox.choose import choose
 
     with console.status("trying the sandbox"):
-        choice = choose(asked, list(SANDBOXES.values()), DEFAULT_LIMITS)
+        images = any(submission.image for submission in submissions)
+        choice = choose(asked, list(SANDBOXES.values()), DEFAULT_LIMITS, images=images)
     console.print(f"sandbox   {choice.sandbox.name}", highlight=False)
     for warning in choice.warnings:
         console.print(Text.assemble(("warning: ", "yellow"), warning), soft_wrap=True)
-    return choice.sandbox.name
+    return choice.sandbox.name, with_images(submissions, choice.sandbox.name)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.images import IMAGE, load_image
 from wildscav_evaluator.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.submission import Submission, load_submission
 from wildscav_evaluator.suites import Suite
@@ -11,7 +12,13 @@ from wildscav_evaluator.suites import Suite
 
 def load_submissions(folders: list[Path]) -> tuple[Submission, ...]:
     """Read and check submissions."""
-    return tuple(load_submission(folder) for folder in folders)
+    return tuple(_load(folder) for folder in folders)
+
+
+def _load(folder: Path) -> Submission:
+    if not str(folder).startswith(IMAGE):
+        return load_submission(folder)
+    return load_image(str(folder).removeprefix(IMAGE))
 
 
 def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tuple[str, ...]:

@@ -71,7 +71,8 @@ class Submission:
 
     folder: Path  # absolute
     manifest: Manifest
-    digest: str  # of every file in the folder, 32 hexadecimal digits
+    digest: str  # of every file in the folder, or of the image; 32 hexadecimal digits
+    image: str | None = None  # that it was built into, or came as
 
     @property
     def name(self) -> str:
@@ -94,9 +95,18 @@ def load_submission(folder: Path) -> Submission:
     path = folder / MANIFEST
     if not path.is_file():
         raise SubmissionError(f"{path} is missing: `wildscav init DIR` makes a folder with one")
-    manifest = _parse(path, _read_toml(path))
+    manifest = read_manifest(path)
     _check_entry_point(path, manifest.entry_point)
     return Submission(folder=folder.resolve(), manifest=manifest, digest=folder_digest(folder))
+
+
+def read_manifest(path: Path) -> Manifest:
+    """Read and check a manifest.
+
+    Raises:
+        SubmissionError: One line that says which field, what is wrong, and what is allowed.
+    """
+    return _parse(path, _read_toml(path))
 
 
 def _read_toml(path: Path) -> dict[str, Any]:

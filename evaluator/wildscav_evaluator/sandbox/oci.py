@@ -142,7 +142,8 @@ def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
         *_limits(launch.limits, engine),
         *_variables(launch),
         *_mounts(launch, hold),
-        *("--workdir", str(runtime.CODE), image, *entry),
+        *(("--workdir", str(runtime.CODE)) if launch.image is None else ()),
+        *(image, *entry),
     ]
 
 

@@ -1,0 +1,22 @@
+# The base of agents' images: Python and the SDK, nothing else. `wildscav build` makes it when it is missing;
+# by hand, in the repository: docker build -f docker/base.Dockerfile -t localhost/wildscav/agent-base .
+ARG PYTHON=docker.io/library/python:3.11-slim
+FROM ${PYTHON} AS wheel
+RUN python3 -m venv /build
+COPY pyproject.toml README.md LICENSE /source/
+COPY engine /source/engine
+COPY platform /source/platform
+COPY evaluator /source/evaluator
+COPY leaderboard /source/leaderboard
+RUN /build/bin/pip install --no-cache-dir --quiet wheel \
+    && /build/bin/pip wheel --no-cache-dir --quiet --no-deps --wheel-dir /wheels /source
+
+FROM ${PYTHON}
+COPY --from=wheel /wheels /wheels
+# A virtual environment, since some systems' Python belongs to the system.
+RUN python3 -m venv /opt/agent && /opt/agent/bin/pip install --no-cache-dir --quiet /wheels/*.whl
+ENV PATH=/opt/agent/bin:/usr/local/bin:/usr/bin:/bin LANG=C.UTF-8
+WORKDIR /submission
+USER 65534:65534
+# Address and token of the seat come as variables; the entry point stands in submission.toml.
+ENTRYPOINT ["python", "-m", "wildscav.sdk", "/submission"]

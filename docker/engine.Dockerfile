@@ -1,0 +1,29 @@
+# The engine server and the evaluator, as two targets; the context is the repository:
+#   docker build -f docker/engine.Dockerfile --target server -t wildscav/server .
+#   docker build -f docker/engine.Dockerfile --target evaluator -t wildscav/evaluator .
+ARG PYTHON=docker.io/library/python:3.11-slim
+FROM ${PYTHON} AS source
+COPY pyproject.toml README.md LICENSE /source/
+COPY engine /source/engine
+COPY platform /source/platform
+COPY evaluator /source/evaluator
+COPY leaderboard /source/leaderboard
+RUN python3 -m venv /opt/wildscav
+ENV PATH=/opt/wildscav/bin:/usr/local/bin:/usr/bin:/bin LANG=C.UTF-8 WILDSCAV_CACHE_DIR=/var/cache/wildscav
+
+FROM source AS server
+RUN pip install --no-cache-dir --quiet '/source[engine]'
+RUN mkdir -p /var/cache/wildscav && chown 65534:65534 /var/cache/wildscav
+USER 65534:65534
+EXPOSE 50051
+ENTRYPOINT ["wildscav", "serve"]
+CMD ["--listen", "0.0.0.0:50051", "--organizer-token-file", "/run/secrets/organizer_token"]
+
+FROM source AS evaluator
+# The sandbox of agents: a container in a container would need an engine of its own, bubblewrap does not.
+RUN apt-get update -qq && apt-get install -qq -y --no-install-recommends bubblewrap libseccomp2 util-linux \
+    && rm -rf /var/lib/apt/lists/*
+RUN pip install --no-cache-dir --quiet '/source[evaluator,leaderboard]'
+WORKDIR /work
+ENTRYPOINT ["wildscav"]
+CMD ["--help"]

@@ -1,0 +1,42 @@
+"""The page on security names every attack, every limit and every sandbox, and none that is not there."""
+
+import re
+from pathlib import Path
+
+from wildscav_evaluator import archives
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
+
+REPOSITORY = Path(__file__).parents[2]
+PAGE = (REPOSITORY / "docs" / "security.md").read_text("utf-8")
+ATTACKER = (REPOSITORY / "tests" / "evaluator" / "sandbox" / "attacker" / "agent.py").read_text("utf-8")
+
+
+def test_every_attack_stands_beside_its_promise() -> None:
+    named = set(re.findall(r"`((?:network|files|kernel|processes|limits)_\w+)`", PAGE))
+
+    assert named == set(re.findall(r"@attack\ndef (\w+)", ATTACKER))
+
+
+def test_every_limit_is_told_with_its_default() -> None:
+    rows = dict(
+        re.findall(r"^\| `(\w+)` \| ([\d.]+(?: \w+)?) \|", PAGE.partition("## Limits")[2], re.MULTILINE)
+    )
+
+    told = {name: value.removesuffix(" s").replace(" ", "") for name, value in rows.items()}
+    assert Limits.model_validate(told) == DEFAULT_LIMITS
+    assert set(told) == set(Limits.model_fields)
+
+
+def test_every_sandbox_is_told() -> None:
+    assert re.findall(
+        r"^\| `(\w+)` \| [^|]+\| [^|]+\|$", PAGE.partition("## What is promised")[0], re.MULTILINE
+    ) == [*SANDBOXES]
+
+
+def test_the_limits_of_archives_are_told() -> None:
+    words = (
+        f"{archives.LARGEST >> 20} MiB",
+        f"{archives.LARGEST_CONTENT >> 30} GiB",
+        f"{archives.MOST_ENTRIES:,}",
+    )
+    assert all(word in PAGE for word in (*words, *(f"`{suffix}`" for suffix in archives.SUFFIXES)))
