@@ -23,6 +23,7 @@ PACKAGES = (
 )
 MODES = {"navigation": (0, 1, 2000), "gathering": (1, 1, 300), "battle": (2, 10, 50)}  # mode, agents, steps
 REPEATS = 3
+NEEDED_RATES = {"navigation": "; needed: 1,000"}
 NEEDED = 0.6  # of the rate with an engine that does nothing
 
 
@@ -75,7 +76,7 @@ def main(json: JsonFile = None) -> None:
             real, empty = (statistics.median(column) for column in zip(*pairs, strict=True))
             who = f"{mode[1]} agent{'s' if mode[1] > 1 else ''}"
             figures += [
-                Figure(title, real, "actions/s", f"{who}; needed in navigation: 1,000"),
+                Figure(title, real, "actions/s", f"{who}{NEEDED_RATES.get(title, '')}"),
                 Figure(f"{title}, an engine that does nothing", empty, "actions/s", who),
                 Figure(f"{title} over that", real / empty, "", f"median of {REPEATS}; needed: {NEEDED}"),
             ]

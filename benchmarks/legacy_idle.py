@@ -10,7 +10,7 @@ from wildscav.legacy.program import read_address
 from wildscav.legacy.requests import START, Requests
 from wildscav.legacy.session import match_of
 
-WARM_UP = 50  # steps of the real match after which its observations are taken
+WARM_UP = 20  # steps of the real match after which its observations are taken
 
 
 def observations(command: GMCommand) -> bytes:
@@ -19,7 +19,7 @@ def observations(command: GMCommand) -> bytes:
     match = match_of(episode)
     commands = [AgentCommand(id=agent, walk_dir=36 * agent, walk_speed=5) for agent in episode.ids]
     rows, _ = read_actions(commands, {agent: seat for seat, agent in enumerate(episode.ids)})
-    for _ in range(WARM_UP):
+    for _ in range(min(WARM_UP, match.spec.step_limit // 2)):
         match.step(rows)
     return Requests(match, episode).next()
 

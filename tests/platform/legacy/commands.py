@@ -68,11 +68,16 @@ def open_way(length: float, direction: float = 0.0, map_id: int = MAP) -> list[f
     """A valid location from where a walk in a compass direction meets nothing for so many metres."""
     game_map: GameMap = load_map(map_id)
     across = np.array([np.sin(np.radians(direction)), np.cos(np.radians(direction))])
-    for place in game_map.outdoor.tolist():
+    for place in from_the_middle(game_map):
         end = (place[0] + across[0] * length, place[2] + across[1] * length)
         if max(map(abs, end)) < game_map.config.size / 2 - 1 and _is_open(game_map, place, direction, length):
             return [round(number, 3) for number in place]
     raise AssertionError("no open way on the map")
+
+
+def from_the_middle(game_map: GameMap) -> list[list[float]]:
+    """The outdoor places of a map, the nearest to its middle first."""
+    return sorted(game_map.outdoor.tolist(), key=lambda place: place[0] ** 2 + place[2] ** 2)
 
 
 def _is_open(game_map: GameMap, place: list[float], direction: float, length: float) -> bool:
@@ -88,7 +93,7 @@ def _is_open(game_map: GameMap, place: list[float], direction: float, length: fl
 def face_to_face(distance: float = 5.0, map_id: int = MAP) -> tuple[list[float], list[float]]:
     """Two places on nearly level open ground, the second north of the first and in plain sight."""
     game_map = load_map(map_id)
-    for place in game_map.outdoor.tolist():
+    for place in from_the_middle(game_map):
         ahead = [place[0], place[1], place[2] + distance]
         if max(map(abs, ahead)) > game_map.config.size / 2 - 2:
             continue
