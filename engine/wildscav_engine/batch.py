@@ -2,13 +2,14 @@
 
 import copy
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, Field, no_actions
-from wildscav_engine.handles import Addresses, Handle
+from wildscav_engine.crew import Crew, Job, cores, crew
+from wildscav_engine.handles import Addresses, Handle, addresses_of
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap
@@ -22,7 +23,11 @@ from wildscav_engine.state import State, allocate_state, with_room
 from wildscav_engine.threads import share
 from wildscav_engine.tracks import TRACKS
 
-PARTS_A_THREAD = 2  # of a step
+
+class NewActions(NamedTuple):
+    """What is new in every ``Job``."""
+
+    actions: NDArray[np.float32]
 
 
 class Batch:
@@ -62,6 +67,8 @@ class Batch:
         self._numbers = np.array(self.rules, np.float64)
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
+        self._frames = np.array([self.frames_per_action])
+        self._job: Handle | None = None  # the last step that was played by several threads
         self._nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
         self._open(self._rows)
 
@@ -92,16 +99,18 @@ class Batch:
         rows = check_actions(actions, self.state.agents.present.shape)
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
-        if threads == 1:
+        threads = min(threads, len(self._rows))
+        if 1 < threads <= cores():
+            self._play_with(crew(threads), rows)
+        elif threads == 1:
             self._play(self._rows, rows, opening=False)
-            return rows
-
-        def play(part: slice) -> bool:
-            self._play(self._rows[part], rows, opening=False)
-            return True
-
-        share(play, len(self._rows), min(PARTS_A_THREAD * threads, len(self._rows)), threads)
+        else:
+            share(lambda part: self._play_part(part, rows), len(self._rows), threads)
         return rows
+
+    def _play_part(self, part: slice, actions: NDArray[np.float32]) -> bool:
+        self._play(self._rows[part], actions, opening=False)
+        return True
 
     def restart(
         self, rows: Sequence[int], specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None
@@ -226,6 +235,15 @@ class Batch:
             self._numbers,
             opening,
         )
+
+    def _play_with(self, threads: Crew, actions: NDArray[np.float32]) -> None:
+        self._is_seen = False
+        arrays = (self._bank.addresses, *self._tables, self._rows, self.allowed, self._numbers, self._frames)
+        job = self._job
+        if job is None or any(one is not other for one, other in zip(arrays, job.arrays, strict=False)):
+            job = self._job = Handle(Job(*arrays, actions))
+        job.addresses[-1] = addresses_of(NewActions(actions))
+        threads.play(job.addresses)
 
     def _make_room(self, slots: int, phases: int) -> None:
         state = with_room(self.state, slots, phases)

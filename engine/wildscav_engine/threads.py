@@ -14,7 +14,7 @@ from itertools import pairwise
 MOST_HELPERS = 1024
 
 
-def share(work: Callable[[slice], bool], count: int, parts: int, threads: int) -> bool:
+def share(work: Callable[[slice], bool], count: int, threads: int, least: int = 1) -> bool:
     """Do work on parts of ``range(count)`` until one fails, and return whether none did.
 
     Every thread begins with the parts that were its own the last time, too, for what they work on lies in the
@@ -23,18 +23,28 @@ def share(work: Callable[[slice], bool], count: int, parts: int, threads: int) -
     Args:
         work: Does one part.
         count: How much there is.
-        parts: How many parts to make of it, at least one; several for each thread if some take longer.
         threads: How many threads share them, the calling one among them.
+        least: How much a part is at least, unless there is less.
     """
-    threads = min(threads, parts, MOST_HELPERS + 1)
-    ends = [count * part // parts for part in range(parts + 1)]
-    every = [slice(start, end) for start, end in pairwise(ends)]
-    piles = [deque(every[parts * one // threads : parts * (one + 1) // threads]) for one in range(threads)]
+    threads = max(1, min(threads, -(-count // least), MOST_HELPERS + 1))
+    ends = [count * one // threads for one in range(threads + 1)]
+    piles = [deque(_halves(first, last, least)) for first, last in pairwise(ends)]
     helpers = [_helper(number).submit(_take, work, piles, number) for number in range(1, threads)]
     is_done = _take(work, piles, 0)
     for helper in helpers:
         is_done = (helper.cancel() or helper.result()) and is_done
     return is_done
+
+
+def _halves(first: int, last: int, least: int) -> Iterator[slice]:
+    """Cut a range into parts: half of it, half of what is left, and so on until that is as little as asked.
+
+    Few, since a thread waits for Python's lock before each; and small at the end, so that all end together.
+    """
+    while first < last:
+        size = min(max((last - first + 1) // 2, least), last - first)
+        yield slice(first, first + size)
+        first += size
 
 
 def _take(work: Callable[[slice], bool], piles: list[deque[slice]], own: int) -> bool:

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.match import Match
 
-PARTS_A_THREAD = 16
-LEAST_PART = 4  # images
+LEAST_PART = 8  # images, where threads share them
 ARRAY = np.ndarray
 FLOAT = np.dtype(np.float64)
 MOST_SEAT = 2**31 - 1
@@ -203,7 +202,7 @@ def look_in_parts(look_at: Callable[[slice], bool], images: int, threads: int) -
     """Make some images part by part, shared by threads, and return whether all were made."""
     if threads == 1:
         return look_at(slice(images))
-    return share(look_at, images, max(1, min(images // LEAST_PART, PARTS_A_THREAD * threads)), threads)
+    return share(look_at, images, threads, LEAST_PART)
 
 
 def some_of(cameras: Cameras, part: "slice | list[int]") -> Cameras:
