@@ -40,6 +40,20 @@ JobsOption = Annotated[
     typer.Option(help="Matches at once. Default: one a processor core.", min=1, show_default=False),
 ]
 
+LogOption = Annotated[
+    Literal["json", "text"] | None,
+    typer.Option(help="Write log lines of this form to stderr, instead of a dashboard.", show_default=False),
+]
+MetricsOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Serve Prometheus metrics on this port of this machine; 0 takes a free one.",
+        min=0,
+        max=65_535,
+        show_default=False,
+    ),
+]
+
 
 def evaluate(
     submissions: Submissions,
@@ -64,12 +78,15 @@ def evaluate(
     ] = False,
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
     sandbox: InSandbox = None,
+    log_format: LogOption = None,
+    metrics_port: MetricsOption = None,
 ) -> None:
     """Evaluate submissions on seeded suites of matches, each agent in a sandbox of its own."""
     from wildscav_evaluator.own_suite import find_suite
     from wildscav_evaluator.run import Plan, default_jobs
     from wildscav_evaluator.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.session import run_session
+    from wildscav_evaluator.watch import Watching
 
     loaded, chosen = load_submissions(submissions), find_suite(suite)
     tracks = suite_tracks(loaded, track or [], chosen)
@@ -85,7 +102,7 @@ def evaluate(
         fresh=fresh,
         sandbox=runs_in,
     )
-    run_session(plan, db)
+    run_session(plan, db, Watching(log_format, metrics_port))
 
 
 def play(

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli import JobsOption, SecretOption, SeedOption, SuiteOption
+from wildscav_evaluator.cli import JobsOption, LogOption, MetricsOption, SecretOption, SeedOption, SuiteOption
 from wildscav_evaluator.sandbox_option import InSandbox, chosen_sandbox
 
 
@@ -32,6 +32,8 @@ def compare(
         typer.Option("--fresh", help="Begin anew: remove what is in the output folder."),
     ] = False,
     sandbox: InSandbox = None,
+    log_format: LogOption = None,
+    metrics_port: MetricsOption = None,
 ) -> None:
     """Play two submissions on the same matches, and say which is better, or that they are tied.
 
@@ -42,6 +44,7 @@ def compare(
     from wildscav_evaluator.own_suite import find_suite
     from wildscav_evaluator.run import Plan, default_jobs
     from wildscav_evaluator.selection import load_submissions, suite_seed, suite_tracks
+    from wildscav_evaluator.watch import Watching
 
     loaded, chosen = told_apart(load_submissions([first, second])), find_suite(suite)
     tracks = [
@@ -64,7 +67,7 @@ def compare(
         rounds=rounds,
         sandbox=runs_in,
     )
-    run_comparison(plan)
+    run_comparison(plan, Watching(log_format, metrics_port))
 
 
 def rescore(

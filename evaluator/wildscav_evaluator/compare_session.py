@@ -16,9 +16,10 @@ from wildscav_evaluator.run import Plan
 from wildscav_evaluator.session import all_failed, evaluating
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.tables import add_columns, heading, number
+from wildscav_evaluator.watch import Watching
 
 
-def run_comparison(plan: Plan) -> None:
+def run_comparison(plan: Plan, watching: Watching) -> None:
     """Play two submissions on the same matches, and show and keep which is better.
 
     Raises:
@@ -26,7 +27,7 @@ def run_comparison(plan: Plan) -> None:
             matches, after everything else was shown and kept.
     """
     first, second = plan.submissions
-    with evaluating(plan) as results:
+    with evaluating(plan, watching) as results:
         comparisons = compare(results, first.name, second.name)
         for one in comparisons.comparisons:
             console.print()

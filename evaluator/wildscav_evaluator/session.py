@@ -15,18 +15,18 @@ from wildscav_evaluator.conduct import evaluation_remark
 from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, kept, sensors_read
 from wildscav_evaluator.lock import Lock
 from wildscav_evaluator.output import SUITE_FILE, check_out, keep_only, output_folder
-from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.results import Evaluation, Results, write_results
 from wildscav_evaluator.run import Plan, check_names, collect, identity, make_jobs
 from wildscav_evaluator.sinks import ResultSink, sinks
 from wildscav_evaluator.tables import LEGEND, ranked, track_table
-from wildscav_evaluator.tally import Tally
+from wildscav_evaluator.watch import Watch, Watching
 from wildscav_evaluator.workers import WorkerDiedError, Workers
 
 INTERRUPTED = 130  # exit code, as shells have it
+NOBODY = Watching()
 
 
-def run_session(plan: Plan, database: Path) -> None:
+def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None:
     """Evaluate, show and keep the results.
 
     Raises:
@@ -36,7 +36,7 @@ def run_session(plan: Plan, database: Path) -> None:
     kept_by = tuple(sinks(str(database)))
     for sink in kept_by:
         sink.check()
-    with evaluating(plan) as results:
+    with evaluating(plan, watching) as results:
         for track in results.tracks:
             console.print()
             console.print(track_table(results, track))
@@ -50,7 +50,7 @@ def run_session(plan: Plan, database: Path) -> None:
 
 
 @contextmanager
-def evaluating(plan: Plan) -> Iterator[Results]:
+def evaluating(plan: Plan, watching: Watching) -> Iterator[Results]:
     """Play all matches of a plan, or what is left of them, and hold its output folder while the block lasts.
 
     Raises:
@@ -63,7 +63,7 @@ def evaluating(plan: Plan) -> Iterator[Results]:
         if plan.suite.source is not None:
             write_whole(plan.out / SUITE_FILE, plan.suite.source)
         try:
-            results = collect(plan, _play(plan, jobs, lock))
+            results = collect(plan, _play(plan, jobs, lock, watching))
         except KeyboardInterrupt:
             raise UserError(_interrupted(plan, jobs), INTERRUPTED) from None
         except WorkerDiedError as error:
@@ -71,32 +71,27 @@ def evaluating(plan: Plan) -> Iterator[Results]:
         yield results
 
 
-def _play(plan: Plan, jobs: Sequence[Job], lock: Lock) -> list[JobResult]:
+def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, watching: Watching) -> list[JobResult]:
     """Play what was not played in an earlier sitting, and return the results of all."""
     done = [result for job in jobs if (result := kept(job)) is not None]
     keep_only(plan.out, (result.job.stem for result in done))
     if done:
         console.print(_goes_on(len(done), len(jobs)))
-    tally = Tally(jobs, plan.jobs)
-    progress = EvaluationProgress(console, tally, plan.title)
+    watch = Watch(jobs, plan.jobs, plan.title, watching)
     for result in done:
-        progress.add(result, tally.add(result))
+        watch.keep(result)
     complete = {result.job.stem for result in done if not result.to_render}
     waiting = [job for job in jobs if job.stem not in complete]
     if waiting:
-        _play_waiting(plan, waiting, tally, progress, lock)
-    return list(tally.done.values())
-
-
-def _play_waiting(
-    plan: Plan, waiting: Sequence[Job], tally: Tally, progress: EvaluationProgress, lock: Lock
-) -> None:
-    with Workers(min(plan.jobs, len(waiting)), lock) as workers:
-        with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
-            workers.warm(sensors_read(waiting))
-        with progress.shown():
-            for result in workers.run(waiting, tally.start, tally.beat):
-                progress.add(result, tally.add(result))
+        with Workers(min(plan.jobs, len(waiting)), lock) as workers:
+            with console.status(
+                "preparing the engine (the first run compiles it, which takes about a minute)"
+            ):
+                workers.warm(sensors_read(waiting))
+            with watch.shown():
+                for result in workers.run(waiting, watch.start, watch.beat):
+                    watch.add(result)
+    return list(watch.tally.done.values())
 
 
 def _goes_on(done: int, jobs: int) -> str:

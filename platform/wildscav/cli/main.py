@@ -37,11 +37,13 @@ FIRST = (
 EXTRAS = {
     "grpc_health": "engine",
     "numba": "engine",
+    "prometheus_client": "engine",
     "PIL": "maps",
     "pydantic": "engine",
     "rerun": "view",
     "scipy": "maps",
     "sqlalchemy": "leaderboard",
+    "structlog": "engine",
     "trimesh": "maps",
 }
 
