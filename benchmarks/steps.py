@@ -107,6 +107,52 @@ def batch_figure(threads: int, *, resets: bool = True) -> Figure:
     return Figure(what, rate, "agent-steps/s", f"{threads} thread{'s' if threads > 1 else ''}")
 
 
+def threads_figure(name: str, steps: int, one: Callable[[int], None], two: Callable[[int], None]) -> Figure:
+    """Measure how much faster the same is with two threads than with one, by turns."""
+    ratios = []
+    for _ in range(4 * REPEATS + 1):
+        taken = []
+        for step in (one, two):
+            started = time.perf_counter()
+            for number in range(steps):
+                step(number)
+            taken.append(time.perf_counter() - started)
+        ratios.append(taken[0] / taken[1])
+    low, high = min(ratios[1:]), max(ratios[1:])
+    return Figure(
+        f"two threads over one, {name}", statistics.median(ratios[1:]), "×", f"{low:.2f} to {high:.2f}"
+    )
+
+
+def batch_threads_figure(matches: int, seats: int) -> Figure:
+    """Measure two threads on a batch of battles."""
+    actions = random_actions(matches, seats)
+    specs = [spec(index, "battle", *["submission"] * seats) for index in range(matches)]
+    one, two = (Batch(specs, [COUNTRY] * matches) for _ in range(2))
+    return threads_figure(
+        f"{matches} battles × {seats}",
+        max(4, 10_000 // (matches * seats)),
+        lambda number: one.step(actions[number % 8]),
+        lambda number: two.step(actions[number % 8], threads=2),
+    )
+
+
+def vector_threads_figure(envs: int) -> Figure:
+    """Measure two threads on a vector environment with depth maps."""
+    options = {**env_options(depth=True), "num_envs": envs, "vectorization_mode": "vector_entry_point"}
+    one, two = (gymnasium.make_vec(ENV, threads=threads, **options) for threads in (1, 2))
+    one.action_space.seed(0)
+    actions = [one.action_space.sample() for _ in range(8)]
+    one.reset(seed=0)
+    two.reset(seed=0)
+    return threads_figure(
+        f"vector env, {envs} × 1, 10 × 10 depth",
+        40,
+        lambda number: one.step(actions[number % 8]),
+        lambda number: two.step(actions[number % 8]),
+    )
+
+
 def reset_figure() -> Figure:
     """Measure how long it takes to begin a match anew, on a map of the pool."""
     play = Play(1, 1, resets=True)
@@ -192,6 +238,8 @@ def main(json_file: JsonFile = None) -> None:
         batch_figure(1),
         batch_figure(2),
         batch_figure(1, resets=False),
+        *(batch_threads_figure(matches, seats) for matches, seats in ((64, 10), (512, 1), (64, 1))),
+        *(vector_threads_figure(envs) for envs in (64, 512)),
         reset_figure(),
         match_figure("one match, 1 agent", "submission"),
         match_figure("one match, 10 agents", *["submission"] * 10),

@@ -126,8 +126,8 @@ def trace_depths_of_maps(
     scenes: Sequence[Scene], size: Size, cameras: Cameras, depths: NDArray[np.float32]
 ) -> bool:
     """Do what ``trace_depths`` does where nothing moves, for N cameras on N worlds, which may be the same."""
-    rooms = [scene.rooms.of(scene.packed, size) for scene in scenes]
-    tables = np.stack([room.addresses for room in rooms])
+    rooms = [scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size) for scene in scenes]
+    tables = np.concatenate([room.tables for room in rooms])
     eyes, yaws, pitches, _, half_width, far = cameras
     return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
 

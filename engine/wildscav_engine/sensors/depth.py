@@ -70,7 +70,7 @@ class DepthCamera(MovingOption, PinholeCamera):
         if threads == 1 and moving is viewers is None:
             # The shortest way, in few steps, because a small image takes no longer than many.
             scene, size, lens = game_map.scene, self._size, self.lens
-            room = scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size)
+            room = scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size)  # ``of``, but faster
             try:
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
                 trace = depths_tracer()
