@@ -14,6 +14,7 @@ from report import Figure, JsonFile, publish
 
 from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.batch import Batch
+from wildscav_engine.envs.arena import Arena
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.pools import random_maps
@@ -143,8 +144,9 @@ def vector_threads_figure(envs: int) -> Figure:
     one, two = (gymnasium.make_vec(ENV, threads=threads, **options) for threads in (1, 2))
     one.action_space.seed(0)
     actions = [one.action_space.sample() for _ in range(8)]
-    one.reset(seed=0)
-    two.reset(seed=0)
+    for env in (one, two):
+        env.reset(seed=0)
+        make_pool(env.unwrapped.arena)
     return threads_figure(
         f"vector env, {envs} × 1, 10 × 10 depth",
         40,
@@ -199,6 +201,7 @@ def env_figure(depth: bool) -> Figure:
     env.action_space.seed(0)
     actions = [env.action_space.sample() for _ in range(256)]
     env.reset(seed=0)
+    make_pool(env.unwrapped.arena)
 
     def step(number: int) -> None:
         _, _, terminated, truncated, _ = env.step(actions[number % 256])
@@ -217,8 +220,15 @@ def vector_figure(envs: int, depth: bool) -> Figure:
     vector.action_space.seed(0)
     actions = [vector.action_space.sample() for _ in range(8)]
     vector.reset(seed=0)
+    make_pool(vector.unwrapped.arena)
     rate = steps_per_second(lambda number: vector.step(actions[number % 8]), envs, 400)
     return Figure(f"vector env, {envs} × 1, {seen(depth)}", rate, "agent-steps/s", "resets included")
+
+
+def make_pool(arena: Arena) -> None:
+    """Make all maps that matches begin anew on, as one does who trains for long."""
+    for number in range(len(arena.pool)):
+        _ = arena.pool[number]
 
 
 def env_options(depth: bool) -> dict[str, Any]:

@@ -140,6 +140,9 @@ class Sight:
     def _look(self, sensor: OpticalSensor, cameras: Cameras) -> NDArray[Any]:
         """Return (N, *shape) images of the maps alone."""
         images = np.empty((len(self._maps), *sensor.shape), sensor.dtype)
+        if self._threads == 1:
+            sensor.look_at_maps(self._maps, cameras, images)
+            return images
 
         def look_at(part: slice) -> bool:
             return sensor.look_at_maps(self._maps[part], some_of(cameras, part), images[part])

@@ -127,7 +127,7 @@ def trace_depths_of_maps(
 ) -> bool:
     """Do what ``trace_depths`` does where nothing moves, for N cameras on N worlds, which may be the same."""
     rooms = [scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size) for scene in scenes]
-    tables = np.concatenate([room.tables for room in rooms])
+    tables = rooms[0].tables if len(rooms) == 1 else np.concatenate([room.tables for room in rooms])
     eyes, yaws, pitches, _, half_width, far = cameras
     return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
 
