@@ -90,6 +90,7 @@ def test_what_was_kept_is_not_tried_again_and_what_was_broken_is() -> None:
     assert (good.tried, bad.tried) == (1, 3)
 
 
+@pytest.mark.slow
 def test_the_doctor_tries_every_promise(wildscav: Callable[..., "subprocess.CompletedProcess[str]"]) -> None:
     if missing("bubblewrap"):
         pytest.skip(missing("bubblewrap"))

@@ -14,6 +14,7 @@ from tests.evaluator.sandbox.world import LIMITS, listening, processes_with
 from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
 from wildscav_evaluator.submission import Submission
 
+pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
 
 
