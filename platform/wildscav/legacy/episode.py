@@ -76,6 +76,7 @@ class Episode(NamedTuple):
     is_recorded: bool
     suffix: str  # of the record's name
     has_events: bool
+    seats: dict[int, int]  # of each id
 
 
 def read_episode(command: GMCommand) -> Episode:
@@ -93,6 +94,7 @@ def read_episode(command: GMCommand) -> Episode:
         is_recorded=command.is_record,
         suffix=command.replay_suffix,
         has_events=command.is_Open_Event,
+        seats={setup.id: seat for seat, setup in enumerate(setups)},
     )
 
 

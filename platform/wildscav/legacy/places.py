@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wildscav.legacy.episode import Episode
 
 if TYPE_CHECKING:
@@ -15,14 +17,12 @@ def settle_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, li
     The client's default start is the middle of the map whatever is there, and the original refused no place.
     So one where nobody can stand, or from where there is no way, gives way to the nearest valid location.
     """
-    from wildscav_engine.starts import usable_place
-
     spec, moved = episode.spec, []
 
     def settled(place: "Place | None", name: str, reach: float | None) -> "Place | None":
         if place is None:
             return None
-        usable = usable_place(game_map, place, reach)
+        usable = _nearest_usable(game_map, place, reach)
         if usable != place:
             moved.append(f"{name} {_text(place)} is no place to be; it is {_text(usable)} instead")
         return usable
@@ -35,6 +35,20 @@ def settle_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, li
     if not moved:
         return spec, moved
     return spec.model_copy(update={"starts": tuple(starts), "target": target}), moved
+
+
+def _nearest_usable(game_map: "GameMap", place: "Place", reach: float | None) -> "Place":
+    """Return a place if one can be there, else the nearest of the map's locations where one can."""
+    from wildscav_engine.starts import usable_place
+
+    if (usable := usable_place(game_map, place, reach)) == place:
+        return place
+    locations = np.concatenate([game_map.indoor, game_map.outdoor])
+    ways = locations - np.array(place)
+    for x, y, z in locations[np.argsort((ways * ways).sum(axis=1), kind="stable")].tolist():
+        if usable_place(game_map, (x, y, z), reach) == (x, y, z):
+            return x, y, z
+    return usable
 
 
 def _text(place: "Place") -> str:

@@ -8,6 +8,7 @@ import logging
 import os
 import signal
 import threading
+import time
 from pathlib import Path
 from typing import NoReturn
 
@@ -86,4 +87,6 @@ def end(status: int, why: str = "") -> NoReturn:
 def _load_engine() -> None:
     from wildscav.server.warm import warm
 
+    began = time.perf_counter()
     warm(())
+    log.info("the engine is ready after %.1f s", time.perf_counter() - began)

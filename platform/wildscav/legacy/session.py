@@ -16,6 +16,9 @@ from wildscav.legacy.places import settle_places
 from wildscav.legacy.requests import START, Requests
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from wildscav_engine.match import Match
 
 LONGEST_SUFFIX = 100  # characters
@@ -34,6 +37,7 @@ class Session:
     def __init__(self, client: Client, records: Path) -> None:
         self._client, self._records = client, records
         self._episodes = 0
+        self._strangers: set[int] = set()  # ids of no agent that were told of in this episode
 
     def run(self) -> None:
         """Play what the client asks for until it closes.
@@ -48,44 +52,48 @@ class Session:
                 reply = self._play(reply.gm_cmd)
             else:
                 # There is no episode, so there is nothing to do but to ask again.
-                name = GameState.Name(reply.game_state).lower()
-                log.warning("the client replies %s, but no episode is being played", name)
+                log.warning("the client replies %d, but no episode is being played", reply.game_state)
                 reply = self._client.ask(START)
         log.info("closed by the client after %s", counted(self._episodes, "episode"))
 
     def _play(self, command: GMCommand) -> Reply:
         """Play an episode, and return the reply that ends it."""
         self._episodes += 1
+        self._strangers.clear()
         episode = read_episode(command)
         match = match_of(episode)
-        requests = Requests(match, episode)
-        seats = {number: seat for seat, number in enumerate(episode.ids)}
-        log.info(
-            "episode %d: map %03d, %s, %d agents, at most %g s",
-            self._episodes,
-            episode.map_id,
-            match.track.name,
-            match.seats,
-            match.spec.time_limit,
-        )
-        began = time.perf_counter()
-        reply = self._client.ask(requests.next())
-        while reply.game_state == GameState.UPDATE and not match.over:
-            rows, unknown = read_actions(reply.agent_cmd_list, seats)
-            if unknown:
-                log.warning("there is no agent %s", ", ".join(map(str, unknown)))
-            match.step(rows)
-            reply = self._client.ask(requests.next())
-        self._end(match, time.perf_counter() - began)
-        if episode.is_recorded:
-            self._record(episode, match)
+        what = f"map {episode.map_id:03}, {match.track.name}, {counted(match.seats, 'agent')}"
+        log.info("episode %d: %s, at most %g s", self._episodes, what, match.spec.time_limit)
+        requests, began = Requests(match, episode), time.perf_counter()
+        told = requests.next()
+        reply = self._client.ask(told)
+        while reply.game_state == GameState.UPDATE:
+            # Who goes on after the end is told the end again.
+            if not match.over:
+                match.step(self._actions(reply, episode))
+                told = requests.next()
+                if match.over:
+                    self._end(episode, match, time.perf_counter() - began)
+            reply = self._client.ask(told)
+        if not match.over:
+            self._end(episode, match, time.perf_counter() - began)
         return reply
 
-    def _end(self, match: "Match", seconds: float) -> None:
-        """Say how an episode ended."""
+    def _actions(self, reply: Reply, episode: Episode) -> "NDArray[np.float32]":
+        """Return what the agents do; that there is no agent of an id is said once an episode."""
+        rows, unknown = read_actions(reply.agent_cmd_list, episode.seats)
+        for stranger in set(unknown) - self._strangers:
+            self._strangers.add(stranger)
+            log.warning("there is no agent %d; its actions are left out", stranger)
+        return rows
+
+    def _end(self, episode: Episode, match: "Match", seconds: float) -> None:
+        """Say how an episode ended, and record it, before the client hears of it: then it may go at once."""
         how = match.result().ending.replace("_", " ") if match.over else "broken off"
         rate = match.step_number / seconds
         log.info("episode %d: %s after %d frames; %.0f actions/s", self._episodes, how, match.frame, rate)
+        if episode.is_recorded:
+            self._record(episode, match)
 
     def _record(self, episode: Episode, match: "Match") -> None:
         """Write the record of an episode that was played to its end."""

@@ -23,7 +23,10 @@ def vector(place: Sequence[float]) -> Vector3:
 def setup(agent: int = 0, start: Sequence[float] | None = None, **fields: Any) -> AgentSetup:
     given = {"hp": 100, "num_pack_ammo": 60, "gun_capacity": 15, "attack_power": 20} | fields
     return AgentSetup(
-        id=agent, agent_name=f"agent_{agent}", start_location=vector(start or (0, 0, 0)), **given
+        id=agent,
+        agent_name=f"agent_{agent}",
+        start_location=vector((0, 0, 0) if start is None else start),
+        **given,
     )
 
 

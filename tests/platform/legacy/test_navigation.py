@@ -6,6 +6,7 @@ from tests.platform.legacy.competitor import Competitor
 
 from wildscav.legacy.commander_pb2 import GameState
 from wildscav_engine.maps import load_map
+from wildscav_engine.record import read_record
 
 
 def far_target() -> list[float]:
@@ -79,6 +80,31 @@ def test_episodes_follow_each_other_on_any_maps_even_where_one_is_broken_off(com
     assert not competitor.is_over
     request = competitor.begin(command(agents=[setup(0), setup(1)], timeout=1))
     assert (request.game_state, request.time_step, len(request.agent_obs_list)) == (GameState.UPDATE, 0, 2)
+
+
+def test_who_goes_on_after_the_end_is_told_the_end_again(competitor: Competitor) -> None:
+    competitor.begin(command(timeout=1))
+    last = competitor.act(times=10)
+    assert competitor.is_over
+    competitor.reply(GameState.UPDATE)
+    assert competitor.wait() == last
+    assert competitor.begin(command(timeout=1)).time_step == 0
+
+
+def test_a_record_is_there_before_the_client_hears_of_the_end(competitor: Competitor) -> None:
+    competitor.begin(command(timeout=1, is_record=True, replay_suffix="/../odd name"))
+    competitor.act(times=10)
+    (path,) = competitor.records.glob("*.wsr")
+    assert path.stem.endswith("_.._odd_name")
+    assert read_record(path).steps == 10
+
+
+def test_an_episode_that_is_broken_off_leaves_no_record(competitor: Competitor) -> None:
+    before = list(competitor.records.glob("*"))
+    competitor.begin(command(timeout=1, is_record=True))
+    competitor.act(times=5)
+    competitor.begin(command(timeout=1))
+    assert list(competitor.records.glob("*")) == before
 
 
 def test_one_seed_gives_one_episode(competitor: Competitor) -> None:

@@ -2,6 +2,8 @@
 
 import json
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -66,6 +68,10 @@ def test_records_hold_and_have_the_names_that_the_client_gives(installed: Path) 
     record = read_record(one)
     assert record.names == ("agent_0",)
     assert verify_record(record).holds
+    command = [sys.executable, "-m", "wildscav.cli.main", "replay", one, "--output", installed / "one.rrd"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (installed / "one.rrd").stat().st_size > 100_000
 
 
 @pytest.mark.slow

@@ -78,7 +78,7 @@ def test_a_session_in_a_process_of_its_own(start: Start) -> None:
     _, said = process.communicate(timeout=10)
     assert process.returncode == 0
     assert f"connected to the client on 127.0.0.1:{competitor.port}" in said
-    assert "episode 1: map 103, navigation, 1 agents" in said
+    assert "episode 1: map 103, navigation, 1 agent, at most 1 s" in said
     assert "episode 1: time up after 50 frames" in said
     assert "closed by the client after 1 episode" in said
     competitor.die()
