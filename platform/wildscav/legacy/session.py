@@ -65,17 +65,17 @@ class Session:
         what = f"map {episode.map_id:03}, {match.track.name}, {counted(match.seats, 'agent')}"
         log.info("episode %d: %s, at most %g s", self._episodes, what, match.spec.time_limit)
         requests, began = Requests(match, episode), time.perf_counter()
-        told = requests.next()
+        told, is_over = requests.next(), False
         reply = self._client.ask(told)
         while reply.game_state == GameState.UPDATE:
             # Who goes on after the end is told the end again.
-            if not match.over:
+            if not is_over:
                 match.step(self._actions(reply, episode))
-                told = requests.next()
-                if match.over:
+                told, is_over = requests.next(), match.over
+                if is_over:
                     self._end(episode, match, time.perf_counter() - began)
             reply = self._client.ask(told)
-        if not match.over:
+        if not is_over:
             self._end(episode, match, time.perf_counter() - began)
         return reply
 
