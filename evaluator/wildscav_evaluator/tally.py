@@ -4,11 +4,13 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from wildscav_engine.spec import SUBMISSION
 from wildscav_evaluator.jobs import Beat, Job, JobResult
 from wildscav_evaluator.results import MetricInfo, Summary
 from wildscav_evaluator.run import metric_infos
 from wildscav_evaluator.score import summarize
 
+ROBOT = 0.1  # what a robot takes, of what an agent in a process of its own does
 SMOOTHING = 0.5  # share of the newest figure in steps a second
 
 
@@ -129,7 +131,7 @@ class Tally:
         """Return about how many seconds are left; none as long as nothing tells.
 
         A match takes as long as those of its track did, and where none is done yet, as long for each second
-        of game and seat as others did.
+        of game and agent as others did.
         """
         walls = list(self._walls())
         if not walls:
@@ -156,5 +158,6 @@ class Tally:
 
 
 def _work(job: Job) -> float:
-    """Return how much a match may take, in seconds of game and seat."""
-    return job.spec.time_limit * len(job.spec.seats)
+    """Return how much a match may take, in seconds of game and agent."""
+    agents = job.spec.seats.count(SUBMISSION)
+    return job.spec.time_limit * (agents + ROBOT * (len(job.spec.seats) - agents))

@@ -1,5 +1,6 @@
 """Where an evaluation stands: counts, scores so far and the time left."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -120,7 +121,19 @@ def test_a_track_that_nobody_has_played_yet_is_reckoned_by_its_length(clock: Clo
 
     tally.add(played(every[0], 10.0))
 
-    assert tally.time_left() == pytest.approx(10.0)  # both last 60 s for one seat
+    assert tally.time_left() == pytest.approx(10.0)  # both last 60 s for one agent
+
+
+def test_robots_are_reckoned_as_a_tenth_of_an_agent(clock: Clock) -> None:
+    (first,) = jobs(navigation=1)
+    (battle,) = jobs(battle=1)
+    seats = ("submission", *("fighter",) * 9)
+    crowded = replace(battle, spec=battle.spec.model_copy(update={"seats": seats}))
+    tally = Tally([first, crowded], clock=clock)
+
+    tally.add(played(first, 10.0))
+
+    assert tally.time_left() == pytest.approx(19.0)
 
 
 def test_the_speed_is_that_of_the_matches_that_run(clock: Clock) -> None:

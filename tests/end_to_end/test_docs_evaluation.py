@@ -1,0 +1,101 @@
+"""What the page of evaluations says is true: its suites, files and metrics exist, and its commands run."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from prometheus_client.core import CounterMetricFamily
+from tests.end_to_end.test_docs import blocks
+
+from wildscav_evaluator.compare import FEWEST
+from wildscav_evaluator.identity import IDENTITY_FILE
+from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS
+from wildscav_evaluator.journal import MATCHES
+from wildscav_evaluator.metrics import EvaluationMetrics
+from wildscav_evaluator.output import SUITE_FILE
+from wildscav_evaluator.own_suite import read_suite
+from wildscav_evaluator.play import TRIES
+from wildscav_evaluator.results import RESULTS_FILE
+from wildscav_evaluator.score import RESAMPLES
+from wildscav_evaluator.seeds import OPENED_FILE
+from wildscav_evaluator.suites import SUITES
+from wildscav_evaluator.tally import Tally
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "evaluation.md"
+TEXT = PAGE.read_text("utf-8")
+
+
+def rows(head: str) -> list[list[str]]:
+    """The rows of the table with that head, cell by cell."""
+    table = TEXT[TEXT.index(head) :].split("\n\n")[0].splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+
+
+def test_the_suites_have_the_maps_matches_and_limits_told() -> None:
+    for name, *told in rows("| suite | navigation |"):
+        suite = SUITES[name.strip("`")]
+        for track, cell in zip(("navigation", "gathering", "capture", "battle", "royale"), told, strict=True):
+            course = suite.courses[track]
+            (seconds,) = {spec.time_limit for spec in suite.matches(track, 0)}
+            assert cell == f"{course.maps} × {course.episodes}, {seconds:g} s"
+
+
+def test_the_own_suite_of_the_page_is_one(tmp_path: Path) -> None:
+    (toml,) = blocks(PAGE, "toml")
+    (tmp_path / "spring.toml").write_text(toml)
+    suite = read_suite(tmp_path / "spring.toml")
+
+    assert len(suite.matches("navigation", 0)) == 6
+    assert len(suite.matches("gathering", 0)) == 2
+
+
+def test_every_metric_is_told() -> None:
+    families = EvaluationMetrics(Tally([])).collect()
+    names = {
+        f"{family.name}_total" if isinstance(family, CounterMetricFamily) else family.name
+        for family in families
+    }
+
+    assert {name for row in rows("| metric |") for name in re.findall(r"`(\w+)`", row[0])} == names
+
+
+def test_every_file_of_the_output_folder_is_told() -> None:
+    cells = [row[0] for row in rows("| in the output folder |")]
+    told = {name.rstrip("/") for cell in cells for name in re.findall(r"`([\w./]+)`", cell)}
+
+    assert told == {RESULTS_FILE, RECORDS, MATCHES, REPLAYS, LOGS, IDENTITY_FILE, SUITE_FILE, OPENED_FILE}
+
+
+def test_the_numbers_of_the_text_are_those_of_the_code() -> None:
+    assert f"Fewer than {FEWEST} matches are too few" in TEXT
+    assert f"with {RESAMPLES:,} resamples" in TEXT
+    assert {3: "three"}[TRIES] + "\ntimes over" in TEXT
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_page_run_in_their_order(tmp_path: Path) -> None:
+    (toml,) = blocks(PAGE, "toml")
+    (tmp_path / "spring.toml").write_text(toml)
+    (tmp_path / "submissions").symlink_to(ROOT / "submissions")
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+
+    def run(line: str) -> str:
+        done = subprocess.run(
+            ["bash", "-c", line], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=500
+        )
+        assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+        return done.stdout
+
+    run("wildscav init my-agent")
+    lines = [line for block in blocks(PAGE, "console") for line in block.splitlines()]
+    said = {line: run(line) for line in lines}
+
+    assert len(lines) >= 9
+    assert "all agree with out/spring/results.json" in said["wildscav rescore out/spring"]
+    (checked,) = (text for line, text in said.items() if "secret check" in line)
+    assert "is the one committed to" in checked
+    assert "all agree" in run("wildscav rescore out/hidden")
