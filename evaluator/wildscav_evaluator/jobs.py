@@ -14,7 +14,7 @@ from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.journal import read_entry, write_entry
 from wildscav_evaluator.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.results import MatchRow, MatchTiming
-from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits, Sandbox
 from wildscav_evaluator.submission import Submission
 from wildscav_evaluator.warm import Wanted
 
@@ -36,6 +36,7 @@ class Job:
     replay: bool  # whether to render one
     evaluation: str = ""  # digest of the evaluation's identity
     sandbox: str = "process"  # in which its agent runs
+    limits: Limits = DEFAULT_LIMITS  # of its agent
 
     @property
     def stem(self) -> str:
@@ -61,7 +62,7 @@ class Job:
     def seating(self) -> Seating:
         """The match, with this submission in every seat that a submission fills."""
         count = self.spec.seats.count("submission")
-        return Seating(self.spec, (self.submission,) * count, (self.out / self.log,) * count)
+        return Seating(self.spec, (self.submission,) * count, (self.out / self.log,) * count, self.limits)
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:

@@ -19,6 +19,7 @@ from wildscav_engine.rng import Dice
 from wildscav_engine.spec import SUBMISSION, MapConfig, MatchSpec, Spec, one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.courses import choose
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.seating import shuffled
 from wildscav_evaluator.suites import SUITES, Course, Suite
 
@@ -52,6 +53,7 @@ class TrackPart(Part):
     shuffle: bool = True  # whether the seats are dealt anew for each match
     match: Fields = {}
     choose: Choices = {}
+    limits: Limits = DEFAULT_LIMITS  # of agents
 
     @field_validator("match", "choose")
     @classmethod
@@ -135,7 +137,8 @@ def _grouped(content: Fields) -> Fields:
 def _suite(file: SuiteFile, source: bytes) -> Suite:
     config = _drawer(MapConfig, file.map.fields, file.map.choose, "map")
     courses = {name: _course(name, file.tracks[name]) for name in TRACKS if name in file.tracks}
-    return Suite(file.name, file.title, config, courses, source)
+    limits = {track: part.limits for track, part in file.tracks.items()}
+    return Suite(file.name, file.title, config, courses, source, limits)
 
 
 def _course(track: str, part: TrackPart) -> Course:

@@ -24,7 +24,15 @@ from wildscav.server import (
 )
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, RunningAgent, Sandbox
+from wildscav_evaluator.sandbox import (
+    DEFAULT_LIMITS,
+    SANDBOXES,
+    Ending,
+    Launch,
+    Limits,
+    RunningAgent,
+    Sandbox,
+)
 from wildscav_evaluator.seating import display_names, submission_seats
 from wildscav_evaluator.submission import Submission
 
@@ -51,6 +59,7 @@ class Seating:
     spec: MatchSpec
     submissions: tuple[Submission, ...]  # in the order of the spec's seats for submissions
     logs: tuple[Path, ...]  # one for each submission
+    limits: Limits = DEFAULT_LIMITS  # of every agent
 
     @property
     def seats(self) -> tuple[int, ...]:
@@ -157,7 +166,7 @@ async def _play_hosted(
     try:
         entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
         for seat, submission, log, address in entries:
-            launch = launch_for(submission, address, hosted.tokens[seat], log)
+            launch = launch_for(submission, address, hosted.tokens[seat], log, seating.limits)
             agents.append(await sandbox.start(launch))
             watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[-1]))
         outcome = await _outcome(hosted, watchers)
@@ -176,7 +185,9 @@ async def _play_hosted(
         await asyncio.gather(*ends, return_exceptions=True)
 
 
-def launch_for(submission: Submission, address: str, token: str, log: Path) -> Launch:
+def launch_for(
+    submission: Submission, address: str, token: str, log: Path, limits: Limits = DEFAULT_LIMITS
+) -> Launch:
     """Return what a sandbox needs to start a submission at a seat."""
     return Launch(
         folder=submission.folder,
@@ -185,6 +196,7 @@ def launch_for(submission: Submission, address: str, token: str, log: Path) -> L
         address=address,
         token=token,
         log=log,
+        limits=limits,
     )
 
 

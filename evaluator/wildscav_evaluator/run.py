@@ -13,6 +13,7 @@ from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator import results
 from wildscav_evaluator.identity import Entrant, Identity, digest_of
 from wildscav_evaluator.jobs import Job, JobResult
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
 from wildscav_evaluator.score import summary
 from wildscav_evaluator.seeds import SuiteSeed
 from wildscav_evaluator.submission import Submission
@@ -64,10 +65,12 @@ def make_jobs(plan: Plan) -> list[Job]:
     jobs = []
     for track in plan.tracks:
         playing = [submission for on, submission in plan.entries() if on == track]
+        limits = plan.suite.limits.get(track, DEFAULT_LIMITS)
         for index, spec in enumerate(plan.matches(track)):
             replay = plan.replays == "all" or (plan.replays == "first" and index == 0)
             jobs += [
-                Job(one, track, index, spec, plan.out, replay, evaluation, plan.sandbox) for one in playing
+                Job(one, track, index, spec, plan.out, replay, evaluation, plan.sandbox, limits)
+                for one in playing
             ]
     return jobs
 

@@ -8,13 +8,14 @@ below 2**63, so no agent has trained on a map of a suite.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import NamedTuple
 
 from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.courses import battle, capture, choose, gathering, navigation, royale
+from wildscav_evaluator.sandbox.limits import Limits
 
 EVALUATION_MAPS = 1 << 63  # the bit that marks a map seed as kept for evaluation
 
@@ -37,6 +38,7 @@ class Suite:
     map_config: Callable[[Dice], MapConfig]
     courses: Mapping[str, Course]
     source: bytes | None = None  # the file of an organizer's own suite
+    limits: Mapping[str, Limits] = field(default_factory=dict)  # of agents, for tracks that have their own
 
     @property
     def label(self) -> str:

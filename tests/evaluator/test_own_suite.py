@@ -9,6 +9,7 @@ from wildscav.errors import UserError
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.spec import SUBMISSION
 from wildscav_evaluator.own_suite import find_suite, read_suite
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.suites import EVALUATION_MAPS, SUITES
 
 SPRING = """
@@ -156,3 +157,14 @@ def test_suites_are_found_by_name_or_file(write: Callable[[str], Path]) -> None:
         find_suite("slow")
     with pytest.raises(UserError, match=r"nowhere\.toml: No such file"):
         find_suite("nowhere.toml")
+
+
+def test_a_track_may_have_limits_of_its_own(write: Callable[[str], Path]) -> None:
+    tighter = SPRING.replace("maps = 6", 'maps = 6\nlimits = { memory = "512MiB", cpus = 0.5 }')
+
+    suite = read_suite(write(tighter))
+
+    assert suite.limits["navigation"] == Limits(memory=512 << 20, cpus=0.5)  # type: ignore[arg-type]
+    assert suite.limits["battle"] == DEFAULT_LIMITS
+    with pytest.raises(UserError, match=r"limits\.memory"):
+        read_suite(write(tighter.replace("512MiB", "1MiB")))
