@@ -1,28 +1,35 @@
-"""Steps a second of matches over gRPC, agents in processes of their own, beside a bare gRPC echo."""
+"""Steps a second of matches over gRPC, agents in processes of their own.
+
+Beside them runs a bare stream of the same messages: with gRPC as it comes, and set as the SDK sets it.
+"""
 
 import asyncio
 import os
+import resource
 import statistics
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import echo
 import typer
 from report import Figure, JsonFile, publish
 
-from wildscav.sdk.agent import Action
-from wildscav.server import Clock, MatchServer
+from wildscav.proto.match_pb2 import ServerMessage
+from wildscav.sdk.transport import EXPERIMENTS, VARIABLE
+from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav.server.snapshot import take_snapshot
-from wildscav.wire.actions import encode_action
+from wildscav.server.warm import warm
 from wildscav.wire.observations import encode_observation
 from wildscav_engine.actions import Field, no_actions
 from wildscav_engine.match import Match
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 
 HERE = Path(__file__).parent
-STEPS = {1: 2000, 10: 400}
+STEPS = {1: 1500, 10: 300}
 REPEATS = 3
+AT_ONCE = 16  # matches
 PATIENT = Clock(step_budget=5.0, game_time_factor=100.0)  # so that a busy machine drops no step
 
 
@@ -34,11 +41,13 @@ def match_spec(seats: int) -> MatchSpec:
     return MatchSpec(track=track, map=game_map, seed=1, seats=filled, time_limit=STEPS[seats] / 10)
 
 
-async def play_match(folder: str, seats: int) -> float:
-    """Return steps a second of one match."""
+async def play_matches(folder: Path, seats: int, count: int = 1) -> list[tuple[HostedMatch, float]]:
+    """Play some matches at once on one server; return them with their steps a second."""
     server = MatchServer()
     (address,) = await server.start([f"unix:{folder}/match.sock"])
-    hosted = await server.host(match_spec(seats), names=["walker"] * seats, clock=PATIENT)
+    matches = [
+        await server.host(match_spec(seats), names=["walker"] * seats, clock=PATIENT) for _ in range(count)
+    ]
     environment = {**os.environ, "WILDSCAV_ADDRESS": address}
     agents = [
         await asyncio.create_subprocess_exec(
@@ -46,65 +55,116 @@ async def play_match(folder: str, seats: int) -> float:
             cwd=HERE,
             env={**environment, "WILDSCAV_TOKEN": token},
         )
+        for hosted in matches
         for token in hosted.tokens.values()
     ]
-    outcome = await hosted.finished()
+    outcomes = [await hosted.finished() for hosted in matches]
     await asyncio.gather(*(agent.wait() for agent in agents))
     await server.stop()
-    late = sum(report.late_steps for report in outcome.seats.values())
+    late = sum(report.late_steps for outcome in outcomes for report in outcome.seats.values())
     if late:
         raise RuntimeError(f"{late} steps were late: the figure would mean nothing")
-    return outcome.match.step_number / outcome.seconds
-
-
-async def play_echo(folder: str, clients: int) -> float:
-    """Return rounds a second that each of some clients gets from a bare stream, all at once."""
-    address = f"unix:{folder}/echo.sock"
-    message_bytes, answer_bytes = message_sizes(clients)
-    server = await echo.serve(address, message_bytes)
-    processes = [
-        await asyncio.create_subprocess_exec(
-            *(sys.executable, str(HERE / "echo.py"), address, str(STEPS[clients]), str(answer_bytes)),
-            stdout=asyncio.subprocess.PIPE,
-        )
-        for _ in range(clients)
+    return [
+        (hosted, outcome.match.step_number / outcome.seconds)
+        for hosted, outcome in zip(matches, outcomes, strict=True)
     ]
+
+
+async def steps_a_second(folder: Path, seats: int) -> float:
+    """Return the steps a second of one match."""
+    ((_, rate),) = await play_matches(folder, seats)
+    return rate
+
+
+async def rounds_a_second(folder: Path, clients: int, experiments: str) -> float:
+    """Return rounds a second that each of some clients gets from a bare stream, all at once.
+
+    Args:
+        folder: For the socket and the messages.
+        clients: How many.
+        experiments: What gRPC is set to.
+    """
+    environment = {**os.environ, VARIABLE: experiments}
+    address, messages = f"unix:{folder}/echo.sock", folder / "messages"
+    echo.write_messages(messages, sample_messages(clients))
+    server = await _script(environment, "serve", address, str(messages))
+    if server.stdout is not None:
+        await server.stdout.readline()
+    processes = [await _script(environment, "play", address, str(STEPS[clients])) for _ in range(clients)]
     outputs = await asyncio.gather(*(process.communicate() for process in processes))
-    await server.stop(None)
+    server.kill()
+    await server.communicate()
     return statistics.mean(float(output) for output, _ in outputs)
 
 
-def message_sizes(seats: int) -> tuple[int, int]:
-    """Return the bytes of an observation and of an action in such a match."""
+async def _script(environment: dict[str, str], *arguments: str) -> asyncio.subprocess.Process:
+    command = (sys.executable, str(HERE / "echo.py"), *arguments)
+    return await asyncio.create_subprocess_exec(*command, env=environment, stdout=asyncio.subprocess.PIPE)
+
+
+def sample_messages(seats: int, count: int = 100) -> list[ServerMessage]:
+    """Return what the first seat of such a match is sent."""
     match = Match(match_spec(seats))
-    for step in range(STEPS[seats] // 4):
+    messages = []
+    for step in range(count):
         rows = no_actions(seats)
         rows[:, Field.WALK_DIRECTION], rows[:, Field.WALK_SPEED] = step * 3.0, 6.0
         match.step(rows)
-    observation = encode_observation(
-        take_snapshot(match), 0, seconds_per_frame=0.02, time_bank=30.0, tensors={}
-    )
-    return observation.ByteSize(), encode_action(1000, Action(walk_direction=10.0, walk_speed=6.0)).ByteSize()
+        snapshot = take_snapshot(match)
+        messages.append(encode_observation(snapshot, 0, seconds_per_frame=0.02, time_bank=30.0, tensors={}))
+    return messages
+
+
+def compare(folder: Path, seats: int) -> list[Figure]:
+    """Measure a match and the bare streams in turns, so that all see the same machine."""
+    turns = [
+        (
+            asyncio.run(steps_a_second(folder, seats)),
+            asyncio.run(rounds_a_second(folder, seats, "")),
+            asyncio.run(rounds_a_second(folder, seats, EXPERIMENTS)),
+        )
+        for _ in range(REPEATS)
+    ]
+    steps, bare, tuned = (statistics.median(column) for column in zip(*turns, strict=True))
+    over_bare = statistics.median(turn[0] / turn[1] for turn in turns)
+    over_tuned = statistics.median(turn[0] / turn[2] for turn in turns)
+    size = statistics.mean(message.ByteSize() for message in sample_messages(seats))
+    name = f"{seats} agent{'s' if seats > 1 else ''}"
+    return [
+        Figure(f"match of {name}", steps, "steps/s", f"observations of about {size:.0f} bytes"),
+        Figure(f"bare stream, {name}", bare, "rounds/s", "the same messages, gRPC as it comes"),
+        Figure(f"bare stream, {name}, tuned", tuned, "rounds/s", "clients set as the SDK sets them"),
+        Figure(f"match over bare stream, {name}", over_bare, "", f"median of {REPEATS} turns; aim: 0.8"),
+        Figure(f"match over tuned stream, {name}", over_tuned, "", f"median of {REPEATS} turns"),
+    ]
+
+
+def crowd(folder: Path) -> list[Figure]:
+    """Measure many matches at once on one server."""
+    before, started = _processor_time(), time.perf_counter()
+    matches = asyncio.run(play_matches(folder, 1, AT_ONCE))
+    wall, used = time.perf_counter() - started, _processor_time() - before
+    total = sum(rate for _, rate in matches)
+    cores = len(os.sched_getaffinity(0))
+    return [
+        Figure(f"{AT_ONCE} matches at once", total, "steps/s", "all together, one agent each"),
+        Figure("cores used by them", used / wall, "cores", f"of {cores}, start-up included"),
+    ]
+
+
+def _processor_time() -> float:
+    who = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    return sum(use.ru_utime + use.ru_stime for use in map(resource.getrusage, who))
 
 
 def main(json: JsonFile = None) -> None:
     """Measure the match server."""
+    warm()
     figures = []
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as name:
         for seats in STEPS:
-            name = f"{seats} agent{'s' if seats > 1 else ''}"
-            message_bytes, answer_bytes = message_sizes(seats)
-            # Taken in turns, so that both see the same machine.
-            pairs = [
-                (asyncio.run(play_match(folder, seats)), asyncio.run(play_echo(folder, seats)))
-                for _ in range(REPEATS)
-            ]
-            steps, rounds = (statistics.median(column) for column in zip(*pairs, strict=True))
-            figures += [
-                Figure(f"match of {name}", steps, "steps/s", f"observations of about {message_bytes} bytes"),
-                Figure(f"bare echo, {name}", rounds, "rounds/s", f"{message_bytes} to, {answer_bytes} fro"),
-                Figure(f"match over echo, {name}", steps / rounds, "", f"median of {REPEATS} runs each"),
-            ]
+            figures += compare(Path(name), seats)
+        figures += crowd(Path(name))
     publish("Match server", figures, json)
 
 

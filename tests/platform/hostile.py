@@ -192,7 +192,9 @@ class Siege:
     async def _end(self) -> Any:
         report = self.honest.seats[0].report()
         assert self.honest.task.done() is False or report.status == "finished"
-        assert len(asyncio.all_tasks()) < 40, "tasks were left behind"
+        async with asyncio.timeout(20):  # whoever is refused waits a little for it
+            while len(asyncio.all_tasks()) > 10:  # noqa: ASYNC110
+                await asyncio.sleep(0.1)
         self.honest.cancel()
         await self._agent.communicate()
         await self.server.stop()

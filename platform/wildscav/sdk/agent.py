@@ -6,7 +6,8 @@ looks along +z and grows clockwise seen from above; positive pitch looks down.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -134,8 +135,10 @@ class SupplyBox(NamedTuple):
     quantity: int  # supplies in it, above 0
 
 
-@dataclass(frozen=True, slots=True)
-class Observation:
+_NOTHING: Mapping[str, NDArray[Any]] = MappingProxyType({})
+
+
+class Observation(NamedTuple):  # not a dataclass: a frozen one takes four times as long to make
     """What an agent senses before a step."""
 
     step: int  # number of the step that an action is wanted for
@@ -164,7 +167,7 @@ class Observation:
     target: Vector | None = None  # m, the place to reach, as soon as the agent's team knows it
     agents: tuple[VisibleAgent, ...] = ()  # in sight, nearest first, 16 at most
     supply_boxes: tuple[SupplyBox, ...] = ()  # within supply_sight, nearest first, 32 at most
-    tensors: Mapping[str, NDArray[Any]] = field(default_factory=dict)  # sensor readings by name, read-only
+    tensors: Mapping[str, NDArray[Any]] = _NOTHING  # sensor readings by name, read-only
 
     @property
     def depth(self) -> NDArray[np.float32]:

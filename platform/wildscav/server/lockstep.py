@@ -135,10 +135,11 @@ class Lockstep:
         """Ask everyone for the next step, if there is one and anyone to be asked."""
         present = [seat for seat in self._seats if seat.present]
         if self._match.over or not present:
+            self._disarm()
             self._done.set_result(None)
             return
         self._snapshot = take_snapshot(self._match)
-        self._rows = np.zeros_like(self._rows)
+        self._rows.fill(0.0)
         self._pending = set(present)
         self._opened = self._loop.time()
         waiting = [seat for seat in present if seat.waits]
@@ -185,7 +186,8 @@ class Lockstep:
 
     def _close(self) -> None:
         """Play the step that is open, and open the next."""
-        self.stop()
+        self._snapshot = None
+        self._pending.clear()
         try:
             self._match.step(self._rows)
             self._open()
@@ -195,14 +197,33 @@ class Lockstep:
     # Its time.
 
     def _arm(self, when: float) -> None:
-        """Look at the clock again at some time."""
-        self._disarm()
+        """Look at the clock again at some time.
+
+        A timer that comes too early sets itself anew: most steps are over long before their time, and to set
+        and cancel one for each costs more than to be woken for nothing ten times a second.
+        """
         self._due = when
-        self._timer = self._loop.call_at(self._due, self._time_is_up)
+        if self._timer is None or self._timer.when() > when:
+            self._set_timer()
+
+    def _set_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = self._loop.call_at(self._due, self._timer_fires)
+
+    def _timer_fires(self) -> None:
+        self._timer = None
+        if self._snapshot is None:
+            return
+        if self._loop.time() < self._due:
+            self._set_timer()
+        else:
+            self._time_is_up()
 
     def _disarm(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
+            self._timer = None
 
     def _time_is_up(self) -> None:
         lag = self._loop.time() - self._due

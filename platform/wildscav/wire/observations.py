@@ -141,6 +141,7 @@ def decode_observation(message: ObservationMessage, frames_per_second: int) -> O
     Raises:
         ValueError: A tensor's type, shape and data do not fit together.
     """
+    health, target = message.health, message.target if message.HasField("target") else None
     return Observation(
         step=message.step,
         frame=message.frame,
@@ -152,8 +153,8 @@ def decode_observation(message: ObservationMessage, frames_per_second: int) -> O
         pitch=message.pitch,
         on_ground=message.on_ground,
         in_water=message.in_water,
-        alive=message.health > 0,
-        health=message.health,
+        alive=health > 0,
+        health=health,
         clip=message.clip,
         spare_ammo=message.spare_ammo,
         reloading=message.reloading,
@@ -165,7 +166,7 @@ def decode_observation(message: ObservationMessage, frames_per_second: int) -> O
         can_pick_up=message.can_pick_up,
         supplies=message.supplies,
         gained=message.gained,
-        target=decode_vector(message.target) if message.HasField("target") else None,
+        target=None if target is None else decode_vector(target),
         agents=tuple(map(_decode_agent, message.agents)),
         supply_boxes=tuple(map(_decode_box, message.supply_boxes)),
         tensors={tensor.name: decode_tensor(tensor) for tensor in message.tensors},
