@@ -12,10 +12,14 @@ from wildscav_evaluator.sandbox_option import InSandbox, chosen_sandbox
 def check(
     submission: Annotated[
         Path,
-        typer.Argument(help="Folder with a submission.toml.", metavar="SUBMISSION", show_default=False),
+        typer.Argument(
+            help="A submission: a folder, an archive or an image, as for evaluate.",
+            metavar="SUBMISSION",
+            show_default=False,
+        ),
     ],
-    sandbox: InSandbox = None,
     logs: Annotated[Path, typer.Option(help="Folder for what the agent prints.")] = Path("out/check"),
+    sandbox: InSandbox = None,
 ) -> None:
     """Try whether a submission keeps the rules: in the judge's sandbox, under its clock and its limits.
 
@@ -26,9 +30,9 @@ def check(
     from wildscav_evaluator.sandbox import SANDBOXES
     from wildscav_evaluator.selection import load_submissions
 
-    (loaded,) = load_submissions([submission])
-    runs_in, (loaded,) = chosen_sandbox(sandbox, [loaded])
+    loaded = load_submissions([submission])
+    name, (runs,) = chosen_sandbox(sandbox, loaded)
     try:
-        run_check(loaded, SANDBOXES[runs_in], logs)
+        run_check(runs, SANDBOXES[name], logs)
     except OSError as error:
         raise UserError(describe(error)) from error

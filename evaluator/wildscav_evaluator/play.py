@@ -39,7 +39,7 @@ from wildscav_evaluator.submission import Submission
 SOCKET = "match.sock"
 SOCKET_PATH_LIMIT = 100  # bytes; the systems' own limits begin at 104
 CONNECTIONS = 16  # that an agent may have open to its seat's socket at one time
-FAREWELL = 1.0  # s for an agent's process to end by itself after the match
+FAREWELL = 3.0  # s for an agent's process to end by itself after the match; a container takes one
 TRIES = 3  # for a match that the platform breaks
 PAUSE = 0.5  # s between them: what is short now may be there again
 # Outcomes that the end of an agent's process explains.

@@ -82,7 +82,7 @@ def test_an_agent_that_cannot_play_is_told_why_and_what_to_do(
         return Action()
 """,
             "end",
-            "still there a second after the match",
+            "s after the match, and was stopped",
         ),
         (
             "counting",

@@ -18,7 +18,7 @@ from wildscav_engine.sensors import SENSORS
 from wildscav_engine.tracks import TRACKS
 
 HASTY = Clock(step_budget=0.05, time_bank=0.1)
-PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=40.0)
+PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=400.0)
 
 
 @pytest.mark.parametrize("track", TRACKS)

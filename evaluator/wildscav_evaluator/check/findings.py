@@ -6,6 +6,7 @@ from enum import StrEnum
 
 from wildscav.server import Clock, SeatReport
 from wildscav.wire.actions import MAX_WALK_SPEED
+from wildscav_evaluator.play import FAREWELL
 from wildscav_evaluator.sandbox import Ending, Limits
 
 SLOW = 0.8  # of the budget; a median beyond it is too near to it
@@ -104,7 +105,7 @@ def farewell(ending: Ending | None) -> Finding:
     """
     check, mend = "end", "let the process end, with exit code 0, once MatchOver has come"
     if ending is None:
-        seen = "its process was still there a second after the match, and was stopped"
+        seen = f"its process was still there {FAREWELL:g} s after the match, and was stopped"
         return Finding(check, Verdict.DOUBTFUL, seen, f"{mend}; join or stop threads and children")
     if ending.exit_code == 0:
         return Finding(check, Verdict.KEPT, "its process ended by itself after the match")

@@ -33,10 +33,16 @@ def run_checks(
     Raises:
         WildscavError: The platform failed.
     """
-    clock = clock or Clock()
+    with asyncio.Runner() as runner:
+        yield from _run_all(submission, sandbox, logs, clock or Clock(), runner)
+
+
+def _run_all(
+    submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock, runner: asyncio.Runner
+) -> Iterator[Finding]:
     for number, track in enumerate(submission.manifest.tracks):
         spec = suite(track, "quick", seed=0)[0]
-        played, log = _play(submission, spec, sandbox, logs / f"{track}.log", clock)
+        played, log = _play(submission, spec, sandbox, logs / f"{track}.log", clock, runner)
         seat = next(iter(played.seats))
         fitted = clock.fitted(spec)
         found = list(findings.judge_match(played.seats[seat], fitted, LIMITS, f"match: {track}"))
@@ -49,16 +55,18 @@ def run_checks(
             return  # what cannot play a match fails the rest for the same reason
         if number == 0:
             yield findings.farewell(played.endings.get(seat))
-    yield from _in_bad_weather(submission, sandbox, logs, clock)
+    yield from _in_bad_weather(submission, sandbox, logs, clock, runner)
 
 
-def _in_bad_weather(submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock) -> Iterator[Finding]:
+def _in_bad_weather(
+    submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock, runner: asyncio.Runner
+) -> Iterator[Finding]:
     spec = short_spec(submission.manifest.tracks[0])
-    late, _ = _play(submission, spec, sandbox, logs / "late.log", NO_TIME)
+    late, _ = _play(submission, spec, sandbox, logs / "late.log", NO_TIME, runner)
     yield findings.lateness(next(iter(late.seats.values())), LIMITS, clock)
     log = logs / "broken-off.log"
     prepare_logs([log])
-    yield findings.break_off(asyncio.run(_break_off(submission, spec, sandbox, log)), LEAVING_TIME)
+    yield findings.break_off(runner.run(_break_off(submission, spec, sandbox, log)), LEAVING_TIME)
 
 
 def short_spec(track: str) -> MatchSpec:
@@ -68,13 +76,18 @@ def short_spec(track: str) -> MatchSpec:
 
 
 def _play(
-    submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path, clock: Clock
+    submission: Submission,
+    spec: MatchSpec,
+    sandbox: Sandbox,
+    log: Path,
+    clock: Clock,
+    runner: asyncio.Runner,
 ) -> tuple[Played, Path]:
     """Play a match; return it with the log of the first of the submission's seats."""
     count = spec.seats.count("submission")
     logs = tuple(log.with_stem(f"{log.stem}-{seat}") if seat else log for seat in range(count))
     prepare_logs(logs)
-    played = asyncio.run(play_match(Seating(spec, (submission,) * count, logs), sandbox=sandbox, clock=clock))
+    played = runner.run(play_match(Seating(spec, (submission,) * count, logs), sandbox=sandbox, clock=clock))
     return played, log
 
 

@@ -95,8 +95,10 @@ class Lockstep:
         if self._snapshot is None or seat not in self._pending or seat.asked != self._snapshot.step:
             seat.conduct.dropped_actions += 1
             return
+        now = self._loop.time()
+        self._give_back(now - self._due)
         self._pending.discard(seat)
-        if self._charge(seat, self._loop.time()):
+        if self._charge(seat, now):
             self._accept(seat, message)
         else:
             seat.conduct.late_steps += 1
@@ -226,11 +228,19 @@ class Lockstep:
             self._timer = None
 
     def _time_is_up(self) -> None:
-        lag = self._loop.time() - self._due
+        self._give_back(self._loop.time() - self._due)
+        self._close_or_wait()
+
+    def _give_back(self, lag: float) -> None:
+        """Give the agents back, once a step, what the server is late with looking at the clock.
+
+        It was busy then, and answers may lie unread.
+
+        Args:
+            lag: s.
+        """
         if lag > LAG and not self._excused:
-            # The server was busy, and answers may lie unread: the agents get that time back, once a step.
             self._excused = True
             self._opened += lag + LAG
             for seat in self._pending:
                 seat.asked_at += lag + LAG
-        self._close_or_wait()

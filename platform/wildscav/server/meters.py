@@ -1,4 +1,4 @@
-"""What a server counts, as Prometheus metrics: read whenever somebody asks, so that a step costs nothing more."""
+"""What a server counts, as Prometheus metrics: read when somebody asks, so that a step costs no more."""
 
 from bisect import bisect_left
 from collections import Counter

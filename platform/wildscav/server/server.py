@@ -11,14 +11,18 @@ import grpc
 from grpc_health.v1 import health, health_pb2, health_pb2_grpc
 
 from wildscav.errors import AddressInUseError, UserError
+from wildscav.logs import Log
 from wildscav.proto.match_pb2_grpc import add_ArenaServicer_to_server
 from wildscav.server.addresses import check_free, is_public, with_port
 from wildscav.server.arena import ArenaService
 from wildscav.server.deadlines import Clock, TimeBank
+from wildscav.server.diary import Diary
+from wildscav.server.meters import ServerMeters
 from wildscav.server.seat import Seat, parse_sensors
 from wildscav.server.service import MatchService, Place
 from wildscav.server.session import HostedMatch, MatchCancelledError
 from wildscav.server.warm import warm
+from wildscav.wire.errors import RefusalError
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -45,10 +49,16 @@ class MatchServer:
         arena: Whether matches can be opened over the wire, too.
         organizer_token: The secret that the arena asks for; needed on addresses that others can reach.
         connections: How many may be open to one address; more are closed at once.
+        log: Where to write what happens; nowhere if none.
     """
 
     def __init__(
-        self, *, arena: bool = False, organizer_token: str | None = None, connections: int = CONNECTIONS
+        self,
+        *,
+        arena: bool = False,
+        organizer_token: str | None = None,
+        connections: int = CONNECTIONS,
+        log: Log | None = None,
     ) -> None:
         self._places: dict[str, Place] = {}
         self._matches: set[HostedMatch] = set()
@@ -56,7 +66,10 @@ class MatchServer:
         self._health = health.aio.HealthServicer()  # type: ignore[attr-defined]
         limit = ("grpc.max_allowed_incoming_connections", connections)
         self._grpc = grpc.aio.server(options=(*OPTIONS, limit))
-        self._grpc.add_generic_rpc_handlers((MatchService(self._places).handler(),))
+        service = MatchService(self._places, self._refused)
+        self.meters = ServerMeters(lambda: self._matches, lambda: len(service.strangers))
+        self._diary = Diary(log)
+        self._grpc.add_generic_rpc_handlers((service.handler(),))
         health_pb2_grpc.add_HealthServicer_to_server(self._health, self._grpc)
         if arena:
             add_ArenaServicer_to_server(ArenaService(self, organizer_token), self._grpc)
@@ -135,10 +148,18 @@ class MatchServer:
         self._matches.add(hosted)
         self._places.update({seat.token: Place(hosted, seat) for seat in seats})
         hosted.task.add_done_callback(lambda _: self._forget(hosted))
+        self._diary.opened(hosted)
         return hosted
+
+    def _refused(self, refusal: RefusalError) -> None:
+        self.meters.refused(refusal.reason)
+        self._diary.refused(refusal)
 
     def _forget(self, hosted: HostedMatch) -> None:
         self._matches.discard(hosted)
+        how = "cancelled" if hosted.task.cancelled() else "failed" if hosted.task.exception() else "finished"
+        self.meters.ended(hosted, how)
+        self._diary.ended(hosted, how)
         for token in hosted.tokens.values():
             self._places.pop(token, None)
 

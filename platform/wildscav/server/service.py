@@ -4,7 +4,7 @@ It takes and gives bytes: what comes from outside is measured before it is parse
 """
 
 import asyncio
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
 from typing import NamedTuple, TypeAlias
 
 import grpc
@@ -44,11 +44,12 @@ class MatchService:
 
     Args:
         places: What each token stands for; the server adds and removes.
+        refused: Told of every refusal.
     """
 
-    def __init__(self, places: Mapping[str, Place]) -> None:
-        self._places = places
-        self._strangers = Strangers()
+    def __init__(self, places: Mapping[str, Place], refused: Callable[[RefusalError], None]) -> None:
+        self._places, self._refused = places, refused
+        self.strangers = Strangers()
 
     def handler(self) -> grpc.GenericRpcHandler:
         """Return what a gRPC server is to be given."""
@@ -63,13 +64,14 @@ class MatchService:
             place.match.join(place.seat, _this_task(), gets_ready=gets_ready)
             await _serve(place, context)
         except RefusalError as refusal:
+            self._refused(refusal)
             await _refuse(context, refusal)
         except StreamLostError:
             pass  # nobody is there to hear anything
 
     async def _welcome(self, context: Context) -> tuple[Place, bool]:
         """Find out who has come, and whether it will get ready. Whoever is refused here waits for it."""
-        with self._strangers.counted(_this_task()):
+        with self.strangers.counted(_this_task()):
             try:
                 join = await _read_join(context)
                 return self._place(join), join.gets_ready

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import secrets
 import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -40,6 +41,7 @@ class HostedMatch:
 
     def __init__(self, match: "Match", names: Sequence[str], seats: Sequence[Seat], clock: Clock) -> None:
         self.match = match
+        self.id = secrets.token_hex(8)  # in logs
         self.names = tuple(names)
         self._seats = {seat.number: seat for seat in seats}
         self._clock = clock

@@ -22,6 +22,10 @@ class Strangers:
         self._tasks: dict[asyncio.Task[None], None] = {}  # in the order in which they came
         self._sent_away: set[asyncio.Task[None]] = set()
 
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self._tasks)
+
     @contextmanager
     def counted(self, task: "asyncio.Task[None]") -> Iterator[None]:
         """Count a stream as a stranger for as long as the block lasts.

@@ -1,0 +1,58 @@
+"""The page on submitting tells the clock, the outcomes, the refusals and the checks as the code has them."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from wildscav.server import Clock, SeatStatus
+from wildscav_evaluator.submission import Manifest
+
+REPOSITORY = Path(__file__).parents[2]
+PAGE = (REPOSITORY / "docs" / "submitting.md").read_text("utf-8")
+PROTO = (REPOSITORY / "platform" / "wildscav" / "proto" / "match.proto").read_text("utf-8")
+
+
+def section(title: str) -> str:
+    return PAGE.partition(f"## {title}\n")[2].partition("\n## ")[0]
+
+
+def rows(title: str) -> list[list[str]]:
+    """The cells of the table of a section, without its head."""
+    lines = [line for line in section(title).splitlines() if line.startswith("|")]
+    return [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+def test_the_manifest_shown_is_one() -> None:
+    (content,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    assert Manifest.model_validate(tomllib.loads(content)).name == "my-agent"
+
+
+def test_every_outcome_is_told_with_its_fault() -> None:
+    told = {row[0]: row[2] for row in rows("Outcomes")}
+    assert told == {status.value: status.fault or "–" for status in SeatStatus}
+
+
+def test_the_clock_is_told_with_its_defaults() -> None:
+    clock = Clock()
+    for name, default, _ in rows("The clock"):
+        assert float(default.split()[0]) == getattr(clock, name), name
+
+
+def test_every_reason_of_the_protocol_is_told() -> None:
+    told = [row[0] for row in rows("What is refused")]
+    explained = re.findall(r"^//   ([A-Z_]+)  ", PROTO, re.MULTILINE)
+    assert told == explained
+    assert len(told) >= 12
+
+
+@pytest.mark.parametrize("name", ["findings.py", "trials.py"])
+def test_every_check_is_told(name: str) -> None:
+    code = (REPOSITORY / "evaluator" / "wildscav_evaluator" / "check" / name).read_text("utf-8")
+    told = {row[0] for row in rows("What `wildscav check` tries")}
+    for check in re.findall(r'(?:Finding\(\s*|check = |check, mend = )f?"([a-z][^":{]*)"', code):
+        assert check in told, check
+    assert told == {
+        *("start-up", "match", "actions", "timing", "output", "end", "late answers", "broken-off match")
+    }
