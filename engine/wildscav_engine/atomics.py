@@ -61,6 +61,21 @@ def _type_count_one(typing_context: Any, numbers: Any, index: Any) -> Any:  # no
     return types.int64(numbers, types.int64), _generate_count_one
 
 
+def _raise_to(numbers: Numbers, index: int, number: int) -> int:
+    before = int(numbers[index])
+    numbers[index] = max(before, number)
+    return before
+
+
+def _generate_raise_to(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    place = _place(context, builder, signature, arguments)
+    return builder.atomic_rmw("max", place, arguments[2], "acq_rel")
+
+
+def _type_raise_to(typing_context: Any, numbers: Any, index: Any, number: Any) -> Any:  # noqa: ARG001
+    return types.int64(numbers, types.int64, types.int64), _generate_raise_to
+
+
 def _kernel(plain: Callable[..., int], typed: Callable[..., Any]) -> Callable[..., int]:
     generated: Any = intrinsic(typed)
     return plain if config.DISABLE_JIT else generated
@@ -72,3 +87,5 @@ number_now: Callable[[Numbers, int], int] = _kernel(_number_now, _type_number_no
 tell: Callable[[Numbers, int, int], int] = _kernel(_tell, _type_tell)
 # Adds 1 to one of some numbers and returns what it was before: no two threads get the same.
 count_one: Callable[[Numbers, int], int] = _kernel(_count_one, _type_count_one)
+# Makes one of some numbers at least so large and returns what it was: of several, one raised it.
+raise_to: Callable[[Numbers, int, int], int] = _kernel(_raise_to, _type_raise_to)

@@ -2,8 +2,9 @@
 
 To wake a thread, and to hand it Python's lock, takes longer than a step of many matches. So helpers watch a
 number, in a kernel that has let go of that lock, and begin when it grows; only when nothing was to be done
-for some milliseconds do they fall asleep. Each begins with the rows that were its own the last time, too,
-which lie in the cache of its processor core still; who is done takes over what others have left.
+for a while do they fall asleep. Each begins with the rows that were its own the last time, too, which lie in
+the cache of its processor core still; who is done takes over what others have left. Nobody waits for a helper
+that has not begun.
 """
 
 import os
@@ -15,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.actions import FIELDS
-from wildscav_engine.atomics import count_one, number_now, tell
+from wildscav_engine.atomics import count_one, number_now, raise_to, tell
 from wildscav_engine.handles import COLUMNS, Addresses, reader
 from wildscav_engine.kernel import config, kernel
 from wildscav_engine.play import play_batch
 
 LINE = 8  # numbers of a cache line: no two that different threads write share one
 TICKETS = 0  # where it says how many jobs were given
-LOOKS = 4_000_000  # that a helper looks for a job before it sleeps: some milliseconds
+LOOKS = 500_000  # that a helper looks for a job before it sleeps: a third of a millisecond
 
 
 class Job(NamedTuple):
@@ -69,9 +70,9 @@ class _Desk:
     def __init__(self, size: int) -> None:
         self.size = size
         self.job = np.zeros((len(Job._fields), COLUMNS), np.int64)
-        # Tickets; then, each on a line of its own: how many rows of each pile are taken, and how many
-        # jobs each member has done.
-        self.counts = np.zeros(LINE * (1 + 2 * size), np.int64)
+        # Tickets; then, each on a line of its own: how many rows of each pile are taken; and of each member
+        # the last job that it has done, and the last that it has begun, or was too late for.
+        self.counts = np.zeros(LINE * (1 + 3 * size), np.int64)
         self.lock = threading.Lock()
         self.sleepers: dict[int, threading.Event] = {}
         self.is_closed = False
@@ -99,8 +100,7 @@ class _Desk:
         """Sleep until there is a job that a helper has not done, or no more at all."""
         alarm = threading.Event()
         with self.lock:
-            done = self.counts[LINE * (1 + self.size + member)]
-            if self.is_closed or self.counts[TICKETS] > done:
+            if self.is_closed or self.counts[TICKETS] > self.counts[LINE * (1 + 2 * self.size + member)]:
                 return
             self.sleepers[member] = alarm
         alarm.wait()
@@ -169,19 +169,24 @@ def play_together(job: Addresses, counts: NDArray[np.int64], member: int, size: 
         size: How many members there are.
         looks: How often a helper looks for the next job before it gives up.
     """
-    own_count = LINE * (1 + size + member)
-    done = number_now(counts, own_count)
+    own = LINE * (1 + size + member)
+    begun = number_now(counts, own + LINE * size)
     looked = 0
     while looked <= looks:
-        if number_now(counts, TICKETS) > done:
-            _play_piles(job, counts, member, size)
-            done = tell(counts, own_count, done + 1)
-            looked = 0
+        job_number = number_now(counts, TICKETS)
+        if job_number > begun:
+            # The leader may have taken it from a helper who is late.
+            if raise_to(counts, own + LINE * size, job_number) < job_number:
+                _play_piles(job, counts, member, size)
+                tell(counts, own, job_number)
+            begun, looked = job_number, 0
         looked += 1
     if member == 0:
         for helper in range(1, size):
-            while number_now(counts, LINE * (1 + size + helper)) < done:
-                pass
+            theirs = LINE * (1 + size + helper)
+            if raise_to(counts, theirs + LINE * size, begun) >= begun:
+                while number_now(counts, theirs) < begun:
+                    pass
 
 
 @kernel

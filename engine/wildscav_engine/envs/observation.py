@@ -147,7 +147,7 @@ class Sight:
         def look_at(part: slice) -> bool:
             return sensor.look_at_maps(self._maps[part], some_of(cameras, part), images[part])
 
-        look_in_parts(look_at, len(images), self._threads)
+        look_in_parts(look_at, len(images), sensor.rays, self._threads)
         return images
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.match import Match
 
+WORTH_SHARING = 20_000  # rays; fewer are looked along before another thread is awake
 LEAST_PART = 8  # images, where threads share them
 ARRAY = np.ndarray
 FLOAT = np.dtype(np.float64)
@@ -146,7 +147,7 @@ class OpticalSensor(Sensor):
         def look_at(part: slice) -> bool:
             return self.look(game_map, solids, some_of(cameras, part), images[part])
 
-        if not look_in_parts(look_at, len(images), threads):
+        if not look_in_parts(look_at, len(images), self.rays, threads):
             _refuse_numbers(cameras.eyes, cameras.yaws, cameras.pitches)
         return images
 
@@ -198,9 +199,9 @@ class MovingOption(OpticalSensor):
         return things_of(match) if self.moving else NOTHING_MOVES
 
 
-def look_in_parts(look_at: Callable[[slice], bool], images: int, threads: int) -> bool:
-    """Make some images part by part, shared by threads, and return whether all were made."""
-    if threads == 1:
+def look_in_parts(look_at: Callable[[slice], bool], images: int, rays: int, threads: int) -> bool:
+    """Make some images of so many rays part by part, shared by threads, and return whether all were made."""
+    if threads == 1 or images * rays < WORTH_SHARING:
         return look_at(slice(images))
     return share(look_at, images, threads, LEAST_PART)
 
