@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult
+from wildscav_evaluator.jobs import Job, JobResult
+from wildscav_evaluator.output import FOLDERS
 from wildscav_evaluator.submission import load_submission
 from wildscav_evaluator.suites import suite
 from wildscav_evaluator.workers import Workers
@@ -24,7 +25,7 @@ def workers() -> Iterator[Workers]:
 
 
 def jobs(name: str, track: str, seed: int, out: Path) -> list[Job]:
-    for folder in (RECORDS, REPLAYS, LOGS):
+    for folder in FOLDERS:
         (out / folder).mkdir(parents=True, exist_ok=True)
     submission = load_submission(SUBMISSIONS / name)
     specs = enumerate(suite(track, "quick", seed))

@@ -132,7 +132,7 @@ class Sight:
         """Look at the maps alone, which needs no more of the matches than where the learners are."""
         agents, count = batch.state.agents, len(self._learners)
         eyes = (agents.position[:, :count] + EYES).reshape(-1, 3)
-        yaws, pitches = agents.yaw[:, :count].reshape(-1), agents.pitch[:, :count].reshape(-1)
+        yaws, pitches = agents.yaw[:, :count].flatten(), agents.pitch[:, :count].flatten()
         for name, sensor in self._still.items():
             images = self._look(sensor, Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name]))
             found[name] = images.reshape(-1, count, *sensor.shape)

@@ -8,6 +8,13 @@ from tests.platform.legacy.competitor import Competitor
 
 from wildscav.legacy.channel import Client
 from wildscav.legacy.session import Session
+from wildscav.server.warm import warm
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled() -> None:
+    """Compile what plays matches, so that no client waits for that."""
+    warm([])
 
 
 @pytest.fixture(scope="module")
