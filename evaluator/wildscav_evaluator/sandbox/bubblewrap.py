@@ -156,9 +156,10 @@ def _mounts(launch: Launch, folder: Path, tmp_size: int) -> list[str]:
     if os.getuid() == 0:
         socket.chmod(0o666)  # the folder that it is in keeps others from it
     return [
-        *mounts,
         *("--proc", "/proc", "--dev", "/dev"),
+        # Before the rest: the host's Python may be in a folder below it.
         *("--perms", "1777", "--size", str(tmp_size), "--tmpfs", "/tmp"),  # noqa: S108
+        *mounts,
         *("--perms", "1777", "--size", str(tmp_size), "--tmpfs", "/dev/shm"),  # noqa: S108
         *("--ro-bind", str(folder), str(runtime.CODE)),
         *("--ro-bind", str(socket), str(runtime.SOCKET)),
