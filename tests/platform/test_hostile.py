@@ -51,14 +51,17 @@ def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
     finally:
         honest = siege.end()
     late, most = honest.late_steps, honest.think_time.max
+    settled = memories[
+        len(memories) // 2
+    ]  # gRPC and the attackers, who are in this process, have what they keep
     print(  # noqa: T201 - the figures of a run by hand
         f"{rounds * at_once:,} attacks; honest agent: {honest.steps_played:,} steps, {late} late, "
         f"p99 {honest.think_time.p99 * 1e3:.1f} ms, max {most * 1e3:.1f} ms; "
-        f"memory {memories[0] / 1e6:.0f} to {memories[-1] / 1e6:.0f} MB"
+        f"memory {memories[0] / 1e6:.0f}, {settled / 1e6:.0f} half-way, {memories[-1] / 1e6:.0f} MB"
     )
     assert late == 0
     assert honest.steps_played > 10
-    assert memories[-1] - memories[0] < GROWTH
+    assert memories[-1] - settled < GROWTH
 
 
 def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
