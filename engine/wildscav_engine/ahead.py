@@ -8,12 +8,12 @@ compiled that takes two minutes, of which another core can do half. Processes ta
 import atexit
 import functools
 import importlib
-import os
 import subprocess
 import sys
 from contextlib import suppress
 
 from wildscav_engine.kernel import PACKAGE, cache_folder, config
+from wildscav_engine.threads import cores
 
 # Functions that compile what takes longest, and the file whose kernels are compiled last of all.
 COMPILERS = ("wildscav_engine.play:compile_matches", "wildscav_engine.rendering.trace:depths_tracer")
@@ -27,7 +27,7 @@ def compile_ahead() -> None:
     It ends with this process, if not before. Where none can be started, nothing is lost but time.
     """
     is_done = any(cache_folder(LAST).rglob("*.nbi"))
-    if is_done or config.DISABLE_JIT or (os.cpu_count() or 1) < 2:
+    if is_done or config.DISABLE_JIT or cores() < 2:
         return
     nothing = subprocess.DEVNULL
     with suppress(OSError):

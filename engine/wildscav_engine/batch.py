@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, Field, no_actions
-from wildscav_engine.crew import Crew, Job, cores, crew
+from wildscav_engine.crew import Crew, Job, crew, most_together
 from wildscav_engine.handles import Addresses, Handle, addresses_of
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
@@ -100,7 +100,7 @@ class Batch:
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
         threads = min(threads, len(self._rows))
-        if 1 < threads <= cores():
+        if 1 < threads <= most_together():
             self._play_with(crew(threads), rows)
         elif threads == 1:
             self._play(self._rows, rows, opening=False)

@@ -20,6 +20,7 @@ from wildscav_engine.atomics import count_one, number_now, raise_to, tell
 from wildscav_engine.handles import COLUMNS, Addresses, reader
 from wildscav_engine.kernel import config, kernel
 from wildscav_engine.play import play_batch
+from wildscav_engine.threads import cores
 
 LINE = 8  # numbers of a cache line: no two that different threads write share one
 TICKETS = 0  # where it says how many jobs were given
@@ -57,11 +58,9 @@ _EXAMPLE = Job(
 job_at = reader(_EXAMPLE)
 
 
-def cores() -> int:
+def most_together() -> int:
     """Return how many threads can play at once: where nothing is compiled, Python lets one."""
-    if config.DISABLE_JIT:
-        return 1
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return 1 if config.DISABLE_JIT else cores()
 
 
 class _Desk:

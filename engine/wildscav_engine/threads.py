@@ -14,6 +14,11 @@ from itertools import pairwise
 MOST_HELPERS = 1024
 
 
+def cores() -> int:
+    """Return how many processor cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def share(work: Callable[[slice], bool], count: int, threads: int, least: int = 1) -> bool:
     """Do work on parts of ``range(count)`` until one fails, and return whether none did.
 

@@ -82,8 +82,9 @@ def evaluate(
     metrics_port: MetricsOption = None,
 ) -> None:
     """Evaluate submissions on seeded suites of matches, each agent in a sandbox of its own."""
+    from wildscav_engine.threads import cores
     from wildscav_evaluator.own_suite import find_suite
-    from wildscav_evaluator.run import Plan, default_jobs
+    from wildscav_evaluator.run import Plan
     from wildscav_evaluator.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.session import run_session
     from wildscav_evaluator.watch import Watching
@@ -97,7 +98,7 @@ def evaluate(
         suite=chosen,
         seed=suite_seed(seed, secret),
         replays=replays,
-        jobs=jobs or default_jobs(),
+        jobs=jobs or cores(),
         out=out,
         fresh=fresh,
         sandbox=runs_in,

@@ -40,9 +40,10 @@ def compare(
     The verdict is that of a paired bootstrap: one is better if the 95 % interval of the differences, match by
     match, leaves out zero.
     """
+    from wildscav_engine.threads import cores
     from wildscav_evaluator.compare_session import run_comparison, told_apart
     from wildscav_evaluator.own_suite import find_suite
-    from wildscav_evaluator.run import Plan, default_jobs
+    from wildscav_evaluator.run import Plan
     from wildscav_evaluator.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.watch import Watching
 
@@ -61,7 +62,7 @@ def compare(
         suite=chosen,
         seed=suite_seed(seed, secret),
         replays="none",
-        jobs=jobs or default_jobs(),
+        jobs=jobs or cores(),
         out=out,
         fresh=fresh,
         rounds=rounds,
@@ -81,7 +82,7 @@ def rescore(
     Every number comes from the records. Which version of a submission played, and whose fault it was when an
     agent ended early, stands in the results alone.
     """
+    from wildscav_engine.threads import cores
     from wildscav_evaluator.rescore_session import run_rescore
-    from wildscav_evaluator.run import default_jobs
 
-    run_rescore(out, jobs or default_jobs())
+    run_rescore(out, jobs or cores())

@@ -2,17 +2,12 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
 
-from prometheus_client import CollectorRegistry, start_http_server
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric, SummaryMetricFamily
 from prometheus_client.registry import Collector
 
-from wildscav.errors import UserError
 from wildscav_evaluator.jobs import JobResult
 from wildscav_evaluator.tally import Tally
-
-HOST = "127.0.0.1"
 
 
 class EvaluationMetrics(Collector):
@@ -84,34 +79,3 @@ def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
                 sum_value=sum(one.think_time for one in own),
             )
     yield from (steps, late, latency)
-
-
-@contextmanager
-def serving_metrics(tally: Tally, port: int | None) -> Iterator[str | None]:
-    """Serve the metrics of a tally for as long as the block lasts, on this machine alone.
-
-    Args:
-        tally: What they are read from.
-        port: 0 takes a free one; none: nothing is served.
-
-    Yields:
-        Their address, if they are served.
-
-    Raises:
-        UserError: The port cannot be had.
-    """
-    if port is None:
-        yield None
-        return
-    registry = CollectorRegistry()
-    registry.register(EvaluationMetrics(tally))
-    try:
-        server, thread = start_http_server(port, HOST, registry)
-    except OSError as error:
-        raise UserError(f"--metrics-port {port} cannot be had: {error.strerror}", exit_code=2) from error
-    try:
-        yield f"http://{HOST}:{server.server_port}/metrics"
-    finally:
-        server.shutdown()
-        server.server_close()
-        thread.join()

@@ -1,6 +1,5 @@
 """Evaluations: the jobs of all submissions and tracks, and the results that they add up to."""
 
-import os
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -89,11 +88,6 @@ def identity(plan: Plan) -> Identity:
         ),
         sandbox=plan.sandbox,
     )
-
-
-def default_jobs() -> int:
-    """Return how many matches to play at once: one a processor core that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:

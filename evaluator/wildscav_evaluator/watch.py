@@ -7,8 +7,9 @@ from typing import Any
 
 from wildscav.console import console
 from wildscav.logs import LogFormat, open_log
+from wildscav.metrics import serving_metrics
 from wildscav_evaluator.jobs import Beat, Job, JobResult
-from wildscav_evaluator.metrics import serving_metrics
+from wildscav_evaluator.metrics import EvaluationMetrics
 from wildscav_evaluator.progress import EvaluationProgress
 from wildscav_evaluator.tally import Tally
 
@@ -41,7 +42,7 @@ class Watch:
     def shown(self) -> Iterator[None]:
         """Show it for as long as the block lasts."""
         tally = self.tally
-        with serving_metrics(tally, self._how.metrics_port) as address:
+        with serving_metrics(EvaluationMetrics(tally), self._how.metrics_port) as address:
             if address is not None:
                 console.print(f"metrics   {address}", highlight=False)
             kept = len(tally.done)

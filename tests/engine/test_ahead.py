@@ -55,7 +55,7 @@ def test_nothing_is_compiled_ahead_where_it_is_kept(monkeypatch: pytest.MonkeyPa
 def test_with_nothing_kept_another_process_compiles(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     started: list[list[str]] = []
     monkeypatch.setattr(ahead, "cache_folder", lambda _: tmp_path)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr(ahead, "cores", lambda: 2)
     monkeypatch.setattr("subprocess.Popen", lambda command, **_: started.append(command))
     monkeypatch.setattr("atexit.register", lambda *_: None)
 

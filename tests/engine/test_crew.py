@@ -43,7 +43,7 @@ def walk(matches: int, step: int, seats: int = 3) -> np.ndarray:
 @pytest.fixture
 def many_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let batches be played by crews, however few cores there are."""
-    monkeypatch.setattr("wildscav_engine.batch.cores", lambda: 8)
+    monkeypatch.setattr("wildscav_engine.batch.most_together", lambda: 8)
 
 
 @pytest.mark.usefixtures("many_cores")

@@ -11,8 +11,9 @@ from tests.evaluator.test_tally import jobs, played
 
 from wildscav.errors import UserError
 from wildscav.logs import open_log
+from wildscav.metrics import serving_metrics
 from wildscav_evaluator.jobs import Beat
-from wildscav_evaluator.metrics import serving_metrics
+from wildscav_evaluator.metrics import EvaluationMetrics
 from wildscav_evaluator.own_suite import read_suite
 from wildscav_evaluator.run import Plan
 from wildscav_evaluator.seeds import SuiteSeed
@@ -40,7 +41,7 @@ def scraped(address: str | None) -> dict[tuple[str, ...], float]:
 def test_metrics_tell_matches_queue_steps_latency_and_faults() -> None:
     every = jobs(navigation=6)
     tally = Tally(every, at_once=2)
-    with serving_metrics(tally, 0) as address:
+    with serving_metrics(EvaluationMetrics(tally), 0) as address:
         assert scraped(address)["wildscav_matches_waiting",] == 6
 
         tally.add(played(every[0], 5.0))
@@ -64,12 +65,12 @@ def test_metrics_tell_matches_queue_steps_latency_and_faults() -> None:
 
 def test_a_port_that_is_taken_is_one_clear_line() -> None:
     tally = Tally(jobs(navigation=1))
-    with serving_metrics(tally, 0) as address:
+    with serving_metrics(EvaluationMetrics(tally), 0) as address:
         assert address is not None
         port = int(address.split(":")[2].split("/")[0])
         with pytest.raises(UserError, match=f"--metrics-port {port} cannot be had: Address already in use"):
-            serving_metrics(tally, port).__enter__()
-    with serving_metrics(tally, None) as none:
+            serving_metrics(EvaluationMetrics(tally), port).__enter__()
+    with serving_metrics(EvaluationMetrics(tally), None) as none:
         assert none is None
 
 

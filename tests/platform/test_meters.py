@@ -10,9 +10,9 @@ import pytest
 from tests.platform.seats import connected, host, serving, small_spec
 
 from wildscav.logs import open_log
+from wildscav.metrics import serving_metrics
 from wildscav.proto.match_pb2 import ClientMessage, Join
 from wildscav.server import MatchServer
-from wildscav.server.metrics import serving_metrics
 
 
 async def a_match_and_a_stranger(server: MatchServer, address: str) -> None:

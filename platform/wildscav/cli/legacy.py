@@ -1,6 +1,5 @@
 """``wildscav legacy``: the original game's client on our engine."""
 
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -42,6 +41,7 @@ def install(
     from wildscav.console import console, counted, error_console
     from wildscav.legacy.install import install_engine, install_maps, missing_maps
     from wildscav.server.warm import warm
+    from wildscav_engine.threads import cores
 
     ids = read_ids(maps)
     program = install_engine(folder / "engine")
@@ -51,7 +51,7 @@ def install(
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=error_console, disable=not missing) as progress:
         task = progress.add_task("making maps", total=len(missing))
-        for _ in install_maps(missing, folder / "maps", os.cpu_count() or 1):
+        for _ in install_maps(missing, folder / "maps", cores()):
             progress.advance(task)
     there = len(ids) - len(missing)
     lines = [

@@ -61,8 +61,8 @@ async def _serve(
 ) -> None:
     from wildscav.console import console
     from wildscav.logs import open_log
+    from wildscav.metrics import serving_metrics
     from wildscav.server import MatchServer
-    from wildscav.server.metrics import serving_metrics
     from wildscav.server.warm import warm
 
     stopped = asyncio.Event()
