@@ -10,7 +10,7 @@ from wildscav.console import console
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
-    from wildscav_evaluator.results import MetricInfo, Summary
+    from wildscav_evaluator.output.results import MetricInfo, Summary
     from wildscav_leaderboard.models import Score
     from wildscav_leaderboard.standings import Standings
 
@@ -21,7 +21,7 @@ def leaderboard(
     suite: Annotated[str | None, typer.Option(help="Only this suite.")] = None,
 ) -> None:
     """Show the standings on every track: the latest evaluation of each submission."""
-    from wildscav_evaluator.tables import LEGEND
+    from wildscav_evaluator.cli.tables import LEGEND
     from wildscav_leaderboard.database import reading
     from wildscav_leaderboard.standings import standings
 
@@ -37,7 +37,7 @@ def leaderboard(
 
 
 def _table(one: "Standings") -> Table:
-    from wildscav_evaluator import tables
+    from wildscav_evaluator.cli import tables
 
     table = tables.new_table(
         f"{one.track} · suite {one.suite} · seed {one.seed} · engine {one.engine_version}"
@@ -59,7 +59,7 @@ def _table(one: "Standings") -> Table:
 
 
 def _metric(score: "Score") -> "MetricInfo":
-    from wildscav_evaluator.results import MetricInfo
+    from wildscav_evaluator.output.results import MetricInfo
 
     return MetricInfo(
         name=score.name, title=score.title, unit=score.unit, lower_is_better=score.lower_is_better
@@ -67,6 +67,6 @@ def _metric(score: "Score") -> "MetricInfo":
 
 
 def _summary(score: "Score") -> "Summary":
-    from wildscav_evaluator.results import Summary
+    from wildscav_evaluator.output.results import Summary
 
     return Summary(mean=score.mean, std=score.std, low=score.low, high=score.high)

@@ -7,7 +7,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav.console import counted
-from wildscav_evaluator import results
+from wildscav_evaluator.output import results
 from wildscav_leaderboard.database import check_writable, writing
 from wildscav_leaderboard.models import Evaluation, MatchResult, Score, Submission
 

@@ -10,19 +10,19 @@ import pytest
 from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.test_docs import blocks
 
-from wildscav_evaluator.compare import FEWEST
-from wildscav_evaluator.identity import IDENTITY_FILE
-from wildscav_evaluator.jobs import LOGS, RECORDS, REPLAYS
-from wildscav_evaluator.journal import MATCHES
-from wildscav_evaluator.metrics import EvaluationMetrics
-from wildscav_evaluator.output import SUITE_FILE
-from wildscav_evaluator.own_suite import read_suite
-from wildscav_evaluator.play import TRIES
-from wildscav_evaluator.results import RESULTS_FILE
-from wildscav_evaluator.score import RESAMPLES
-from wildscav_evaluator.seeds import OPENED_FILE
-from wildscav_evaluator.suites import SUITES
-from wildscav_evaluator.tally import Tally
+from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS
+from wildscav_evaluator.matches.play import TRIES
+from wildscav_evaluator.output.folder import SUITE_FILE
+from wildscav_evaluator.output.identity import IDENTITY_FILE
+from wildscav_evaluator.output.journal import MATCHES
+from wildscav_evaluator.output.results import RESULTS_FILE
+from wildscav_evaluator.scores.compare import FEWEST
+from wildscav_evaluator.scores.score import RESAMPLES
+from wildscav_evaluator.suites.own_suite import read_suite
+from wildscav_evaluator.suites.seeds import OPENED_FILE
+from wildscav_evaluator.suites.suite import SUITES
+from wildscav_evaluator.watch.metrics import EvaluationMetrics
+from wildscav_evaluator.watch.tally import Tally
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "evaluation.md"

@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from wildscav_evaluator import archives
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
+from wildscav_evaluator.submissions import archives
 
 REPOSITORY = Path(__file__).parents[2]
 PAGE = (REPOSITORY / "docs" / "security.md").read_text("utf-8")

@@ -22,7 +22,7 @@ from wildscav_engine.geometry.world import Kind
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
-from wildscav_evaluator.submission import Manifest
+from wildscav_evaluator.submissions.submission import Manifest
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "sensors.md"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.server import Clock, SeatStatus
-from wildscav_evaluator.submission import Manifest
+from wildscav_evaluator.submissions.submission import Manifest
 
 REPOSITORY = Path(__file__).parents[2]
 PAGE = (REPOSITORY / "docs" / "submitting.md").read_text("utf-8")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.submission import Submission, load_submission
+from wildscav_evaluator.submissions.submission import Submission, load_submission
 
 HEAD = """
 import os, signal, subprocess, sys, time

@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 
 from wildscav_engine.record import read_record
-from wildscav_evaluator.journal import MATCHES, Entry
-from wildscav_evaluator.results import RESULTS_FILE, Results
+from wildscav_evaluator.output.journal import MATCHES, Entry
+from wildscav_evaluator.output.results import RESULTS_FILE, Results
 
 PROGRAM = str(Path(sys.executable).parent / "wildscav")
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from wildscav_evaluator.results import Evaluation, MatchRow, MetricInfo, Results, Summary, Timings
+from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Summary, Timings
 
 METRICS = {
     "navigation": MetricInfo(name="time", title="used + punish time", unit="s", lower_is_better=True),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.results import Results
+from wildscav_evaluator.output.results import Results
 from wildscav_leaderboard.sink import DatabaseSink
 
 Make = Callable[..., Results]

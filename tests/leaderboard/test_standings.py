@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.results import Results
+from wildscav_evaluator.output.results import Results
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.sink import DatabaseSink
 from wildscav_leaderboard.standings import standings

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.jobs import Job, JobResult
-from wildscav_evaluator.output import FOLDERS
-from wildscav_evaluator.submission import load_submission
-from wildscav_evaluator.suites import suite
-from wildscav_evaluator.workers import Workers
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.matches.workers import Workers
+from wildscav_evaluator.output.folder import FOLDERS
+from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_evaluator.suites.suite import suite
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 NAMES = ("random", "homing", "hunter")

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 from wildscav.server import Clock, SeatReport
 from wildscav.wire.actions import MAX_WALK_SPEED
-from wildscav_evaluator.play import FAREWELL
+from wildscav_evaluator.matches.play import FAREWELL
 from wildscav_evaluator.sandbox import Ending, Limits
 
 SLOW = 0.8  # of the budget; a median beyond it is too near to it

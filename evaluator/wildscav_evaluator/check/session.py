@@ -10,9 +10,9 @@ from wildscav.console import console, counted
 from wildscav.errors import UserError
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import run_checks
+from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox import Sandbox
-from wildscav_evaluator.submission import Submission
-from wildscav_evaluator.warm import warm
+from wildscav_evaluator.submissions.submission import Submission
 
 STYLES = {Verdict.KEPT: "green", Verdict.DOUBTFUL: "yellow", Verdict.BROKEN: "red"}
 SHOWN_LINES = 8  # of what a failing agent printed

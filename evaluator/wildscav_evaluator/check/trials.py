@@ -8,10 +8,17 @@ from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check import findings
 from wildscav_evaluator.check.findings import Finding
-from wildscav_evaluator.play import Played, Seating, launch_for, play_match, prepare_logs, socket_folders
+from wildscav_evaluator.matches.play import (
+    Played,
+    Seating,
+    launch_for,
+    play_match,
+    prepare_logs,
+    socket_folders,
+)
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Ending, Sandbox
-from wildscav_evaluator.submission import Submission
-from wildscav_evaluator.suites import suite
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.suite import suite
 
 NO_TIME = Clock(step_budget=0.0005, time_bank=0.0)  # in which no agent keeps up
 BREAK_AT = 3  # steps played

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav import __version__
-from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox.base import Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.process import WARNING, ProcessSandbox
+from wildscav_evaluator.submissions.cache import cache_folder
 
 BOOT = Path("/proc/sys/kernel/random/boot_id")
 PROGRAMS = ("podman", "docker", "runc", "crun", "bwrap", "setpriv")

@@ -10,7 +10,7 @@ from tests.evaluator.sandbox.conftest import missing
 from tests.evaluator.sandbox.world import LIMITS, listening
 
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError, cgroup
-from wildscav_evaluator.submission import Submission
+from wildscav_evaluator.submissions.submission import Submission
 
 Submit = Callable[..., Submission]
 

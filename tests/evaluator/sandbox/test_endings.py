@@ -12,7 +12,7 @@ import pytest
 from tests.evaluator.sandbox.world import LIMITS, listening, processes_with
 
 from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
-from wildscav_evaluator.submission import Submission
+from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]

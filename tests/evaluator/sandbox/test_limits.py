@@ -6,10 +6,10 @@ import pytest
 from pydantic import ValidationError
 
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
-from wildscav_evaluator.jobs import Job
-from wildscav_evaluator.play import launch_for
+from wildscav_evaluator.matches.jobs import Job
+from wildscav_evaluator.matches.play import launch_for
 from wildscav_evaluator.sandbox import Limits
-from wildscav_evaluator.submission import load_submission
+from wildscav_evaluator.submissions.submission import load_submission
 
 REPOSITORY = Path(__file__).parents[3]
 TIGHT = Limits(memory="512MiB", processes=20)  # type: ignore[arg-type]

@@ -1,0 +1,38 @@
+"""The command ``wildscav check``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.errors import UserError, describe
+from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
+
+
+def check(
+    submission: Annotated[
+        Path,
+        typer.Argument(
+            help="A submission: a folder, an archive or an image, as for evaluate.",
+            metavar="SUBMISSION",
+            show_default=False,
+        ),
+    ],
+    logs: Annotated[Path, typer.Option(help="Folder for what the agent prints.")] = Path("out/check"),
+    sandbox: InSandbox = None,
+) -> None:
+    """Try whether a submission keeps the rules: in the judge's sandbox, under its clock and its limits.
+
+    It plays a match of the quick suite on each of its tracks, one in which it is always late, and one that is
+    broken off. Every failure is explained, with the way to mend it.
+    """
+    from wildscav_evaluator.check.session import run_check
+    from wildscav_evaluator.cli.selection import load_submissions
+    from wildscav_evaluator.sandbox import SANDBOXES
+
+    loaded = load_submissions([submission])
+    name, (runs,) = chosen_sandbox(sandbox, loaded)
+    try:
+        run_check(runs, SANDBOXES[name], logs)
+    except OSError as error:
+        raise UserError(describe(error)) from error

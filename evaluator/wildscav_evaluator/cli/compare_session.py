@@ -1,0 +1,96 @@
+"""``wildscav compare`` as its user sees it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from wildscav.console import console, counted
+from wildscav.errors import UserError, describe
+from wildscav_evaluator.cli.complaints import raise_all
+from wildscav_evaluator.cli.session import all_failed, evaluating
+from wildscav_evaluator.cli.tables import add_columns, heading, number
+from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.output.results import write_results
+from wildscav_evaluator.scores.compare import FEWEST, Comparison, Difference, compare, write_comparisons
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.watch.watch import Watching
+
+
+def run_comparison(plan: Plan, watching: Watching) -> None:
+    """Play two submissions on the same matches, and show and keep which is better.
+
+    Raises:
+        UserError: Nothing could be played; or something could not be kept, or a submission failed in all its
+            matches, after everything else was shown and kept.
+    """
+    first, second = plan.submissions
+    with evaluating(plan, watching) as results:
+        comparisons = compare(results, first.name, second.name)
+        for one in comparisons.comparisons:
+            console.print()
+            console.print(comparison_table(one))
+            console.print(verdict_line(one))
+        console.print()
+        try:
+            write_results(results, plan.out)
+            console.print(f"kept in {write_comparisons(comparisons, plan.out)}", soft_wrap=True)
+        except OSError as error:
+            raise UserError(f"the comparison could not be kept: {describe(error)}") from error
+    raise_all([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])
+
+
+def told_apart(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
+    """Return two submissions under two names: two versions of one are called by its name, -a and -b."""
+    first, second = submissions
+    if first.name != second.name:
+        return first, second
+    return tuple(
+        replace(one, manifest=one.manifest.model_copy(update={"name": f"{one.name[:38]}-{letter}"}))
+        for one, letter in ((first, "a"), (second, "b"))
+    )
+
+
+def comparison_table(one: Comparison) -> Table:
+    """Return the table of two submissions on one track: every metric, and how far they are apart in it."""
+    table = Table(
+        title=f"{one.track} · {counted(one.pairs, 'match')} that both played",
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        show_edge=False,
+    )
+    table.add_column("", vertical="bottom")
+    add_columns(table, one.first, one.second, "difference", "95 %\ninterval")
+    for difference in one.differences:
+        metric = difference.metric
+        table.add_row(
+            " ".join(heading(metric).split()),
+            number(difference.first, metric),
+            number(difference.second, metric),
+            _signed(difference.difference, difference),
+            f"{_signed(difference.low, difference)} to {_signed(difference.high, difference)}",
+        )
+    return table
+
+
+def _signed(value: float, difference: Difference) -> str:
+    text = number(abs(value), difference.metric)
+    return f"−{text}" if value < 0 and text.strip("0.%") else f"+{text}"
+
+
+def verdict_line(one: Comparison) -> Text:
+    """Return who is better on a track, in words."""
+    dropped = f" ({counted(one.dropped, 'match')} left out: the platform failed)" if one.dropped else ""
+    if one.verdict == "too few":
+        return Text(
+            f"{counted(one.pairs, 'match')} are too few to tell: {FEWEST} at least{dropped}", "yellow"
+        )
+    title = one.differences[0].metric.title
+    if one.verdict == "tied":
+        return Text(f"tied: the {title} tells neither apart from the other{dropped}", "yellow")
+    better, worse = (one.first, one.second) if one.verdict == "first" else (one.second, one.first)
+    return Text(f"{better} is better than {worse} by its {title}{dropped}", "green")

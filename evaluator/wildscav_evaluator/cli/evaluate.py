@@ -1,0 +1,150 @@
+"""The commands ``wildscav play`` and ``wildscav evaluate``.
+
+The command line imports this to show its help: what is heavy is imported when a command runs.
+"""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from wildscav.errors import UserError, describe
+from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
+
+Submissions = Annotated[
+    list[Path],
+    typer.Argument(help="Folders with a submission.toml.", metavar="SUBMISSION", show_default=False),
+]
+
+SuiteOption = Annotated[
+    str,
+    typer.Option(
+        help="Which matches. quick: 5 of navigation, 4 of gathering, 3 of battle, small and short. "
+        "official: the competition's 100, 100 and 10 on large maps. Or an own suite's file (.toml)."
+    ),
+]
+SeedOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Seed of the suite: another seed gives other maps. Default: 0.", min=0, show_default=False
+    ),
+]
+SecretOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="File with a hidden seed (`wildscav secret new`), instead of --seed.", show_default=False
+    ),
+]
+JobsOption = Annotated[
+    int | None,
+    typer.Option(help="Matches at once. Default: one a processor core.", min=1, show_default=False),
+]
+
+LogOption = Annotated[
+    Literal["json", "text"] | None,
+    typer.Option(help="Write log lines of this form to stderr, instead of a dashboard.", show_default=False),
+]
+MetricsOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Serve Prometheus metrics on this port of this machine; 0 takes a free one.",
+        min=0,
+        max=65_535,
+        show_default=False,
+    ),
+]
+
+
+def evaluate(
+    submissions: Submissions,
+    track: Annotated[
+        list[str] | None,
+        typer.Option(help="Evaluate on this track; may be repeated. Default: all tracks of each submission."),
+    ] = None,
+    suite: SuiteOption = "quick",
+    seed: SeedOption = None,
+    secret: SecretOption = None,
+    jobs: JobsOption = None,
+    replays: Annotated[
+        Literal["none", "first", "all"],
+        typer.Option(help="Which matches of each submission and track to render as Rerun recordings."),
+    ] = "first",
+    out: Annotated[
+        Path,
+        typer.Option(help="Output folder. The same command goes on with an evaluation that was broken off."),
+    ] = Path("out/evaluation"),
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Begin anew: remove the evaluation in the output folder.")
+    ] = False,
+    db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
+    sandbox: InSandbox = None,
+    log_format: LogOption = None,
+    metrics_port: MetricsOption = None,
+) -> None:
+    """Evaluate submissions on seeded suites of matches, each agent in a sandbox of its own."""
+    from wildscav_engine.threads import cores
+    from wildscav_evaluator.cli.selection import load_submissions, suite_seed, suite_tracks
+    from wildscav_evaluator.cli.session import run_session
+    from wildscav_evaluator.evaluation import Plan
+    from wildscav_evaluator.suites.own_suite import find_suite
+    from wildscav_evaluator.watch.watch import Watching
+
+    loaded, chosen = load_submissions(submissions), find_suite(suite)
+    tracks = suite_tracks(loaded, track or [], chosen)
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    plan = Plan(
+        submissions=loaded,
+        tracks=tracks,
+        suite=chosen,
+        seed=suite_seed(seed, secret),
+        replays=replays,
+        jobs=jobs or cores(),
+        out=out,
+        fresh=fresh,
+        sandbox=runs_in,
+    )
+    run_session(plan, db, Watching(log_format, metrics_port))
+
+
+def play(
+    submissions: Submissions,
+    track: Annotated[
+        str | None, typer.Option(help="What to play. Default: the first submission's first track.")
+    ] = None,
+    map_seed: Annotated[int, typer.Option("--map", help="Seed of the map.", min=0, max=2**64 - 1)] = 0,
+    size: Annotated[int, typer.Option(help="Side of the map, m.", min=40, max=2000)] = 100,
+    seed: Annotated[int, typer.Option(help="Seed of the match.", min=0, max=2**64 - 1)] = 0,
+    robots: Annotated[
+        int | None,
+        typer.Option(help="Seats for robots. Default: in battle, up to six seats in all.", min=0, max=999),
+    ] = None,
+    time_limit: Annotated[float, typer.Option(help="Seconds of game time.", min=0.1, max=86_400)] = 60.0,
+    record: Annotated[Path | None, typer.Option(help="Keep the match as a record in this file.")] = None,
+    replay: Annotated[
+        Path | None, typer.Option(help="Render the match as a Rerun recording into this file (.rrd).")
+    ] = None,
+    logs: Annotated[Path, typer.Option(help="Folder for what the agents print.")] = Path("out/play"),
+    sandbox: InSandbox = None,
+) -> None:
+    """Play one match, each agent in a sandbox of its own."""
+    from wildscav_evaluator.cli.selection import check_plays, load_submissions, tracks_played
+    from wildscav_evaluator.matches import single
+
+    loaded = load_submissions(submissions)
+    chosen = tracks_played(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
+    for submission in loaded:
+        check_plays(submission, chosen)
+    spec = single.make_spec(
+        chosen,
+        submissions=len(loaded),
+        robots=robots,
+        map_seed=map_seed,
+        size=size,
+        seed=seed,
+        time_limit=time_limit,
+    )
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    try:
+        single.play_single(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in)
+    except OSError as error:
+        raise UserError(describe(error)) from error

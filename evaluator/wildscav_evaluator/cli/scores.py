@@ -1,0 +1,95 @@
+"""The commands ``wildscav compare`` and ``wildscav rescore``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.evaluate import (
+    JobsOption,
+    LogOption,
+    MetricsOption,
+    SecretOption,
+    SeedOption,
+    SuiteOption,
+)
+from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(help="A folder with a submission.toml.", metavar="A")],
+    second: Annotated[Path, typer.Argument(help="Another one, or another version of it.", metavar="B")],
+    track: Annotated[
+        list[str] | None,
+        typer.Option(help="Compare on this track; may be repeated. Default: all that both play."),
+    ] = None,
+    suite: SuiteOption = "quick",
+    rounds: Annotated[
+        int, typer.Option(help="How often to play the suite, each time with the next seed.", min=1)
+    ] = 2,
+    seed: SeedOption = None,
+    secret: SecretOption = None,
+    jobs: JobsOption = None,
+    out: Annotated[
+        Path, typer.Option(help="Output folder. The same command goes on with what was broken off.")
+    ] = Path("out/comparison"),
+    fresh: Annotated[
+        bool,
+        typer.Option("--fresh", help="Begin anew: remove what is in the output folder."),
+    ] = False,
+    sandbox: InSandbox = None,
+    log_format: LogOption = None,
+    metrics_port: MetricsOption = None,
+) -> None:
+    """Play two submissions on the same matches, and say which is better, or that they are tied.
+
+    The verdict is that of a paired bootstrap: one is better if the 95 % interval of the differences, match by
+    match, leaves out zero.
+    """
+    from wildscav_engine.threads import cores
+    from wildscav_evaluator.cli.compare_session import run_comparison, told_apart
+    from wildscav_evaluator.cli.selection import load_submissions, suite_seed, suite_tracks
+    from wildscav_evaluator.evaluation import Plan
+    from wildscav_evaluator.suites.own_suite import find_suite
+    from wildscav_evaluator.watch.watch import Watching
+
+    loaded, chosen = told_apart(load_submissions([first, second])), find_suite(suite)
+    tracks = [
+        name
+        for name in suite_tracks(loaded, track or [], chosen)
+        if all(name in one.manifest.tracks for one in loaded)
+    ]
+    if not tracks:
+        raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    plan = Plan(
+        submissions=loaded,
+        tracks=tuple(tracks),
+        suite=chosen,
+        seed=suite_seed(seed, secret),
+        replays="none",
+        jobs=jobs or cores(),
+        out=out,
+        fresh=fresh,
+        rounds=rounds,
+        sandbox=runs_in,
+    )
+    run_comparison(plan, Watching(log_format, metrics_port))
+
+
+def rescore(
+    out: Annotated[Path, typer.Argument(help="The output folder of an evaluation.", show_default=False)],
+    jobs: Annotated[
+        int | None, typer.Option(help="Records to play at once. Default: one a processor core.", min=1)
+    ] = None,
+) -> None:
+    """Play every record of an evaluation again and compute its tables anew. Exit code 0 only if all agree.
+
+    Every number comes from the records. Which version of a submission played, and whose fault it was when an
+    agent ended early, stands in the results alone.
+    """
+    from wildscav_engine.threads import cores
+    from wildscav_evaluator.cli.rescore_session import run_rescore
+
+    run_rescore(out, jobs or cores())

@@ -1,0 +1,89 @@
+"""What commands are asked for: which submissions, tracks, suite and seed."""
+
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.submissions.images import IMAGE, load_image
+from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
+from wildscav_evaluator.suites.suite import Suite
+
+
+def load_submissions(folders: list[Path]) -> tuple[Submission, ...]:
+    """Read and check submissions."""
+    return tuple(_load(folder) for folder in folders)
+
+
+def _load(folder: Path) -> Submission:
+    if not str(folder).startswith(IMAGE):
+        return load_submission(folder)
+    return load_image(str(folder).removeprefix(IMAGE))
+
+
+def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tuple[str, ...]:
+    """Return the tracks to play, in the order of the registry.
+
+    Raises:
+        UserError: There is no such track, or a submission plays none of them.
+    """
+    for name in asked:
+        if name not in TRACKS:
+            raise UserError(f"there is no track {name!r}; the tracks are {', '.join(TRACKS)}", exit_code=2)
+    wanted = [name for name in TRACKS if not asked or name in asked]
+    for submission in submissions:
+        if not set(wanted) & set(submission.manifest.tracks):
+            check_plays(submission, wanted[0])
+    return tuple(
+        name for name in wanted if any(name in submission.manifest.tracks for submission in submissions)
+    )
+
+
+def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: Suite) -> tuple[str, ...]:
+    """Return the tracks of a suite that are to be played.
+
+    Raises:
+        UserError: The suite has not a track that is asked for, or none that the submissions play.
+    """
+    tracks = tracks_played(submissions, asked)
+    for name in tracks if asked else ():
+        if name not in suite.courses:
+            raise UserError(
+                f"suite {suite.name} has no {name}; its tracks are {', '.join(suite.courses)}", exit_code=2
+            )
+    played = tuple(name for name in tracks if name in suite.courses)
+    for submission in submissions:
+        if not set(played) & set(submission.manifest.tracks):
+            raise UserError(
+                f"submission {submission.name!r} plays no track of suite {suite.name}, which has "
+                f"{', '.join(suite.courses)}",
+                exit_code=2,
+            )
+    return played
+
+
+def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:
+    """Return the seed that is asked for.
+
+    Raises:
+        UserError: Both kinds are, or there is no such secret.
+    """
+    if secret is None:
+        return SuiteSeed(seed or 0)
+    if seed is not None:
+        raise UserError("--seed and --secret are given: the seed is public or hidden, not both", exit_code=2)
+    return read_secret(secret)
+
+
+def check_plays(submission: Submission, track: str) -> None:
+    """Refuse a submission that does not play a track.
+
+    Raises:
+        UserError: It does not.
+    """
+    if track not in submission.manifest.tracks:
+        raise UserError(
+            f"submission {submission.name!r} does not play {track}: the tracks in "
+            f"{submission.folder / 'submission.toml'} are {', '.join(submission.manifest.tracks)}",
+            exit_code=2,
+        )

@@ -1,0 +1,164 @@
+"""An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.text import Text
+
+from wildscav.console import command, console, counted
+from wildscav.errors import UserError, describe
+from wildscav_engine.files import write_whole
+from wildscav_engine.record import SUFFIX
+from wildscav_evaluator.cli.complaints import raise_all
+from wildscav_evaluator.cli.tables import LEGEND, ranked, track_table
+from wildscav_evaluator.evaluation import Plan, check_names, collect, identity, make_jobs
+from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, kept, sensors_read
+from wildscav_evaluator.matches.workers import WorkerDiedError, Workers
+from wildscav_evaluator.output.folder import SUITE_FILE, check_out, keep_only, output_folder
+from wildscav_evaluator.output.lock import Lock
+from wildscav_evaluator.output.results import Evaluation, Results, write_results
+from wildscav_evaluator.output.sinks import ResultSink, sinks
+from wildscav_evaluator.scores.conduct import evaluation_remark
+from wildscav_evaluator.watch.watch import Watch, Watching
+
+INTERRUPTED = 130  # exit code, as shells have it
+NOBODY = Watching()
+
+
+def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None:
+    """Evaluate, show and keep the results.
+
+    Raises:
+        UserError: Nothing could be evaluated; or something could not be kept, or a submission failed in all
+            its matches, after everything else was shown and kept.
+    """
+    kept_by = tuple(sinks(str(database)))
+    for sink in kept_by:
+        sink.check()
+    with evaluating(plan, watching) as results:
+        for track in results.tracks:
+            console.print()
+            console.print(track_table(results, track))
+        console.print(f"\n{LEGEND}", style="dim")
+        _remark(results)
+        complaints = list(_keep(results, plan, kept_by, database))
+        complaints += [
+            all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
+        ]
+    raise_all(complaints)
+
+
+@contextmanager
+def evaluating(plan: Plan, watching: Watching) -> Iterator[Results]:
+    """Play all matches of a plan, or what is left of them, and hold its output folder while the block lasts.
+
+    Raises:
+        UserError: They cannot be played, or it was interrupted.
+    """
+    check_names(plan.submissions)
+    check_out(plan.out, plan.submissions)
+    jobs = make_jobs(plan)
+    with output_folder(plan.out, identity(plan), fresh=plan.fresh) as lock:
+        if plan.suite.source is not None:
+            write_whole(plan.out / SUITE_FILE, plan.suite.source)
+        try:
+            results = collect(plan, _play(plan, jobs, lock, watching))
+        except KeyboardInterrupt:
+            raise UserError(_interrupted(plan, jobs), INTERRUPTED) from None
+        except WorkerDiedError as error:
+            raise UserError(str(error)) from error
+        yield results
+
+
+def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, watching: Watching) -> list[JobResult]:
+    """Play what was not played in an earlier sitting, and return the results of all."""
+    done = [result for job in jobs if (result := kept(job)) is not None]
+    keep_only(plan.out, (result.job.stem for result in done))
+    if done:
+        console.print(_goes_on(len(done), len(jobs)))
+    watch = Watch(jobs, plan.jobs, plan.title, watching)
+    for result in done:
+        watch.keep(result)
+    complete = {result.job.stem for result in done if not result.to_render}
+    waiting = [job for job in jobs if job.stem not in complete]
+    if waiting:
+        with Workers(min(plan.jobs, len(waiting)), lock) as workers:
+            with console.status(
+                "preparing the engine (the first run compiles it, which takes about a minute)"
+            ):
+                workers.warm(sensors_read(waiting))
+            with watch.shown():
+                for result in workers.run(waiting, watch.start, watch.beat):
+                    watch.add(result)
+    return list(watch.tally.done.values())
+
+
+def _goes_on(done: int, jobs: int) -> str:
+    of = f"{done:,} of {counted(jobs, 'match')} {'was' if done == 1 else 'were'} played before"
+    return of if done < jobs else f"all {counted(jobs, 'match')} were played before"
+
+
+def _interrupted(plan: Plan, jobs: Sequence[Job]) -> str:
+    done = sum(kept(job) is not None for job in jobs)
+    return (
+        f"interrupted: {done:,} of {counted(len(jobs), 'match')} are kept in {plan.out}; the same command "
+        "goes on with the others"
+    )
+
+
+def _remark(results: Results) -> None:
+    """Say which submissions' actions were not as they must be."""
+    lines = [line for one in results.evaluations if (line := evaluation_remark(one))]
+    if lines:
+        console.print()
+    for line in lines:
+        console.print(Text.assemble(("note: ", "yellow"), line))
+
+
+def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
+    """Write the results and hand them to the sinks; say where all is, and yield what went wrong."""
+    console.print()
+    try:
+        _say("results", str(write_results(results, plan.out)))
+    except OSError as error:
+        yield f"the results could not be kept: {describe(error)}"
+    rows = [row for one in results.evaluations for row in one.matches]
+    recorded = sum(row.record is not None for row in rows)
+    _say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
+    _say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
+    for sink in kept_by:
+        try:
+            _say("database", sink.store(results))
+            _say("", f"standings: {command('wildscav')} leaderboard --db {database}")
+        except UserError as error:
+            yield str(error)
+    if any(row.log is not None for row in rows):
+        _say("logs", f"{plan.out / LOGS} (what the agents printed)")
+    replays = sum(row.replay is not None for row in rows)
+    if replays:
+        _say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to be watched in Rerun")
+    shown = _replay_to_show(results)
+    if shown is not None:
+        _say("", f"watch one: [bold]{command('rerun')} {plan.out / shown}[/bold]")
+
+
+def _say(what: str, text: str) -> None:
+    console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)
+
+
+def _replay_to_show(results: Results) -> str | None:
+    """Return a replay worth seeing first: of the last track, which has most to see, and its best agent."""
+    for track in reversed(results.tracks):
+        for _, one in ranked(one for one in results.evaluations if one.track == track):
+            for row in one.matches:
+                if row.replay is not None:
+                    return row.replay
+    return None
+
+
+def all_failed(evaluation: Evaluation, out: Path) -> str:
+    """Say that a submission failed in every match of a track, and why."""
+    first = evaluation.matches[0]
+    see = f" (its log: {out / first.log})" if first.log else ""
+    return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"

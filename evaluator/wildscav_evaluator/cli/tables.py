@@ -1,0 +1,106 @@
+"""Readable tables of results, narrow enough for a terminal of 80 columns."""
+
+from collections.abc import Iterable, Iterator
+from textwrap import wrap
+
+from rich import box
+from rich.table import Table
+
+from wildscav_evaluator.output.results import Evaluation, MetricInfo, Results, Summary
+
+HEADING_WIDTH = 8
+NOTHING = "-"
+LEGEND = "↓ less is better, ↑ more is better. The first figure ranks."
+
+
+def track_table(results: Results, track: str) -> Table:
+    """Return the table of one track: the submissions from best to worst."""
+    evaluations = [one for one in results.evaluations if one.track == track]
+    table = new_table(f"{track} · suite {results.suite} · seed {results.seed_label}")
+    add_metrics(table, evaluations[0].metrics)
+    add_columns(table, "matches\nfailed")
+    for rank, one in ranked(evaluations):
+        table.add_row(
+            NOTHING if rank is None else str(rank),
+            f"{one.submission} {one.version}",
+            *metric_cells(one.metrics, one.summary),
+            fault_cell(one.faults, len(one.matches)),
+        )
+    return table
+
+
+def new_table(title: str) -> Table:
+    """Return a table with the columns that every table of standings begins with."""
+    table = Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        show_edge=False,
+    )
+    add_columns(table, "#")
+    table.add_column("submission", vertical="bottom", overflow="fold", min_width=12)
+    return table
+
+
+def add_metrics(table: Table, metrics: Iterable[MetricInfo]) -> None:
+    """Add the columns of a track's metrics; the first has its interval beside it."""
+    for position, metric in enumerate(metrics):
+        add_columns(table, heading(metric))
+        if position == 0:
+            add_columns(table, "95 %\ninterval")
+
+
+def add_columns(table: Table, *headings: str) -> None:
+    """Add columns of figures."""
+    for text in headings:
+        table.add_column(text, justify="right", vertical="bottom", no_wrap=True)
+
+
+def heading(metric: MetricInfo) -> str:
+    """Return a column's heading: title, unit, and which way is better."""
+    unit = rf" \[{metric.unit}]" if metric.unit else ""
+    return "\n".join(wrap(f"{metric.title}{unit} {'↓' if metric.lower_is_better else '↑'}", HEADING_WIDTH))
+
+
+def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> Iterator[str]:
+    """Yield the cells under the columns of ``add_metrics``."""
+    for position, metric in enumerate(metrics):
+        values = summary.get(metric.name)
+        mean = NOTHING if values is None else number(values.mean, metric)
+        yield f"[bold]{mean}[/bold]" if position == 0 else mean
+        if position == 0:
+            yield (
+                NOTHING if values is None else f"{number(values.low, metric)}–{number(values.high, metric)}"
+            )
+
+
+def fault_cell(faults: int, matches: int) -> str:
+    """Return how many matches failed, in red if any did."""
+    return f"[red]{faults} of {matches}[/red]" if faults else f"0 of {matches}"
+
+
+def number(value: float, metric: MetricInfo) -> str:
+    """Return a value as text; rates as percent."""
+    return f"{value:.0%}" if metric.title.endswith("rate") else f"{value:.1f}"
+
+
+def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:
+    """Return evaluations of one track in order, with their ranks; equal scores share one.
+
+    Those without a score come last and have no rank.
+    """
+    ones = list(evaluations)
+    scored = sorted(
+        (one for one in ones if one.score is not None), key=lambda one: (order(one), one.submission)
+    )
+    ranks = [1 + sum(order(other) < order(one) for other in scored) for one in scored]
+    return [*zip(ranks, scored, strict=True), *((None, one) for one in ones if one.score is None)]
+
+
+def order(evaluation: Evaluation) -> float:
+    """Return a scored evaluation's place in the order: less is better."""
+    metric = evaluation.metrics[0]
+    mean = evaluation.summary[metric.name].mean
+    return mean if metric.lower_is_better else -mean

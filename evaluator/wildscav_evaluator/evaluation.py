@@ -1,0 +1,167 @@
+"""Evaluations: the jobs of all submissions and tracks, and the results that they add up to."""
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav_engine import ENGINE_VERSION
+from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.output import results
+from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
+from wildscav_evaluator.scores.score import summary
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite import Suite
+
+REPLAY_CHOICES = ("none", "first", "all")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that an evaluation is asked to do."""
+
+    submissions: tuple[Submission, ...]
+    tracks: tuple[str, ...]  # a submission plays those that it has, too
+    suite: Suite
+    seed: SuiteSeed
+    replays: str  # one of REPLAY_CHOICES
+    jobs: int  # matches at once
+    out: Path
+    fresh: bool = False  # whether another evaluation in the output folder is removed
+    rounds: int = 1  # how often the suite is played, each time with the next seed
+    sandbox: str = "process"  # in which agents run
+
+    @property
+    def title(self) -> str:
+        """What is evaluated, in a few words."""
+        return f"suite {self.suite.label} · seed {self.seed.label} · sandbox {self.sandbox}"
+
+    def entries(self) -> Iterator[tuple[str, Submission]]:
+        """Yield every track with every submission that plays it."""
+        for track in self.tracks:
+            for submission in self.submissions:
+                if track in submission.manifest.tracks:
+                    yield track, submission
+
+    def matches(self, track: str) -> tuple[MatchSpec, ...]:
+        """Return the matches that every submission plays on a track."""
+        return matches(self.suite, track, self.seed.value, self.rounds)
+
+
+def matches(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
+    """Return the matches of a suite on a track, played in rounds of consecutive seeds."""
+    return tuple(spec for turn in range(rounds) for spec in suite.matches(track, seed + turn))
+
+
+def make_jobs(plan: Plan) -> list[Job]:
+    """Return the matches to play; those of one map stand together, so that it is rarely made twice."""
+    evaluation = identity(plan).digest
+    jobs = []
+    for track in plan.tracks:
+        playing = [submission for on, submission in plan.entries() if on == track]
+        limits = plan.suite.limits.get(track, DEFAULT_LIMITS)
+        for index, spec in enumerate(plan.matches(track)):
+            replay = plan.replays == "all" or (plan.replays == "first" and index == 0)
+            jobs += [
+                Job(one, track, index, spec, plan.out, replay, evaluation, plan.sandbox, limits)
+                for one in playing
+            ]
+    return jobs
+
+
+def identity(plan: Plan) -> Identity:
+    """Return all that the results of a plan depend on."""
+    specs = [spec for track in plan.tracks for spec in plan.matches(track)]
+    return Identity(
+        suite=plan.suite.label,
+        seed=plan.seed.label,
+        tracks=plan.tracks,
+        matches=digest_of(specs),
+        submissions=tuple(
+            Entrant(name=one.name, version=one.manifest.version, digest=one.digest)
+            for one in plan.submissions
+        ),
+        sandbox=plan.sandbox,
+    )
+
+
+def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
+    """Return the results of all matches of a plan, in whatever order they were played."""
+    # In the order of the suite.
+    done = sorted(done, key=lambda result: (result.job.track, result.job.submission.name, result.job.index))
+    return results.Results(
+        engine_version=ENGINE_VERSION,
+        suite=plan.suite.label,
+        seed=None if plan.seed.commitment else plan.seed.value,
+        commitment=plan.seed.commitment,
+        rounds=plan.rounds,
+        sandbox=plan.sandbox,
+        evaluations=tuple(_evaluation(track, submission, done) for track, submission in plan.entries()),
+        timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
+    )
+
+
+def _timings(plan: Plan, matches: Sequence[results.MatchTiming]) -> results.Timings:
+    first = min((timing.started for timing in matches), default=time.time())
+    return results.Timings(
+        started=datetime.fromtimestamp(first, UTC).isoformat(timespec="seconds"),
+        wall=_covered((timing.started, timing.started + timing.wall) for timing in matches),
+        jobs=plan.jobs,
+        matches=tuple(matches),
+    )
+
+
+def _covered(spans: Iterable[tuple[float, float]]) -> float:
+    """Return how long at least one of some spans of time went on, s."""
+    total, until = 0.0, 0.0
+    for start, end in sorted(spans):
+        total += max(0.0, end - max(start, until))
+        until = max(until, end)
+    return total
+
+
+def metric_infos(track: str) -> tuple[results.MetricInfo, ...]:
+    """Return what a track measures; the first is its score."""
+    from wildscav_engine.tracks import TRACKS
+
+    return tuple(results.MetricInfo(**metric._asdict()) for metric in TRACKS[track].metrics)
+
+
+def _evaluation(track: str, submission: Submission, done: Iterable[JobResult]) -> results.Evaluation:
+    rows = tuple(
+        result.row
+        for result in done
+        if result.job.track == track and result.job.submission.name == submission.name
+    )
+    metrics = metric_infos(track)
+    return results.Evaluation(
+        submission=submission.name,
+        version=submission.manifest.version,
+        digest=submission.digest,
+        track=track,
+        metrics=metrics,
+        matches=rows,
+        summary=summary(metrics, rows),
+    )
+
+
+def check_names(submissions: Iterable[Submission]) -> None:
+    """Refuse two submissions of one name: their records and results could not be told apart.
+
+    Raises:
+        UserError: Two have the same name.
+    """
+    folders: dict[str, Path] = {}
+    for submission in submissions:
+        if submission.name in folders:
+            raise UserError(
+                f"two submissions are called {submission.name!r}: {folders[submission.name]} and "
+                f"{submission.folder}; change the name in one submission.toml, or evaluate them one by one",
+                exit_code=2,
+            )
+        folders[submission.name] = submission.folder

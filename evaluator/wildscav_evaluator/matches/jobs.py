@@ -1,0 +1,231 @@
+"""A job: one match of an evaluation, from its agent's start to its record and replay on disk."""
+
+import asyncio
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+from wildscav.errors import WildscavError, describe
+from wildscav.server import HostedMatch, SeatReport
+from wildscav_engine.record import SUFFIX, read_record, write_record
+from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.matches.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.warm import Wanted
+from wildscav_evaluator.output.journal import read_entry, write_entry
+from wildscav_evaluator.output.results import MatchRow, MatchTiming
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits, Sandbox
+from wildscav_evaluator.submissions.submission import Submission
+
+RECORDS, REPLAYS, LOGS = "records", "replays", "logs"
+REPLAYED: Wanted = {"camera": {}, "depth": {}}  # what a replay shows of the agent that it follows
+FINISHED, FAILED = "finished", "failed"
+BEAT = 0.5  # s between two words on how far a match is
+
+
+@dataclass(frozen=True)
+class Job:
+    """One match to play."""
+
+    submission: Submission
+    track: str
+    index: int  # in the suite
+    spec: MatchSpec
+    out: Path
+    replay: bool  # whether to render one
+    evaluation: str = ""  # digest of the evaluation's identity
+    sandbox: str = "process"  # in which its agent runs
+    limits: Limits = DEFAULT_LIMITS  # of its agent
+
+    @property
+    def stem(self) -> str:
+        """What its files are called."""
+        return f"{self.track}-{self.index:03d}-{self.submission.name}"
+
+    @property
+    def record(self) -> str:
+        """Path of the record in the output folder."""
+        return f"{RECORDS}/{self.stem}{SUFFIX}"
+
+    @property
+    def replay_path(self) -> str:
+        """Path of the replay in the output folder."""
+        return f"{REPLAYS}/{self.stem}.rrd"
+
+    @property
+    def log(self) -> str:
+        """Path of the agent's log in the output folder."""
+        return f"{LOGS}/{self.stem}.log"
+
+    @property
+    def seating(self) -> Seating:
+        """The match, with this submission in every seat that a submission fills."""
+        count = self.spec.seats.count("submission")
+        return Seating(self.spec, (self.submission,) * count, (self.out / self.log,) * count, self.limits)
+
+
+def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:
+    """Return the sensors that are read in some matches and in their replays."""
+    wanted = {job.submission.folder: job.submission.manifest.sensors for job in jobs}
+    replayed = [REPLAYED] if any(job.replay for job in jobs) else []
+    return [*wanted.values(), *replayed]
+
+
+class Beat(NamedTuple):
+    """How far a match has come that is being played."""
+
+    frames: int
+    steps: int
+
+
+@dataclass(frozen=True)
+class JobResult:
+    """What became of a job."""
+
+    job: Job
+    row: MatchRow
+    timing: MatchTiming | None = None  # none if no match was played
+    complaint: str = ""  # what went wrong besides the match, such as a replay that could not be written
+
+    @property
+    def to_render(self) -> bool:
+        """Whether a replay is asked for and missing."""
+        return self.job.replay and self.row.record is not None and self.row.replay is None
+
+
+def run_job(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None] = lambda _: None) -> JobResult:
+    """Play a job's match, unless it was played before, and write its files.
+
+    Whatever goes wrong costs this job alone.
+
+    Args:
+        runner: Of the loop to play in.
+        job: The job.
+        beat: Told now and then how far the match is.
+    """
+    result = kept(job) or _play(runner, job, beat)
+    return _rendered(result) if result.to_render else result
+
+
+def kept(job: Job) -> JobResult | None:
+    """Return the result of a job whose match was played to its end in an earlier sitting."""
+    entry = read_entry(job.out, job.evaluation, job.stem)
+    if entry is None:
+        return None
+    rendered = job.replay and (job.out / job.replay_path).exists()
+    return JobResult(job, _with_replay(job, entry.row) if rendered else entry.row, entry.timing)
+
+
+def _play(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None]) -> JobResult:
+    started, clock = time.time(), time.perf_counter()
+    seating = job.seating
+    try:
+        prepare_logs(seating.logs)
+        played = runner.run(_play_telling(seating, SANDBOXES[job.sandbox], beat))
+        write_record(job.out / job.record, played.match, seating.names)
+        remove_empty_logs(seating.logs)
+        seat = seating.seats[0]
+        row = _row(job, played, seat)
+        wall = time.perf_counter() - clock
+        timing = _timing(job, played, played.seats[seat], started, wall)
+        # From here on the match is played, whatever happens.
+        write_entry(job.out, job.evaluation, job.stem, row, timing)
+        return JobResult(job, row, timing)
+    except OSError as error:
+        return failed(job, describe(error))
+    except (WildscavError, ValueError) as error:
+        return failed(job, str(error))
+    except Exception as error:  # noqa: BLE001 (a match that breaks must not take the others along)
+        return failed(job, f"{type(error).__name__}: {error}")
+
+
+async def _play_telling(seating: Seating, sandbox: Sandbox, beat: Callable[[Beat], None]) -> Played:
+    """Play a match, and tell how far it is; from its start again, if it is played again."""
+    telling: list[asyncio.Task[None]] = []
+
+    async def tell(hosted: HostedMatch) -> None:
+        while True:
+            beat(Beat(hosted.match.frame, hosted.match.step_number))
+            await asyncio.sleep(BEAT)
+
+    def begin(hosted: HostedMatch) -> None:
+        for task in telling:
+            task.cancel()
+        telling.append(asyncio.create_task(tell(hosted)))
+
+    try:
+        return await play_match(seating, sandbox=sandbox, started=begin)
+    finally:
+        for task in telling:
+            task.cancel()
+
+
+def failed(job: Job, reason: str) -> JobResult:
+    """Return the result of a job that came to no result, by no fault of the agent."""
+    row = MatchRow(index=job.index, seat=job.seating.seats[0], status=FAILED, fault="platform", detail=reason)
+    return JobResult(job, row)
+
+
+def _rendered(result: JobResult) -> JobResult:
+    """Return a result with its replay, rendered now if it is missing, or with what went wrong."""
+    complaint = _render(result.job)
+    row = result.row if complaint else _with_replay(result.job, result.row)
+    return replace(result, row=row, complaint=complaint)
+
+
+def _with_replay(job: Job, row: MatchRow) -> MatchRow:
+    return row.model_copy(update={"replay": job.replay_path})
+
+
+def _render(job: Job) -> str:
+    """Render the replay from the record; return what went wrong, if anything did."""
+    from wildscav_engine.view import write_replay
+
+    path = job.out / job.replay_path
+    try:
+        write_replay(read_record(job.out / job.record), path, follow=job.seating.seats[0])
+    except OSError as error:
+        return f"no replay {path}: {error.strerror or error}"
+    except Exception as error:  # noqa: BLE001 (the match stands, whatever becomes of its picture)
+        return f"no replay {path}: {type(error).__name__}: {error}"
+    return ""
+
+
+def _row(job: Job, played: Played, seat: int) -> MatchRow:
+    report = played.seats[seat]
+    return MatchRow(
+        index=job.index,
+        seat=seat,
+        status=report.status.value,
+        fault=fault.value if (fault := report.status.fault) else None,
+        detail=report.detail,
+        exit_code=report.exit_code,
+        killed_by=report.killed_by,
+        last_lines=report.last_lines,
+        actions=report.steps_played,
+        invalid_actions=report.invalid_actions,
+        ignored_fields=report.ignored_fields,
+        metrics=dict(played.match.result().seats[seat].metrics),
+        record=job.record,
+        log=job.log if (job.out / job.log).exists() else None,
+    )
+
+
+def _timing(job: Job, played: Played, report: SeatReport, started: float, wall: float) -> MatchTiming:
+    total, median, high, most = report.think_time
+    return MatchTiming(
+        submission=job.submission.name,
+        track=job.track,
+        index=job.index,
+        started=started,
+        wall=wall,
+        steps=played.match.step_number,
+        late_steps=report.late_steps,
+        dropped_actions=report.dropped_actions,
+        think_time=total,
+        think_p50=median,
+        think_p99=high,
+        think_max=most,
+        platform_faults=played.platform_faults,
+    )

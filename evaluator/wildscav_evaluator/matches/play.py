@@ -1,0 +1,284 @@
+"""One match: a server of its own, a process for every agent, and the outcome.
+
+What an agent does ends as the outcome of its seat. What the platform breaks (the engine, the server, a
+sandbox) is no outcome: the match is played again from its start, and in the end given up as its fault.
+"""
+
+import asyncio
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from wildscav.errors import SensorError, UserError, WildscavError, describe
+from wildscav.server import (
+    Clock,
+    HostedMatch,
+    MatchCancelledError,
+    MatchOutcome,
+    MatchServer,
+    SeatReport,
+    SeatStatus,
+)
+from wildscav_engine.match import Match, MatchSetupError
+from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.matches.seating import display_names, submission_seats
+from wildscav_evaluator.sandbox import (
+    DEFAULT_LIMITS,
+    SANDBOXES,
+    Ending,
+    Launch,
+    Limits,
+    RunningAgent,
+    Sandbox,
+)
+from wildscav_evaluator.submissions.submission import Submission
+
+SOCKET = "match.sock"
+SOCKET_PATH_LIMIT = 100  # bytes; the systems' own limits begin at 104
+CONNECTIONS = 16  # that an agent may have open to its seat's socket at one time
+FAREWELL = 3.0  # s for an agent's process to end by itself after the match; a container takes one
+TRIES = 3  # for a match that the platform breaks
+PAUSE = 0.5  # s between them: what is short now may be there again
+# Outcomes that the end of an agent's process explains.
+EARLY_ENDS = (SeatStatus.CRASHED, SeatStatus.OUT_OF_MEMORY, SeatStatus.DISQUALIFIED)
+# Errors of what was asked for: another try would end in the same way.
+WRONG_REQUESTS = (MatchSetupError, SensorError, UserError)
+
+
+class PlatformFaultError(WildscavError):
+    """The platform broke a match, again and again."""
+
+
+@dataclass(frozen=True)
+class Seating:
+    """A match with its submissions in their seats."""
+
+    spec: MatchSpec
+    submissions: tuple[Submission, ...]  # in the order of the spec's seats for submissions
+    logs: tuple[Path, ...]  # one for each submission
+    limits: Limits = DEFAULT_LIMITS  # of every agent
+
+    @property
+    def seats(self) -> tuple[int, ...]:
+        """The seat of each submission."""
+        return submission_seats(self.spec.seats)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The display name of every seat."""
+        return display_names(self.spec.seats, [submission.name for submission in self.submissions])
+
+
+@dataclass(frozen=True)
+class Played:
+    """A match that was played, and how its agents' processes ended."""
+
+    match: Match
+    seats: dict[int, SeatReport]  # of the submissions' seats
+    endings: dict[int, Ending] = field(default_factory=dict)  # of the processes that ended by themselves
+    platform_faults: tuple[str, ...] = ()  # what broke the tries before this one, a line each
+
+
+async def play_match(
+    seating: Seating,
+    *,
+    sandbox: Sandbox = SANDBOXES["process"],
+    clock: Clock | None = None,
+    started: Callable[[HostedMatch], None] | None = None,
+) -> Played:
+    """Play one match, and again from its start if the platform broke it. See ``play_once``.
+
+    Raises:
+        MatchSetupError: The match's spec cannot be played.
+        PlatformFaultError: The platform broke every try.
+    """
+    faults: list[str] = []
+    while True:
+        try:
+            played = await play_once(seating, sandbox=sandbox, clock=clock, started=started)
+            return replace(played, platform_faults=tuple(faults))
+        except WRONG_REQUESTS:
+            raise
+        except Exception as error:
+            faults.append(_in_a_line(error))
+            if len(faults) == TRIES:
+                reasons = "; ".join(dict.fromkeys(faults))
+                raise PlatformFaultError(f"the platform failed {TRIES} times: {reasons}") from error
+        await asyncio.sleep(PAUSE)
+        prepare_logs(seating.logs)
+
+
+def _in_a_line(error: Exception) -> str:
+    if isinstance(error, OSError):
+        return describe(error)
+    return str(error) if isinstance(error, WildscavError) else f"{type(error).__name__}: {error}"
+
+
+async def play_once(
+    seating: Seating,
+    *,
+    sandbox: Sandbox = SANDBOXES["process"],
+    clock: Clock | None = None,
+    started: Callable[[HostedMatch], None] | None = None,
+) -> Played:
+    """Play one match from the start of its agents to the end of the last of them.
+
+    Args:
+        seating: The match, and who plays.
+        sandbox: How the agents run.
+        clock: How long they may think; the server's default if none.
+        started: Told of the match once it is hosted.
+
+    Raises:
+        MatchSetupError: The match's spec cannot be played.
+        OSError: An agent's process could not be started.
+        PlatformFaultError: A sandbox failed under an agent.
+    """
+    with socket_folders(len(seating.seats)) as folders:
+        server = MatchServer(connections=CONNECTIONS)
+        # A socket of its own for each seat, so that a sandbox can hand over just that.
+        addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
+        try:
+            hosted = await server.host(
+                seating.spec,
+                names=seating.names,
+                sensors={
+                    seat: submission.manifest.sensors
+                    for seat, submission in zip(seating.seats, seating.submissions, strict=True)
+                },
+                clock=clock or Clock(),
+            )
+            if started is not None:
+                started(hosted)
+            return await _play_hosted(hosted, seating, addresses, sandbox)
+        finally:
+            await server.stop()
+
+
+async def _play_hosted(
+    hosted: HostedMatch, seating: Seating, addresses: Sequence[str], sandbox: Sandbox
+) -> Played:
+    agents: list[RunningAgent] = []
+    watchers: dict[int, asyncio.Task[Ending]] = {}
+    try:
+        entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
+        for seat, submission, log, address in entries:
+            launch = launch_for(submission, address, hosted.tokens[seat], log, seating.limits)
+            agents.append(await sandbox.start(launch))
+            watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[-1]))
+        outcome = await _outcome(hosted, watchers)
+        await asyncio.wait(watchers.values(), timeout=FAREWELL)
+        endings = _endings(watchers)
+        for seat, ending in endings.items():
+            if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:
+                raise PlatformFaultError(ending.platform_fault)
+        reports = {seat: _explained(report, endings.get(seat)) for seat, report in outcome.seats.items()}
+        return Played(outcome.match, reports, endings)
+    finally:
+        hosted.cancel()
+        for watcher in watchers.values():
+            watcher.cancel()
+        ends = [*(agent.stop() for agent in agents), *watchers.values()]
+        await asyncio.gather(*ends, return_exceptions=True)
+
+
+def launch_for(
+    submission: Submission, address: str, token: str, log: Path, limits: Limits = DEFAULT_LIMITS
+) -> Launch:
+    """Return what a sandbox needs to start a submission at a seat."""
+    return Launch(
+        folder=submission.folder,
+        image=submission.image,
+        entry_point=submission.manifest.entry_point,
+        address=address,
+        token=token,
+        log=log,
+        limits=limits,
+    )
+
+
+async def _watch(hosted: HostedMatch, seat: int, agent: RunningAgent) -> Ending:
+    """Tell the match when an agent's process is gone, so that nobody waits for it; return how it ended."""
+    ending = await agent.ended()
+    if ending.platform_fault and not hosted.match.over:
+        hosted.cancel()  # it is to be played again
+    else:
+        hosted.give_up(seat, str(ending), status_of(ending))
+    return ending
+
+
+async def _outcome(hosted: HostedMatch, watchers: Mapping[int, "asyncio.Task[Ending]"]) -> MatchOutcome:
+    """Wait for the end of a match. One that was cancelled was so because a sandbox failed."""
+    try:
+        return await hosted.finished()
+    except MatchCancelledError:
+        for ending in _endings(watchers).values():
+            if ending.platform_fault:
+                raise PlatformFaultError(ending.platform_fault) from None
+        raise
+
+
+def _endings(watchers: Mapping[int, "asyncio.Task[Ending]"]) -> dict[int, Ending]:
+    """Return how the agents ended that are gone."""
+    return {seat: watcher.result() for seat, watcher in watchers.items() if watcher.done()}
+
+
+def status_of(ending: Ending) -> SeatStatus:
+    """Return the outcome of a seat whose process ended before the match did."""
+    if ending.out_of_memory:
+        return SeatStatus.OUT_OF_MEMORY
+    return SeatStatus.DISQUALIFIED if ending.limit else SeatStatus.CRASHED
+
+
+def _explained(report: SeatReport, ending: Ending | None) -> SeatReport:
+    """Return a report that says how the process ended, where that is why the seat was empty.
+
+    The server may notice first that the agent's stream is gone, and knows no more than that.
+    """
+    if ending is None or report.status not in EARLY_ENDS:
+        return report
+    return replace(
+        report,
+        status=status_of(ending),
+        detail=str(ending),
+        exit_code=ending.exit_code,
+        killed_by=ending.killed_by,
+        last_lines=ending.last_lines,
+    )
+
+
+@contextmanager
+def socket_folders(count: int) -> Iterator[list[Path]]:
+    """Make private folders for a unix socket each, with paths short enough for one."""
+    folder = Path(tempfile.mkdtemp(prefix="wildscav-"))
+    if len(bytes(folder / str(count) / SOCKET)) > SOCKET_PATH_LIMIT:
+        folder.rmdir()
+        folder = Path(tempfile.mkdtemp(prefix="wildscav-", dir="/tmp"))
+    try:
+        folders = [folder / str(number) for number in range(count)]
+        for each in folders:
+            each.mkdir(mode=0o700)
+        yield folders
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def prepare_logs(logs: Sequence[Path]) -> None:
+    """Begin the logs anew.
+
+    Raises:
+        OSError: One cannot be written.
+    """
+    for log in logs:
+        log.parent.mkdir(parents=True, exist_ok=True)
+        log.write_bytes(b"")
+
+
+def remove_empty_logs(logs: Sequence[Path]) -> None:
+    """Remove the logs of agents that printed nothing."""
+    for log in logs:
+        if log.exists() and log.stat().st_size == 0:
+            log.unlink()

@@ -1,0 +1,108 @@
+"""What an evaluation is: all that its scores depend on. It is kept beside them: only the same one goes on."""
+
+from collections.abc import Iterable
+from hashlib import blake2b
+from pathlib import Path
+from typing import Literal
+
+from pydantic import ValidationError
+
+from wildscav.errors import UserError
+from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
+from wildscav_engine.files import write_whole
+from wildscav_engine.maps import GENERATOR_VERSION
+from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.output.results import Part
+
+IDENTITY_FILE = "evaluation.json"
+
+
+class Entrant(Part):
+    """A submission that is evaluated."""
+
+    name: str
+    version: str
+    digest: str  # of the submission's folder
+
+
+class Identity(Part):
+    """All that the results of an evaluation depend on. How many matches run at once, say, is not of it."""
+
+    format: Literal[1] = 1
+    engine_version: str = ENGINE_VERSION
+    simulation_version: int = SIMULATION_VERSION
+    generator_version: int = GENERATOR_VERSION
+    suite: str
+    seed: str  # or the beginning of a hidden one's commitment
+    tracks: tuple[str, ...]
+    matches: str  # digest of the specs of all matches
+    submissions: tuple[Entrant, ...]
+    sandbox: str  # in which agents run: its limits may cost them time
+
+    @property
+    def digest(self) -> str:
+        """32 hexadecimal digits that no other evaluation has."""
+        return blake2b(self.model_dump_json().encode(), digest_size=16).hexdigest()
+
+
+def digest_of(specs: Iterable[MatchSpec]) -> str:
+    """Return a digest of some matches, 32 hexadecimal digits."""
+    digest = blake2b(digest_size=16)
+    for spec in specs:
+        digest.update(spec.model_dump_json().encode() + b"\n")
+    return digest.hexdigest()
+
+
+def read_identity(folder: Path) -> Identity | None:
+    """Return which evaluation an output folder holds; none if it does not say.
+
+    Raises:
+        UserError: It says so in a way that this version does not understand.
+    """
+    path = folder / IDENTITY_FILE
+    try:
+        return Identity.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except ValidationError as error:
+        raise UserError(
+            f"{path} is not of this version of Wildscav: name another --out, or begin anew with --fresh"
+        ) from error
+
+
+def write_identity(identity: Identity, folder: Path) -> None:
+    """Write which evaluation an output folder holds.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    write_whole(folder / IDENTITY_FILE, identity.model_dump_json(indent=1).encode() + b"\n")
+
+
+def difference(old: Identity, new: Identity) -> str:
+    """Return the first thing in which two evaluations differ, in a few words; nothing if they agree."""
+    for field in Identity.model_fields:
+        was, wanted = getattr(old, field), getattr(new, field)
+        if was == wanted:
+            continue
+        if field == "submissions":
+            return _difference_of_submissions(was, wanted)
+        if field == "matches":
+            return "its matches are others"
+        verb = "are" if field == "tracks" else "is"
+        return f"its {field.replace('_', ' ')} {verb} {_listed(was)}, not {_listed(wanted)}"
+    return ""
+
+
+def _difference_of_submissions(old: tuple[Entrant, ...], new: tuple[Entrant, ...]) -> str:
+    before, after = [one.name for one in old], [one.name for one in new]
+    if before != after:
+        return f"it is of {', '.join(before)}, not of {', '.join(after)}"
+    was, wanted = next((a, b) for a, b in zip(old, new, strict=True) if a != b)
+    if was.version != wanted.version:
+        return f"it is of {was.name} {was.version}, not {wanted.version}"
+    return f"the files of {was.name} have changed since"
+
+
+def _listed(value: object) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, tuple) else str(value)

@@ -1,0 +1,70 @@
+"""The journal of an evaluation: a file for every match that was played to its end and kept.
+
+Such a file appears whole, after the match's record, and names that record by its content. So whatever moment
+an evaluation is killed at, a match is either in the journal, together with its record, or was never played.
+"""
+
+from hashlib import blake2b
+from pathlib import Path
+from typing import Literal
+
+from pydantic import ValidationError
+
+from wildscav_engine.files import write_whole
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, Part
+
+MATCHES = "matches"  # folder, in the output folder
+
+
+class Entry(Part):
+    """One match of the journal."""
+
+    format: Literal[1] = 1
+    evaluation: str  # digest of the evaluation's identity
+    match: str  # which match it is, as its files are called
+    record: str  # digest of the record's file
+    row: MatchRow  # without its replay, which may be rendered later
+    timing: MatchTiming
+
+
+def entry_path(out: Path, match: str) -> Path:
+    """Return where a match's entry is."""
+    return out / MATCHES / f"{match}.json"
+
+
+def write_entry(out: Path, evaluation: str, match: str, row: MatchRow, timing: MatchTiming) -> None:
+    """Enter a match whose record is written.
+
+    Args:
+        out: The output folder.
+        evaluation: Digest of the evaluation's identity.
+        match: What its files are called.
+        row: How it went.
+        timing: How long it took.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    digest = file_digest(out / str(row.record))
+    entry = Entry(evaluation=evaluation, match=match, record=digest, row=row, timing=timing)
+    write_whole(entry_path(out, match), entry.model_dump_json(indent=1).encode() + b"\n")
+
+
+def read_entry(out: Path, evaluation: str, match: str) -> Entry | None:
+    """Return a match of the journal, if it was played in this evaluation and its record is as it was."""
+    try:
+        entry = Entry.model_validate_json(entry_path(out, match).read_bytes())
+        if (entry.evaluation, entry.match) != (evaluation, match):
+            return None
+        return entry if file_digest(out / str(entry.row.record)) == entry.record else None
+    except (OSError, ValidationError):
+        return None
+
+
+def file_digest(path: Path) -> str:
+    """Return a digest of a file's content, 32 hexadecimal digits.
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    return blake2b(path.read_bytes(), digest_size=16).hexdigest()

@@ -1,0 +1,162 @@
+"""The schema of ``results.json``: all that an evaluation found, in a form that other programs may rely on.
+
+Two runs of the same command give equal files, but for ``timings``.
+"""
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from wildscav.errors import UserError
+from wildscav_engine.files import write_whole
+from wildscav_evaluator.suites.seeds import label
+
+RESULTS_FILE = "results.json"
+FORMAT = 1
+
+Fault = Literal["agent", "platform"]
+
+
+class Part(BaseModel):
+    """Base of everything in the file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class MetricInfo(Part):
+    """What a number of a track means."""
+
+    name: str
+    title: str
+    unit: str
+    lower_is_better: bool
+
+
+class Summary(Part):
+    """One metric over the matches played."""
+
+    mean: float
+    std: float | None  # of the sample; none for a single match
+    low: float  # of the bootstrap 95 % interval of the mean
+    high: float
+
+
+class MatchRow(Part):
+    """One match of an evaluation, as it went for the submission."""
+
+    index: int  # in the suite
+    seat: int
+    # How the seat fared: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error",
+    # "disqualified" or "never_joined"; "failed": no match, by the platform's fault.
+    status: str
+    fault: Fault | None = None  # whose, if something went wrong
+    detail: str = ""  # what went wrong, in one line
+    exit_code: int | None = None  # of a process that ended before the match did; none if a signal ended it
+    killed_by: str = ""  # that signal, such as SIGKILL
+    last_lines: tuple[str, ...] = ()  # of what such a process printed
+    actions: int = 0  # answers of the agent that came in time
+    invalid_actions: int = 0  # those with a number out of its range, played as no action
+    ignored_fields: int = 0  # set though the track has no such action, in all actions together
+    metrics: dict[str, float] | None = None  # none if the match came to no result
+    record: str | None = None  # path in the output folder
+    replay: str | None = None  # path in the output folder
+    log: str | None = None  # path in the output folder: what the agent printed
+
+
+class Evaluation(Part):
+    """One submission on one track."""
+
+    submission: str
+    version: str
+    digest: str  # of the submission's folder
+    track: str
+    metrics: tuple[MetricInfo, ...]  # the first is the score
+    matches: tuple[MatchRow, ...]
+    summary: dict[str, Summary]  # by metric; empty if no match was played
+
+    @property
+    def score(self) -> Summary | None:
+        """The metric that ranks, if a match was played."""
+        return self.summary.get(self.metrics[0].name)
+
+    @property
+    def faults(self) -> int:
+        """Matches in which something went wrong."""
+        return sum(row.fault is not None for row in self.matches)
+
+
+class MatchTiming(Part):
+    """How long one match took."""
+
+    submission: str
+    track: str
+    index: int
+    started: float  # s since 1970, UTC
+    wall: float  # s, with starting the agent and writing the record
+    steps: int
+    late_steps: int  # steps in which the agent was too late and played no action
+    dropped_actions: int = 0  # answers to steps that were over
+    think_time: float  # s, of all steps
+    think_p50: float  # s
+    think_p99: float  # s
+    think_max: float  # s
+    platform_faults: tuple[str, ...] = ()  # what broke the tries before the one that counts, a line each
+
+
+class Timings(Part):
+    """What may differ from run to run."""
+
+    started: str  # ISO 8601, UTC
+    wall: float  # s in which a match was played, in all sittings together
+    jobs: int  # matches at once, in the last of them
+    matches: tuple[MatchTiming, ...]
+
+
+class Results(Part):
+    """An evaluation of some submissions on some tracks."""
+
+    format: Literal[1] = 1
+    engine_version: str
+    suite: str  # an organizer's own has a digest of its file behind an @
+    seed: int | None  # none while it is hidden
+    commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
+    rounds: int = 1  # how often the suite was played, each time with the next seed
+    sandbox: str = "process"  # in which agents ran
+    evaluations: tuple[Evaluation, ...]
+    timings: Timings
+
+    @property
+    def seed_label(self) -> str:
+        """What may be shown of the seed."""
+        return label(self.seed, self.commitment)
+
+    @property
+    def tracks(self) -> tuple[str, ...]:
+        """The tracks, in the order in which they come up."""
+        return tuple(dict.fromkeys(evaluation.track for evaluation in self.evaluations))
+
+
+def read_results(path: Path) -> Results:
+    """Read a results file.
+
+    Raises:
+        UserError: It is missing, or not a results file of this version.
+    """
+    try:
+        return Results.model_validate_json(path.read_bytes())
+    except FileNotFoundError as error:
+        raise UserError(f"{path} does not exist") from error
+    except ValidationError as error:
+        raise UserError(f"{path} is not a results file of format {FORMAT}") from error
+
+
+def write_results(results: Results, folder: Path) -> Path:
+    """Write ``results.json`` into a folder, whole or not at all, and return its path.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    path = folder / RESULTS_FILE
+    write_whole(path, results.model_dump_json(indent=1).encode() + b"\n")
+    return path

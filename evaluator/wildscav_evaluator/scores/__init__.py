@@ -1,0 +1,1 @@
+"""Scores: what matches say of a submission, computed anew from records, and compared."""

@@ -1,0 +1,131 @@
+"""Which of two submissions is better, by the matches that both played."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from wildscav_engine.files import write_whole
+from wildscav_evaluator.output.results import Evaluation, MetricInfo, Part, Results
+from wildscav_evaluator.scores.score import interval
+
+COMPARISON_FILE = "comparison.json"
+# Even if one wins every pair, fewer are won by luck in more than one case of twenty: 2 · 0.5⁵ is 6 %.
+FEWEST = 6
+
+Verdict = Literal["first", "second", "tied", "too few"]
+
+
+class Difference(Part):
+    """One metric of two submissions over the matches that both played."""
+
+    metric: MetricInfo
+    first: float  # mean of the first submission
+    second: float
+    difference: float  # mean of first - second, match by match
+    low: float  # of the paired bootstrap 95 % interval of that mean
+    high: float
+    verdict: Verdict  # who is better
+
+
+class Comparison(Part):
+    """Two submissions on one track."""
+
+    track: str
+    first: str
+    second: str
+    pairs: int  # matches that both played to a result
+    dropped: int  # matches that one of them did not, by the platform's fault
+    differences: tuple[Difference, ...]  # the first is that of the score
+
+    @property
+    def verdict(self) -> Verdict:
+        """Who is better by the score; too few if nothing was compared."""
+        return self.differences[0].verdict if self.differences else "too few"
+
+
+class Comparisons(Part):
+    """The file of a comparison."""
+
+    format: Literal[1] = 1
+    suite: str
+    seed: str  # or the beginning of a hidden one's commitment
+    rounds: int
+    comparisons: tuple[Comparison, ...]
+
+
+def compare(results: Results, first: str, second: str) -> Comparisons:
+    """Compare two submissions on every track of an evaluation that both are in."""
+    by_name = {(one.submission, one.track): one for one in results.evaluations}
+    return Comparisons(
+        suite=results.suite,
+        seed=results.seed_label,
+        rounds=results.rounds,
+        comparisons=tuple(
+            _compare(by_name[first, track], by_name[second, track]) for track in results.tracks
+        ),
+    )
+
+
+def _compare(first: Evaluation, second: Evaluation) -> Comparison:
+    others = {row.index: row.metrics for row in second.matches}
+    pairs = [
+        (row.metrics, other)
+        for row in first.matches
+        if row.metrics is not None and (other := others.get(row.index)) is not None
+    ]
+    return Comparison(
+        track=first.track,
+        first=first.submission,
+        second=second.submission,
+        pairs=len(pairs),
+        dropped=max(len(first.matches), len(second.matches)) - len(pairs),
+        differences=tuple(_differences(first.metrics, pairs)) if pairs else (),
+    )
+
+
+def _differences(
+    metrics: tuple[MetricInfo, ...], pairs: list[tuple[dict[str, float], dict[str, float]]]
+) -> Iterator[Difference]:
+    for metric in metrics:
+        values = np.array([(one[metric.name], other[metric.name]) for one, other in pairs], np.float64)
+        differences = values[:, 0] - values[:, 1]
+        low, high = interval(differences)
+        first, second = values.mean(axis=0).tolist()
+        yield Difference(
+            metric=metric,
+            first=first,
+            second=second,
+            difference=float(differences.mean()),
+            low=low,
+            high=high,
+            verdict=judge(low, high, len(pairs), lower_is_better=metric.lower_is_better),
+        )
+
+
+def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verdict:
+    """Return who is better, by the interval of first - second.
+
+    Args:
+        low: The interval's lower end.
+        high: Its upper end.
+        pairs: How many matches it rests on.
+        lower_is_better: Whether the metric is one of which less is better.
+    """
+    if pairs < FEWEST:
+        return "too few"
+    if low <= 0.0 <= high:
+        return "tied"
+    return "first" if (high < 0.0) == lower_is_better else "second"
+
+
+def write_comparisons(comparisons: Comparisons, folder: Path) -> Path:
+    """Write ``comparison.json`` into a folder, whole or not at all, and return its path.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    path = folder / COMPARISON_FILE
+    write_whole(path, comparisons.model_dump_json(indent=1).encode() + b"\n")
+    return path

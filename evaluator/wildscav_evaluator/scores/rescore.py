@@ -1,0 +1,213 @@
+"""Scores from records alone: every match played again, every table computed anew.
+
+What agents and files say of themselves counts for nothing here: a record's metrics are those of its match as
+the engine plays it now, and it counts only if that is the match recorded, step for step.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import NamedTuple
+
+from wildscav.console import printable
+from wildscav.errors import UserError, describe
+from wildscav_engine.record import SUFFIX, Record, RecordError, read_record, verify_record
+from wildscav_engine.spec import MatchSpec
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.evaluation import metric_infos
+from wildscav_evaluator.matches.jobs import RECORDS
+from wildscav_evaluator.matches.seating import display_names, submission_seats
+from wildscav_evaluator.output.results import Evaluation, MatchRow, Results
+from wildscav_evaluator.scores.score import summary
+
+NAME = re.compile(
+    rf"(?P<track>{'|'.join(TRACKS)})-(?P<match>\d{{3,6}})-(?P<submission>[a-z0-9-]{{2,40}}){re.escape(SUFFIX)}"
+)
+RECORDED = "recorded"  # status of a match of which nothing but its record is known
+
+
+class RecordName(NamedTuple):
+    """What the name of a record's file says."""
+
+    track: str
+    match: int  # in the suite
+    submission: str
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """One record, and what came of its match when it was played again."""
+
+    record: str  # path in the output folder
+    track: str
+    index: int  # in the suite
+    submission: str
+    seat: int = 0
+    spec: MatchSpec | None = None
+    metrics: dict[str, float] | None = None  # none if the record does not hold
+    fault: str = ""  # why it does not
+
+    @property
+    def key(self) -> tuple[str, str, int]:
+        """Which match of the evaluation it is."""
+        return self.track, self.submission, self.index
+
+
+def record_paths(out: Path) -> list[Path]:
+    """Return the records of an output folder.
+
+    Raises:
+        UserError: There are none.
+    """
+    paths = sorted((out / RECORDS).glob(f"[!.]*{SUFFIX}"))
+    if not paths:
+        raise UserError(f"there are no records in {out / RECORDS}: name an evaluation's output folder", 2)
+    return paths
+
+
+def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
+    """Play records again, and yield what came of each, in their order.
+
+    Args:
+        paths: The records.
+        jobs: How many to play at once, each in a process of its own.
+    """
+    with ProcessPoolExecutor(min(jobs, len(paths)), get_context("spawn")) as pool:
+        # The first alone, so that the others find compiled whatever it had to compile.
+        yield pool.submit(replay_one, paths[0]).result()
+        yield from pool.map(replay_one, paths[1:])
+
+
+def parse_name(path: Path) -> RecordName | None:
+    """Return what a record's name says; none if no evaluation named it."""
+    found = NAME.fullmatch(path.name)
+    return found and RecordName(found["track"], int(found["match"]), found["submission"])
+
+
+def replay_one(path: Path) -> Replayed:
+    """Play a record again. Whatever is wrong with it, the others are still to be played."""
+    name, place = parse_name(path), f"{RECORDS}/{path.name}"
+    if name is None:
+        return Replayed(place, "", 0, "", fault="it is not named as evaluations name records")
+    told = Replayed(place, *name)
+    try:
+        record = read_record(path)
+        found = verify_record(record)
+        fault = _misnamed(record, told) if found.holds else found.message
+    except RecordError as error:
+        fault = str(error).removeprefix(f"{path}: ")
+    except OSError as error:
+        fault = describe(error)
+    if fault:
+        return replace(told, fault=printable(fault))
+    seat = submission_seats(record.spec.seats)[0]
+    # The record holds: its result is that of the match played again.
+    return replace(told, seat=seat, spec=record.spec, metrics=record.result.seats[seat].metrics)
+
+
+def _misnamed(record: Record, told: Replayed) -> str:
+    """Return in what a record differs from the name of its file."""
+    seats = submission_seats(record.spec.seats)
+    if not seats:
+        return "no submission plays in its match"
+    if record.spec.track != told.track:
+        return f"it is of {record.spec.track}, not of {told.track}"
+    expected = display_names(record.spec.seats, [told.submission] * len(seats))
+    if record.names != expected:
+        return f"seat {seats[0]} is that of {record.names[seats[0]]}, not of {told.submission}"
+    return ""
+
+
+def recompute(replayed: Sequence[Replayed], told: Results | None) -> list[Evaluation]:
+    """Return the evaluations that some records make, every number anew.
+
+    Args:
+        replayed: The records, played again.
+        told: What the evaluation said: its order, the versions, and how agents behaved, which no record says.
+    """
+    held = {one.key: one for one in replayed if one.metrics is not None}
+    before = {(one.track, one.submission): one for one in (told.evaluations if told else ())}
+    tracks = list(TRACKS)
+    found = sorted({key[:2] for key in held} - before.keys(), key=lambda key: (tracks.index(key[0]), key[1]))
+    return [_evaluation(*key, held, before.get(key)) for key in (*before, *found)]
+
+
+def _evaluation(
+    track: str, submission: str, held: Mapping[tuple[str, str, int], Replayed], told: Evaluation | None
+) -> Evaluation:
+    rows = {row.index: row for row in (told.matches if told else ())}
+    recorded = {one.index: one for one in held.values() if (one.track, one.submission) == (track, submission)}
+    matches = tuple(_row(index, rows.get(index), recorded.get(index)) for index in sorted({*rows, *recorded}))
+    metrics = metric_infos(track)
+    return Evaluation(
+        submission=submission,
+        version=told.version if told else "",
+        digest=told.digest if told else "",
+        track=track,
+        metrics=metrics,
+        matches=matches,
+        summary=summary(metrics, matches),
+    )
+
+
+def _row(index: int, told: MatchRow | None, recorded: Replayed | None) -> MatchRow:
+    changes: dict[str, object] = {"metrics": None, "record": None}
+    if recorded is not None:
+        changes = {"seat": recorded.seat, "metrics": recorded.metrics, "record": recorded.record}
+    if told is None:
+        return MatchRow(index=index, status=RECORDED, **{"seat": 0, **changes})  # type: ignore[arg-type]
+    return told.model_copy(update=changes)
+
+
+def disagreements(
+    replayed: Sequence[Replayed], told: Results, expected: Mapping[str, Sequence[MatchSpec]] | None
+) -> Iterator[str]:
+    """Yield in a line each what an evaluation said and its records do not bear out.
+
+    Args:
+        replayed: The records, played again.
+        told: What the evaluation said.
+        expected: The matches of the suite, by track, where they are known.
+    """
+    for one in replayed:
+        if one.spec is not None and expected is not None:
+            specs = expected.get(one.track, ())
+            if one.index >= len(specs) or specs[one.index] != one.spec:
+                yield f"{one.record}: is not match {one.index} of the suite"
+    found = {(one.track, one.submission): one for one in recompute(replayed, told)}
+    for evaluation in told.evaluations:
+        yield from _differences(evaluation, found.pop((evaluation.track, evaluation.submission)))
+    for track, submission in found:
+        yield f"{submission} on {track}: there are records, but no results"
+
+
+def _differences(told: Evaluation, found: Evaluation) -> Iterator[str]:
+    who = f"{told.submission} on {told.track}"
+    rows = {row.index: row for row in told.matches}
+    for row in found.matches:
+        before = rows.get(row.index)
+        if before is None:
+            yield f"{who}, match {row.index}: there is a record, but no result"
+        elif before.record is not None and row.record is None:
+            yield f"{who}, match {row.index}: its record is missing or does not hold"
+        elif (before.metrics, before.seat, before.record) != (row.metrics, row.seat, row.record):
+            yield f"{who}, match {row.index}: the results say {_metrics(before)}, its record {_metrics(row)}"
+    if told.metrics != found.metrics:
+        yield f"{who}: its metrics are described otherwise"
+    for name in {**told.summary, **found.summary}:
+        if told.summary.get(name) != found.summary.get(name):
+            yield f"{who}: {name} is {_figures(told, name)}, its records give {_figures(found, name)}"
+
+
+def _metrics(row: MatchRow) -> str:
+    if row.metrics is None:
+        return "nothing"
+    return ", ".join(f"{name} {value}" for name, value in row.metrics.items())
+
+
+def _figures(evaluation: Evaluation, name: str) -> str:
+    figures = evaluation.summary.get(name)
+    return "missing" if figures is None else f"{figures.mean} ({figures.low} to {figures.high})"

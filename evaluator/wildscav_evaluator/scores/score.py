@@ -1,0 +1,67 @@
+"""Scores: what the matches of an evaluation say about a submission, and how sure that is."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from wildscav_evaluator.output.results import MatchRow, MetricInfo, Summary
+
+RESAMPLES = 10_000
+CONFIDENCE = 0.95
+SEED = 0  # of all resampling: an interval is a function of the values alone, and anybody can recompute it
+
+
+def summary(metrics: Iterable[MetricInfo], rows: Iterable[MatchRow]) -> dict[str, Summary]:
+    """Return every metric over the matches that came to a result, an agent's failures included."""
+    played = [row.metrics for row in rows if row.metrics is not None]
+    if not played:
+        return {}
+    return {metric.name: summarize([values[metric.name] for values in played]) for metric in metrics}
+
+
+def summarize(values: Sequence[float]) -> Summary:
+    """Return mean, sample standard deviation and bootstrap interval of a metric over matches.
+
+    Args:
+        values: The metric in every match played, in the order of the suite; one at least.
+    """
+    count = len(values)
+    # Exact sums: no result depends on how a sum was split.
+    mean = math.fsum(values) / count
+    squares = math.fsum((value - mean) ** 2 for value in values)
+    deviation = math.sqrt(squares / (count - 1)) if count > 1 else None
+    low, high = interval(np.asarray(values, np.float64))
+    return Summary(mean=mean, std=deviation, low=low, high=high)
+
+
+def interval(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the bootstrap interval of the mean; of a single value, just that value.
+
+    The percentile bootstrap (Efron & Tibshirani, *An Introduction to the Bootstrap*, 1993, chapter 13), with
+    the percentiles set further out for small samples, where it is too narrow (Hesterberg, "What Teachers
+    Should Know About the Bootstrap", *The American Statistician* 69, 2015, section 4.3). Of a handful of
+    values that is all that the resamples span. Equal counts resample the same matches, so that the intervals
+    of submissions that played the same suite rest on the same draws.
+    """
+    count = len(values)
+    if count == 1:
+        return float(values[0]), float(values[0])
+    picks = np.random.Generator(np.random.Philox(SEED)).integers(0, count, size=(RESAMPLES, count))
+    means = values[picks].sum(axis=1) / count
+    tail = 100.0 * expanded_tail(count)
+    low, high = np.percentile(means, (tail, 100.0 - tail))
+    return float(low), float(high)
+
+
+def expanded_tail(count: int) -> float:
+    """Return the share of the resamples that lies beyond each end of the interval.
+
+    Args:
+        count: Values in the sample, two at least.
+    """
+    quantile = special.stdtrit(count - 1, (1.0 - CONFIDENCE) / 2.0)  # of Student's distribution
+    tail = special.ndtr(quantile * math.sqrt(count / (count - 1)))
+    return round(float(tail), 6)  # the same whatever the library's last digit

@@ -1,0 +1,1 @@
+"""Submissions: folders, archives and images, checked before anything of them runs."""

@@ -1,0 +1,192 @@
+"""Submissions as archives: unpacked by the rule that an archive is written by an adversary.
+
+Names must stay inside, there are plain files and folders alone, and bytes are counted as they come out,
+whatever the archive says of them. Nothing is left of an archive that is refused.
+"""
+
+import contextlib
+import hashlib
+import shutil
+import stat
+import tarfile
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import IO
+
+from wildscav.errors import UserError
+from wildscav_evaluator.submissions.cache import cache_folder
+
+SUFFIXES = (".zip", ".tar.gz", ".tgz")
+LARGEST = 256 << 20  # bytes of an archive
+LARGEST_CONTENT = 1 << 30  # bytes of all files in it
+MOST_ENTRIES = 10_000
+LONGEST_NAME = 240  # bytes of a path
+DEEPEST = 20  # folders
+CHUNK = 1 << 16  # bytes
+BROKEN = (
+    *(zipfile.BadZipFile, tarfile.TarError, zlib.error, EOFError, ValueError, NotImplementedError),
+    *(FileExistsError, NotADirectoryError, IsADirectoryError),  # one name for a file and for a folder
+)
+
+
+class ArchiveError(UserError):
+    """An archive is not one that a submission may come in."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, exit_code=2)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One thing in an archive."""
+
+    name: str
+    kind: str  # "file", "folder", or what it is that is not allowed
+    executable: bool
+    open: Callable[[], IO[bytes] | None]  # its content, of a file
+
+
+def is_archive(path: Path) -> bool:
+    """Return whether a path's name is that of an archive."""
+    return path.name.lower().endswith(SUFFIXES)
+
+
+def unpack(archive: Path) -> Path:
+    """Return a folder with an archive's content: made once for each content, and read from then on.
+
+    A single folder that holds everything, as many programs pack it, is left out.
+
+    Raises:
+        ArchiveError: One line that says which entry is wrong, and what is allowed.
+        OSError: It cannot be read, or there is no room.
+    """
+    size = archive.stat().st_size
+    if size > LARGEST:
+        raise ArchiveError(f"{archive} has {_mebibytes(size)}, may have {_mebibytes(LARGEST)} at most")
+    with archive.open("rb") as file:
+        digest = hashlib.file_digest(file, "blake2b").hexdigest()[:32]
+    target = cache_folder("submissions") / digest
+    if not target.is_dir():
+        _unpack_new(archive, target)
+    return _inner(target)
+
+
+def _unpack_new(archive: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    fresh = Path(tempfile.mkdtemp(prefix="unpacking-", dir=target.parent))
+    try:
+        fresh.chmod(0o755)
+        _write_all(archive, fresh)
+        with contextlib.suppress(OSError):  # another process was quicker
+            fresh.rename(target)
+    except BROKEN as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise ArchiveError(f"{archive} cannot be unpacked: {reason}") from None
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def _inner(folder: Path) -> Path:
+    entries = list(folder.iterdir())
+    return entries[0] if len(entries) == 1 and entries[0].is_dir() else folder
+
+
+def _write_all(archive: Path, folder: Path) -> None:
+    left, seen = LARGEST_CONTENT, set[str]()
+    with contextlib.closing(_entries(archive)) as entries:
+        for count, entry in enumerate(entries, start=1):
+            if count > MOST_ENTRIES:
+                raise ArchiveError(f"{archive} has more than {MOST_ENTRIES:,} entries")
+            path = _checked_path(archive, entry)
+            if path is None:
+                continue
+            if entry.kind == "folder":
+                (folder / path).mkdir(parents=True, exist_ok=True)
+                continue
+            # Where letters' case makes no difference, one would take the other's place.
+            if str(path).lower() in seen:
+                raise ArchiveError(f"{archive}: {_shown(entry.name)} is there twice")
+            seen.add(str(path).lower())
+            left -= _write(archive, entry, folder / path, left)
+
+
+def _write(archive: Path, entry: Entry, path: Path, left: int) -> int:
+    """Write a file's content and return its size in bytes, which must not be more than is left."""
+    written = 0
+    path.parent.mkdir(parents=True, exist_ok=True)
+    content = entry.open()
+    if content is None:
+        raise ArchiveError(f"{archive}: {_shown(entry.name)} has no content")
+    with content as source, path.open("xb") as target:
+        while chunk := source.read(CHUNK):
+            written += len(chunk)
+            if written > left:
+                raise ArchiveError(f"{archive} unpacks to more than {_mebibytes(LARGEST_CONTENT)}")
+            target.write(chunk)
+    path.chmod(0o755 if entry.executable else 0o644)
+    return written
+
+
+def _checked_path(archive: Path, entry: Entry) -> Path | None:
+    """Return where in its folder an entry belongs, none if that is the folder itself."""
+    name, where = entry.name, f"{archive}: {_shown(entry.name)}"
+    if entry.kind not in ("file", "folder"):
+        raise ArchiveError(f"{where} is {entry.kind}: an archive may have plain files and folders only")
+    if not name.isprintable() or "\\" in name or len(name.encode("utf-8", "replace")) > LONGEST_NAME:
+        raise ArchiveError(f"{where} is no name of a file here: printable, without \\, {LONGEST_NAME} bytes")
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts or (path.parts and path.parts[0].endswith(":")):
+        raise ArchiveError(f"{where} leads out of the archive's own folder")
+    if len(path.parts) > DEEPEST:
+        raise ArchiveError(f"{where} lies more than {DEEPEST} folders deep")
+    return Path(*path.parts) if path.parts else None
+
+
+def _entries(archive: Path) -> Generator[Entry, None, None]:
+    if archive.name.lower().endswith(".zip"):
+        yield from _zip_entries(archive)
+    else:
+        yield from _tar_entries(archive)
+
+
+def _zip_entries(archive: Path) -> Generator[Entry, None, None]:
+    with zipfile.ZipFile(archive) as file:
+        for info in file.infolist():
+            mode = info.external_attr >> 16
+            if info.flag_bits & 1:
+                raise ArchiveError(f"{archive}: {_shown(info.filename)} is encrypted")
+            kind = "folder" if info.is_dir() else _kind(mode)
+            yield Entry(info.filename, kind, bool(mode & stat.S_IXUSR), partial(file.open, info))
+
+
+def _kind(mode: int) -> str:
+    """Return what a zip says a file is; many programs say nothing."""
+    if stat.S_IFMT(mode) in (0, stat.S_IFREG):
+        return "file"
+    return "a link" if stat.S_ISLNK(mode) else "a special file"
+
+
+def _tar_entries(archive: Path) -> Generator[Entry, None, None]:
+    # As a stream: the archive is unpacked as far as it is read, and no further.
+    with tarfile.open(archive, "r|gz") as file:
+        for info in file:
+            kind = "file" if info.isreg() else "folder" if info.isdir() else "a special file"
+            kind = "a link" if info.issym() or info.islnk() else kind
+            if info.issparse():
+                kind = "a sparse file"
+            yield Entry(info.name, kind, bool(info.mode & stat.S_IXUSR), partial(file.extractfile, info))
+
+
+def _shown(name: str) -> str:
+    """Return a name that can be printed, and in a line."""
+    text = name.encode("unicode_escape").decode("ascii")
+    return repr(text if len(text) <= 80 else f"{text[:77]}...")
+
+
+def _mebibytes(size: int) -> str:
+    return f"{size / (1 << 20):,.0f} MiB"

@@ -1,0 +1,155 @@
+"""Submissions as container images: built from a folder, or brought along."""
+
+import io
+import shutil
+import tarfile
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from wildscav import __version__
+from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.sandbox.engine import Engine, call, find_engine, last_line
+from wildscav_evaluator.sandbox.staging import make_readable
+from wildscav_evaluator.submissions.cache import cache_folder
+from wildscav_evaluator.submissions.submission import (
+    IGNORED_FOLDERS,
+    MANIFEST,
+    Submission,
+    SubmissionError,
+    read_manifest,
+)
+
+IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
+REQUIREMENTS = "requirements.txt"
+BASE = f"localhost/wildscav/agent-base:{__version__}"
+DOCKERFILES = Path(__file__).parents[3] / "docker"
+LARGEST_MANIFEST = 100_000  # bytes
+
+
+def built_name(submission: Submission) -> str:
+    """Return what the image of a submission is called: another content has another name."""
+    return f"localhost/wildscav/{submission.name}:{submission.digest[:16]}"
+
+
+def build_image(
+    submission: Submission,
+    *,
+    base: str | None = None,
+    options: Sequence[str] = (),
+    dockerfile: Path | None = None,
+) -> str:
+    """Build the image of a submission and return its name. Its packages are installed now, not in matches.
+
+    Args:
+        submission: A folder's.
+        base: The image to build on; the SDK's own if none, which is made if it is not there.
+        options: For the engine's build, such as proxies.
+        dockerfile: Another than ``docker/agent.Dockerfile``.
+
+    Raises:
+        SandboxError: There is no engine, or the build failed; the engine has said why.
+    """
+    engine = find_engine()
+    if base is None:
+        base = BASE
+        if not _exists(engine, base):
+            _build(engine, BASE, DOCKERFILES.parent, _dockerfile("base.Dockerfile"), options)
+    name = built_name(submission)
+    with tempfile.TemporaryDirectory(prefix="wildscav-build-") as folder:
+        # Exactly what its digest is of, for every user to read.
+        context = Path(folder) / "context"
+        shutil.copytree(
+            submission.folder, context, ignore=shutil.ignore_patterns(*IGNORED_FOLDERS), symlinks=True
+        )
+        make_readable(context)
+        file = dockerfile or _dockerfile("agent.Dockerfile")
+        _build(engine, name, context, file, ["--build-arg", f"BASE={base}", *options])
+    return name
+
+
+def _dockerfile(name: str) -> Path:
+    path = DOCKERFILES / name
+    if not path.is_file():
+        raise SandboxError(
+            f"there is no {path}: build in the repository, or name a --dockerfile and a --base"
+        )
+    return path
+
+
+def _build(engine: Engine, name: str, context: Path, dockerfile: Path, options: Sequence[str]) -> None:
+    import subprocess
+
+    command = [engine.name, *engine.options, "build", "--file", str(dockerfile), "--tag", name, *options]
+    if subprocess.run([*command, str(context)], check=False).returncode != 0:  # it tells its user itself
+        raise SandboxError(f"{name} could not be built: {engine.name} has said above why")
+
+
+def _exists(engine: Engine, name: str) -> bool:
+    return call(engine, "image", "inspect", name).returncode == 0
+
+
+def with_images(submissions: Sequence[Submission], sandbox: str) -> tuple[Submission, ...]:
+    """Return submissions as a sandbox runs them: in containers, those that were built are images.
+
+    Raises:
+        SubmissionError: One needs packages and was not built, or is an image and the sandbox runs none.
+    """
+    return tuple(_with_image(submission, sandbox) for submission in submissions)
+
+
+def _with_image(submission: Submission, sandbox: str) -> Submission:
+    if sandbox != "oci":
+        if submission.image is not None:
+            raise SubmissionError(f"{submission.name} is an image, which --sandbox {sandbox} does not run")
+        return submission
+    if submission.image is not None:
+        return submission
+    name = built_name(submission)
+    if _exists(find_engine(), name):
+        return replace(submission, image=name)
+    if (submission.folder / REQUIREMENTS).is_file():
+        raise SubmissionError(
+            f"{submission.folder} has a {REQUIREMENTS} and was not built as it is now: "
+            f"wildscav build {submission.folder}"
+        )
+    return submission
+
+
+def load_image(reference: str) -> Submission:
+    """Return a prebuilt image as a submission, by its ``/submission/submission.toml``. Nothing of it runs.
+
+    Raises:
+        SubmissionError: There is no such image here, or it has no proper manifest.
+        SandboxError: There is no engine.
+    """
+    engine = find_engine()
+    found = call(engine, "image", "inspect", "--format", "{{.Id}}", reference)
+    if found.returncode != 0 or reference.startswith("-"):
+        raise SubmissionError(f"there is no image {reference} on this machine ({last_line(found.stderr)})")
+    digest = found.stdout.decode("ascii").strip().removeprefix("sha256:")[:32]
+    folder = cache_folder("images") / digest
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / MANIFEST).write_bytes(_manifest_in(engine, reference))
+    return Submission(folder, read_manifest(folder / MANIFEST), digest, image=reference)
+
+
+def _manifest_in(engine: Engine, reference: str) -> bytes:
+    created = call(engine, "create", "--network", "none", "--pull", "never", reference, "nothing")
+    container = created.stdout.decode("ascii", "replace").strip()
+    if created.returncode != 0:
+        raise SubmissionError(f"image {reference} cannot be read: {last_line(created.stderr)}")
+    try:
+        copied = call(engine, "cp", f"{container}:/submission/{MANIFEST}", "-")
+    finally:
+        call(engine, "rm", "-f", container)
+    if copied.returncode == 0:
+        with tarfile.open(fileobj=io.BytesIO(copied.stdout)) as archive:
+            for entry in archive:
+                content = archive.extractfile(entry) if entry.isreg() else None
+                if content is not None:
+                    return content.read(LARGEST_MANIFEST)
+    raise SubmissionError(
+        f"image {reference} has no /submission/{MANIFEST}: it tells name, version and tracks"
+    )

@@ -1,0 +1,164 @@
+"""A submission: a folder with ``submission.toml`` and code, checked before anything runs."""
+
+import hashlib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+
+from wildscav.errors import UserError
+from wildscav_evaluator.submissions.archives import SUFFIXES, is_archive, unpack
+
+MANIFEST = "submission.toml"
+# What tools leave behind is no part of a submission.
+IGNORED_FOLDERS = frozenset({"__pycache__", ".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache"})
+
+_NAME = r"^[a-z0-9][a-z0-9-]{1,39}$"
+_ENTRY_POINT = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$"
+# In the words of a person who has the file open, where pydantic's would show a pattern.
+_HINTS = {
+    "name": "2 to 40 of a-z, 0-9 and -, a letter or digit first",
+    "version": 'text of 1 to 40 characters without spaces, such as "1.0.0"',
+    "entry_point": 'text of the form "module:Class", such as "agent:MyAgent"',
+}
+
+
+class SubmissionError(UserError):
+    """A submission's folder or file is not as it must be."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, exit_code=2)
+
+
+class Manifest(BaseModel):
+    """What ``submission.toml`` says."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: Annotated[str, Field(pattern=_NAME)]
+    version: Annotated[str, Field(pattern=r"^\S{1,40}$")]
+    entry_point: Annotated[str, Field(pattern=_ENTRY_POINT)]
+    tracks: Annotated[tuple[str, ...], Field(min_length=1)]
+    sensors: dict[str, dict[str, Any]] = {}
+
+    @field_validator("tracks")
+    @classmethod
+    def _tracks_exist(cls, tracks: tuple[str, ...]) -> tuple[str, ...]:
+        from wildscav_engine.tracks import TRACKS
+
+        for track in tracks:
+            if track not in TRACKS:
+                raise ValueError(f"there is no track {track!r}; the tracks are {', '.join(TRACKS)}")
+        if len(set(tracks)) < len(tracks):
+            raise ValueError(f"a track is named twice: {', '.join(tracks)}")
+        return tracks
+
+    @field_validator("sensors")
+    @classmethod
+    def _sensors_are_understood(cls, sensors: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        from wildscav_engine.sensors import parse_sensors
+
+        parse_sensors(sensors)
+        return sensors
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A submission that may be played."""
+
+    folder: Path  # absolute
+    manifest: Manifest
+    digest: str  # of every file in the folder, or of the image; 32 hexadecimal digits
+    image: str | None = None  # that it was built into, or came as
+
+    @property
+    def name(self) -> str:
+        """Its name, as the manifest gives it."""
+        return self.manifest.name
+
+
+def load_submission(folder: Path) -> Submission:
+    """Read and check a submission: a folder, or an archive of one. None of its code runs.
+
+    Raises:
+        SubmissionError: One line that says which file and field, what is wrong, and what is allowed.
+    """
+    if folder.is_file() and is_archive(folder):
+        folder = unpack(folder)
+    if not folder.is_dir():
+        what = "is a file, not a folder" if folder.exists() else "does not exist"
+        allowed = f"give a folder with a {MANIFEST} in it, or one as {', '.join(SUFFIXES)}"
+        raise SubmissionError(f"submission {folder} {what}: {allowed}")
+    path = folder / MANIFEST
+    if not path.is_file():
+        raise SubmissionError(f"{path} is missing: `wildscav init DIR` makes a folder with one")
+    manifest = read_manifest(path)
+    _check_entry_point(path, manifest.entry_point)
+    return Submission(folder=folder.resolve(), manifest=manifest, digest=folder_digest(folder))
+
+
+def read_manifest(path: Path) -> Manifest:
+    """Read and check a manifest.
+
+    Raises:
+        SubmissionError: One line that says which field, what is wrong, and what is allowed.
+    """
+    return _parse(path, _read_toml(path))
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SubmissionError(f"{path} is not valid TOML: {error}") from error
+
+
+def _parse(path: Path, content: Mapping[str, Any]) -> Manifest:
+    try:
+        return Manifest.model_validate(content)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        field = ".".join(str(part) for part in first["loc"])
+        raise SubmissionError(f"{path}: {field}: {_explain(first)}") from error
+
+
+def _explain(error: Any) -> str:
+    """Return what is wrong with a field, and what is allowed."""
+    field = str(error["loc"][0])
+    match error["type"]:
+        case "missing":
+            hint = f": {_HINTS[field]}" if field in _HINTS else ""
+            return f"is missing{hint}"
+        case "extra_forbidden":
+            return f"is not a field; the fields are {', '.join(Manifest.model_fields)}"
+        case "value_error":
+            return str(error["ctx"]["error"])
+        case _ if field in _HINTS:
+            return f"is {error['input']!r}, must be {_HINTS[field]}"
+        case _:
+            return f"is {error['input']!r}: {error['msg']}"
+
+
+def _check_entry_point(path: Path, entry_point: str) -> None:
+    module, _, _ = entry_point.partition(":")
+    base = path.parent.joinpath(*module.split("."))
+    if not base.with_suffix(".py").is_file() and not (base / "__init__.py").is_file():
+        raise SubmissionError(
+            f"{path}: entry_point: is {entry_point!r}, but there is no file {base.with_suffix('.py')}"
+        )
+
+
+def folder_digest(folder: Path) -> str:
+    """Return a digest of the paths and contents of a folder's files, but for what tools leave behind."""
+    digest = hashlib.blake2b(digest_size=16)
+    for path in sorted(folder.rglob("*")):
+        relative = path.relative_to(folder)
+        if IGNORED_FOLDERS.intersection(relative.parts) or not path.is_file():
+            continue
+        with path.open("rb") as file:
+            content = hashlib.file_digest(file, "blake2b").hexdigest()
+        digest.update(f"{relative.as_posix()}\0{content}\n".encode())
+    return digest.hexdigest()

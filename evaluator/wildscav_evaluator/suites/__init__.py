@@ -1,0 +1,1 @@
+"""Suites: which matches evaluate a submission, and where their seeds come from."""

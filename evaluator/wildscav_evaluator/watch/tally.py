@@ -1,0 +1,163 @@
+"""Where an evaluation stands: matches waiting, running, done and failed, scores so far, and the time left."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from wildscav_engine.spec import SUBMISSION
+from wildscav_evaluator.evaluation import metric_infos
+from wildscav_evaluator.matches.jobs import Beat, Job, JobResult
+from wildscav_evaluator.output.results import MetricInfo, Summary
+from wildscav_evaluator.scores.score import summarize
+
+ROBOT = 0.1  # what a robot takes, of what an agent in a process of its own does
+SMOOTHING = 0.5  # share of the newest figure in steps a second
+
+
+@dataclass
+class Line:
+    """One submission on one track, as far as it has come."""
+
+    track: str
+    submission: str
+    metric: MetricInfo  # the score
+    total: int = 0
+    done: int = 0
+    running: int = 0
+    failed: int = 0
+    scores: list[float] = field(default_factory=list)
+    summary: Summary | None = None
+
+    @property
+    def complete(self) -> bool:
+        """Whether all its matches are done."""
+        return self.done == self.total
+
+
+@dataclass
+class Running:
+    """A match that is being played."""
+
+    job: Job
+    since: float  # s, by the tally's clock
+    beat: Beat | None = None
+    beat_at: float = 0.0
+    speed: float = 0.0  # steps/s
+
+
+class Tally:
+    """Counts what becomes of some jobs.
+
+    Args:
+        jobs: All matches of the evaluation.
+        at_once: How many are played at once.
+        clock: Seconds, from any moment on.
+    """
+
+    def __init__(
+        self, jobs: Sequence[Job], at_once: int = 1, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.at_once, self.clock, self.began = at_once, clock, clock()
+        self.jobs = {job.stem: job for job in jobs}
+        self.done: dict[str, JobResult] = {}
+        self.running: dict[str, Running] = {}
+        self.lines: dict[tuple[str, str], Line] = {}
+        for job in jobs:
+            key = (job.track, job.submission.name)
+            if key not in self.lines:
+                self.lines[key] = Line(*key, metric_infos(job.track)[0])
+            self.lines[key].total += 1
+
+    # What is told of it.
+
+    def start(self, job: Job) -> None:
+        """Count a match that begins."""
+        self.running[job.stem] = Running(job, self.clock())
+        self._line(job).running += job.stem not in self.done
+
+    def beat(self, job: Job, beat: Beat) -> None:
+        """Note how far a running match has come."""
+        running = self.running.get(job.stem)
+        if running is None:
+            return
+        now, before = self.clock(), running.beat
+        if before is not None and now > running.beat_at and beat.steps >= before.steps:
+            speed = (beat.steps - before.steps) / (now - running.beat_at)
+            running.speed += (speed - running.speed) * (SMOOTHING if running.speed else 1.0)
+        running.beat, running.beat_at = beat, now
+
+    def add(self, result: JobResult) -> Line:
+        """Count a match that ended, and return its line."""
+        line, stem = self._line(result.job), result.job.stem
+        was_running = self.running.pop(stem, None) is not None
+        if stem in self.done:
+            self.done[stem] = result  # rendered now, and counted before
+            return line
+        self.done[stem] = result
+        line.running -= was_running
+        line.done += 1
+        line.failed += result.row.fault is not None
+        if result.row.metrics is not None:
+            line.scores.append(result.row.metrics[line.metric.name])
+            line.summary = summarize(line.scores)
+        return line
+
+    def _line(self, job: Job) -> Line:
+        return self.lines[job.track, job.submission.name]
+
+    # What it tells.
+
+    @property
+    def failed(self) -> int:
+        """Matches in which something went wrong."""
+        return sum(line.failed for line in self.lines.values())
+
+    @property
+    def waiting(self) -> int:
+        """Matches that have not begun."""
+        return len(self.jobs) - len(self.done.keys() | self.running.keys())
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since this sitting began."""
+        return self.clock() - self.began
+
+    @property
+    def speed(self) -> float:
+        """Steps a second of all matches that are being played."""
+        return sum(running.speed for running in tuple(self.running.values()))
+
+    def time_left(self) -> float | None:
+        """Return about how many seconds are left; none as long as nothing tells.
+
+        A match takes as long as those of its track did, and where none is done yet, as long for each second
+        of game and agent as others did.
+        """
+        walls = list(self._walls())
+        if not walls:
+            return None
+        rate = sum(wall for _, wall in walls) / sum(_work(job) for job, _ in walls)
+        by_track: dict[str, list[float]] = {}
+        for job, wall in walls:
+            by_track.setdefault(job.track, []).append(wall)
+        left = 0.0
+        for stem, job in self.jobs.items():
+            if stem in self.done:
+                continue
+            known = by_track.get(job.track)
+            expected = sum(known) / len(known) if known else rate * _work(job)
+            running = self.running.get(stem)
+            left += expected if running is None else max(0.0, expected - (self.clock() - running.since))
+        at_once = max(1, min(self.at_once, len(self.jobs) - len(self.done)))
+        return left / at_once
+
+    def _walls(self) -> Iterator[tuple[Job, float]]:
+        for result in tuple(self.done.values()):  # another thread may ask
+            if result.timing is not None:
+                yield result.job, result.timing.wall
+
+
+def _work(job: Job) -> float:
+    """Return how much a match may take, in seconds of game and agent."""
+    agents = job.spec.seats.count(SUBMISSION)
+    return job.spec.time_limit * (agents + ROBOT * (len(job.spec.seats) - agents))

@@ -1,0 +1,131 @@
+"""`wildscav check`: what it tries with an agent, and how it explains what fails."""
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wildscav.server import Clock
+from wildscav_evaluator.check.findings import Finding, Verdict, mend_outcome
+from wildscav_evaluator.check.trials import run_checks
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
+from wildscav_evaluator.submissions.submission import Submission
+
+Submit = Callable[..., Submission]
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+WALKER = "    def act(self, observation): return Action(walk_direction=90.0, walk_speed=5.0)"
+PATIENT = Clock(step_budget=2.0, game_time_factor=100.0)  # so that a busy machine is not the agent's fault
+HASTY = Clock(step_budget=0.02, time_bank=0.5, join_timeout=2.0)
+MATCH = "match: navigation"
+CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers", "broken-off match"]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    warm()
+
+
+def findings(submission: Submission, logs: Path, clock: Clock = PATIENT) -> dict[str, Finding]:
+    found = list(run_checks(submission, SANDBOXES["process"], logs, clock=clock))
+    return {finding.check: finding for finding in found}
+
+
+def test_an_agent_that_keeps_the_rules_passes_every_check(submit: Submit, tmp_path: Path) -> None:
+    found = findings(submit("walker", WALKER), tmp_path / "logs")
+
+    assert list(found) == CHECKS
+    assert {finding.verdict for finding in found.values()} == {Verdict.KEPT}, found
+    assert found["late answers"].seen.startswith("it went on after")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "body", "seen", "mend"),
+    [
+        ("crasher", "    def act(self, o): raise ValueError('oh')", "ValueError: oh", "read-only"),
+        ("sleeper", "    def act(self, o): time.sleep(60)", "timed_out", "a bank of 0.5 s"),
+        ("late", "    def reset(self, match): time.sleep(60)", "get ready", "within 2 s"),
+    ],
+)
+def test_an_agent_that_cannot_play_is_told_why_and_what_to_do(
+    submit: Submit, tmp_path: Path, name: str, body: str, seen: str, mend: str
+) -> None:
+    found = findings(submit(name, body), tmp_path / "logs", HASTY)
+
+    assert found[MATCH].verdict == Verdict.BROKEN
+    assert seen in found[MATCH].seen
+    assert mend in found[MATCH].mend
+    assert "late answers" not in found  # what cannot play fails the rest for the same reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "body", "check", "seen"),
+    [
+        ("fast", "    def act(self, o): return Action(walk_speed=99.0)", "actions", "actions were invalid"),
+        (
+            "loud",
+            "    def act(self, o): print('x' * 100_000); return Action()",
+            "output",
+            "of 1,000,000 bytes",
+        ),
+        (
+            "clinging",
+            """
+    def act(self, observation):
+        if observation.step == 0:
+            import threading
+            threading.Thread(target=time.sleep, args=(60,)).start()
+        return Action()
+""",
+            "end",
+            "s after the match, and was stopped",
+        ),
+        (
+            "counting",
+            """
+    def act(self, observation):
+        self.steps = getattr(self, "steps", -1) + 1
+        if self.steps != observation.step:
+            os._exit(5)
+        return Action()
+""",
+            "late answers",
+            "exit code 5",
+        ),
+    ],
+)
+def test_what_is_not_as_it_should_be_is_named(
+    submit: Submit, tmp_path: Path, name: str, body: str, check: str, seen: str
+) -> None:
+    found = findings(submit(name, body), tmp_path / "logs")
+
+    assert found[MATCH].verdict == Verdict.KEPT
+    assert found[check].verdict != Verdict.KEPT
+    assert seen in found[check].seen
+    assert found[check].mend
+
+
+def test_every_outcome_has_a_way_to_mend_it() -> None:
+    from wildscav.server import SeatStatus
+
+    for status in SeatStatus:
+        if status != "finished":
+            assert mend_outcome(status.value, Clock(), DEFAULT_LIMITS), status
+
+
+def test_the_command_tells_all_and_its_exit_code_says_the_same(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    crasher = submit("crasher", "    def act(self, observation): return 1 / 0")
+
+    done = wildscav("check", crasher.folder, "--sandbox=process", "--logs", tmp_path / "logs")
+
+    assert done.returncode == 1
+    assert "crasher fails 1 check" in done.stderr
+    assert "ZeroDivisionError" in done.stdout
+    assert "to mend it: " in done.stdout
+    assert "Traceback" not in done.stderr

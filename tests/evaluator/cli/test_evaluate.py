@@ -1,0 +1,253 @@
+"""`wildscav evaluate` as its user runs it: agents in processes, files on disk, one clear line for errors."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wildscav_engine.record import read_record, save, verify_record
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.output.lock import locked
+from wildscav_evaluator.output.results import Results, read_results
+from wildscav_evaluator.submissions.submission import Submission, folder_digest
+from wildscav_evaluator.suites.suite import suite
+from wildscav_leaderboard.database import writing
+
+Submit = Callable[..., Submission]
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+WALKER = (
+    "    def act(self, observation): return Action(walk_direction=observation.step * 10.0, walk_speed=6.0)"
+)
+CRASHER = """
+    def act(self, observation):
+        if observation.step == 7:
+            raise RuntimeError("lost the thread")
+        return Action()
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    """Compile before a command's time runs."""
+    warm()
+
+
+@pytest.fixture
+def pair(submit: Submit) -> tuple[Path, Path]:
+    return submit("walker", WALKER).folder, submit("crasher", CRASHER).folder
+
+
+def evaluate(
+    wildscav: Command, *folders: Path, out: Path, **options: object
+) -> "subprocess.CompletedProcess[str]":
+    arguments = [f"--{name}={value}" for name, value in {"db": out / "wildscav.db", **options}.items()]
+    return wildscav("evaluate", *folders, f"--out={out}", *arguments)
+
+
+def complaint(done: "subprocess.CompletedProcess[str]") -> str:
+    """The one line that says what is wrong."""
+    (line,) = complaints(done)
+    return line
+
+
+def complaints(done: "subprocess.CompletedProcess[str]") -> list[str]:
+    """The lines that say what is wrong, one a fault."""
+    assert "Traceback" not in done.stderr + done.stdout
+    return [line for line in done.stderr.splitlines() if line.startswith("wildscav: ")]
+
+
+def test_a_failing_agent_harms_nobody(wildscav: Command, pair: tuple[Path, Path], tmp_path: Path) -> None:
+    done = evaluate(wildscav, *pair, out=tmp_path, track="navigation", replays="first")
+
+    assert done.returncode == 1
+    assert "crasher failed in every match of navigation" in complaint(done)
+    assert "RuntimeError: lost the thread" in complaint(done)
+
+    results = read_results(tmp_path / "results.json")
+    walker, crasher = results.evaluations
+    matches = len(suite("navigation", "quick", 0))
+    assert (walker.submission, walker.faults, len(walker.matches)) == ("walker", 0, matches)
+    assert (crasher.submission, crasher.faults, len(crasher.matches)) == ("crasher", matches, matches)
+    assert {row.status for row in crasher.matches} == {"crashed"}
+    assert crasher.score is not None, "a match that an agent left is scored as it stands"
+    check_files(tmp_path, results)
+    check_table(done.stdout)
+
+
+def check_files(out: Path, results: Results) -> None:
+    """Every match has its record, which holds; the first of each submission has a replay."""
+    for evaluation in results.evaluations:
+        assert [row.replay is not None for row in evaluation.matches] == [True] + [False] * (
+            len(evaluation.matches) - 1
+        )
+        for row in evaluation.matches:
+            assert row.record is not None
+            assert (out / row.record).stat().st_size > 0
+        assert evaluation.matches[0].replay is not None
+        assert (out / evaluation.matches[0].replay).stat().st_size > 1000
+    log = results.evaluations[1].matches[0].log
+    assert log is not None
+    assert "lost the thread" in (out / log).read_text()
+    record = read_record(out / str(results.evaluations[0].matches[0].record))
+    assert verify_record(record).holds
+
+
+def check_table(output: str) -> None:
+    assert "navigation · suite quick · seed 0" in output
+    assert "walker 1.0.0" in output
+    assert "success" in output
+    assert "results.json" in output
+    assert "verify" in output
+    assert ".rrd" in output
+
+
+@pytest.mark.slow
+def test_invalid_actions_are_counted_and_told(wildscav: Command, submit: Submit, tmp_path: Path) -> None:
+    runner = submit("runner", "    def act(self, observation): return Action(walk_speed=99.0, shoot=True)")
+    walker = submit("walker", WALKER)
+
+    done = evaluate(wildscav, runner.folder, walker.folder, out=tmp_path, track="navigation", replays="none")
+
+    first, second = read_results(tmp_path / "results.json").evaluations
+    assert done.returncode == 0
+    assert all(row.invalid_actions == row.actions > 100 for row in first.matches)
+    assert all(row.invalid_actions == row.ignored_fields == 0 < row.actions for row in second.matches)
+    total = sum(row.actions for row in first.matches)
+    said = " ".join(done.stdout.split())
+    assert f"runner on navigation: {total:,} of {total:,} actions were invalid" in said
+    assert "walk_speed must be 0 to 10 m/s" in said
+    assert "walker on navigation: " not in said.replace("walker on navigation: 5 matches", "")
+
+
+def test_a_record_with_one_action_changed_no_longer_holds(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    evaluate(wildscav, submit("walker", WALKER).folder, out=tmp_path, track="navigation", replays="none")
+    path = tmp_path / "records" / "navigation-000-walker.wsr"
+    record = read_record(path)
+    actions = record.actions.copy()
+    actions.view(np.uint8)[record.steps // 2, 0, 1] ^= 1
+
+    save(replace(record, actions=actions), path)  # with a checksum that fits
+
+    done = wildscav("verify", path)
+    assert done.returncode == 1
+    assert f"step {record.steps // 2 + 1}" in done.stdout + done.stderr
+    assert wildscav("verify", tmp_path / "records" / "navigation-001-walker.wsr").returncode == 0
+
+
+@pytest.mark.slow
+def test_a_fresh_evaluation_replaces_what_was_in_its_folder_and_no_more(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    for name in ("records", "replays", "logs"):
+        (out / name).mkdir(parents=True)
+    for stale in ("records/old.wsr", "replays/old.rrd", "logs/old.log", "results.json"):
+        (out / stale).touch()
+    (out / "notes.txt").write_text("mine")
+    walker = submit("walker", WALKER)
+
+    refused = evaluate(wildscav, walker.folder, out=out, replays="none")
+    assert refused.returncode == 2
+    assert "holds an evaluation that does not say which one it is" in complaint(refused)
+    assert (out / "records/old.wsr").exists()
+
+    done = wildscav(
+        "evaluate", walker.folder, f"--out={out}", f"--db={out / 'db'}", "--replays=none", "--fresh"
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert not list(out.rglob("old.*"))
+    assert (out / "notes.txt").read_text() == "mine"
+    assert read_results(out / "results.json").evaluations[0].submission == "walker"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (["nowhere"], 2, "submission nowhere does not exist"),
+        (
+            ["{walker}", "--track", "fishing"],
+            2,
+            "no track 'fishing'; the tracks are navigation, gathering, capture, battle, royale",
+        ),
+        (["{walker}", "--track", "battle"], 2, "'walker' does not play battle"),
+        (["{walker}", "{walker}"], 2, "two submissions are called 'walker'"),
+        (["{walker}", "--out", "{walker}"], 2, "walker is the folder of a submission"),
+        (["{walker}", "--out", "{walker}/out/deep"], 2, "walker/out/deep is in the folder of a submission"),
+        (["{walker}", "--out", "{other}/out"], 2, "other/out is in the folder of a submission"),
+        (["{walker}", "--out", "/dev/null/out"], 1, "cannot make the output folder /dev/null/out"),
+    ],
+)
+def test_bad_input_is_one_clear_line(
+    wildscav: Command, submit: Submit, arguments: list[str], code: int, says: str
+) -> None:
+    walker, other = submit("walker", WALKER), submit("other", WALKER)
+    folders = {"walker": walker.folder, "other": other.folder}
+
+    done = wildscav("evaluate", *(argument.format(**folders) for argument in arguments))
+
+    assert done.returncode == code
+    assert says in complaint(done)
+    assert walker.digest == folder_digest(walker.folder)
+
+
+@pytest.mark.parametrize("arguments", [["--suite", "slow"], ["--jobs", "0"], ["--seed", "x"], []])
+def test_bad_options_are_usage_errors(wildscav: Command, arguments: list[str]) -> None:
+    assert wildscav("evaluate", *arguments, *(["folder"] if arguments else [])).returncode == 2
+
+
+@pytest.mark.slow
+def test_a_full_disk_is_one_clear_line_a_file_after_the_tables(submit: Submit, tmp_path: Path) -> None:
+    walker, out = submit("walker", WALKER), tmp_path / "out"
+    with writing(out / "db"):
+        pass  # there already, it passes the check before the first match
+    arguments = ["evaluate", walker.folder, f"--out={out}", f"--db={out / 'db'}", "--replays=none"]
+    done = run_with_file_limit(arguments)
+
+    assert done.returncode == 1
+    results, database, matches = complaints(done)
+    assert f"the results could not be kept: {out / 'results.json'}: " in results
+    assert f"the database {out / 'db'} cannot be used: " in database
+    assert "walker failed in every match of navigation: " in matches
+    assert "navigation · suite quick" in done.stdout
+    assert not list(out.rglob("results.json*")), "no half-written file is left"
+
+
+def test_what_cannot_be_kept_in_the_database_is_not_played(
+    submit: Submit, wildscav: Command, tmp_path: Path
+) -> None:
+    walker, out = submit("walker", WALKER), tmp_path / "out"
+    (tmp_path / "db").write_text("a letter " * 200)
+
+    done = wildscav("evaluate", walker.folder, f"--out={out}", f"--db={tmp_path / 'db'}")
+
+    assert done.returncode == 1
+    assert "is not a leaderboard's database" in complaint(done)
+    assert not out.exists()
+
+
+def run_with_file_limit(arguments: list[object]) -> "subprocess.CompletedProcess[str]":
+    """Run a command that cannot write a file beyond 512 or 1024 bytes: as on a full disk, writes fail."""
+    program = Path(sys.executable).parent / "wildscav"
+    command = ["sh", "-c", 'ulimit -f 1 && exec "$@"', "sh", str(program), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
+def test_two_evaluations_do_not_write_into_one_folder(
+    submit: Submit, wildscav: Command, tmp_path: Path
+) -> None:
+    walker, out = submit("walker", WALKER), tmp_path / "out"
+    out.mkdir()
+    with locked(out):
+        done = evaluate(wildscav, walker.folder, out=out)
+
+    assert [path.name for path in out.iterdir() if path.is_file()] == []
+    assert done.returncode == 1
+    assert "another evaluation is writing to" in complaint(done)

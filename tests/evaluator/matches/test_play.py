@@ -1,0 +1,172 @@
+"""One match with real agents: whatever one of them does, the others and the match are not harmed."""
+
+import asyncio
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wildscav.server import Clock, HostedMatch, SeatStatus
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.matches.play import Played, Seating, play_match
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.sandbox.process import kill_session
+from wildscav_evaluator.submissions.submission import Submission
+
+Submit = Callable[..., Submission]
+
+WALKER = """
+    def act(self, observation):
+        return Action(walk_direction=90.0, walk_speed=5.0)
+"""
+SLEEPER = """
+    def act(self, observation):
+        print(os.getpid(), flush=True)
+        time.sleep(600)
+"""
+MAP = MapSpec(config=MapConfig(size=40, houses=1), seed=3)
+STEPS = 60
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    warm()
+
+
+def battle(*submissions: Submission, tmp_path: Path) -> Seating:
+    seats = ("submission",) * len(submissions) + ("fighter",)
+    spec = MatchSpec(track="battle", map=MAP, seats=seats, time_limit=STEPS / 10)
+    logs = tuple(tmp_path / f"{seat}.log" for seat in range(len(submissions)))
+    return Seating(spec, submissions, logs)
+
+
+def play(seating: Seating, **options: object) -> Played:
+    return asyncio.run(play_match(seating, **options))  # type: ignore[arg-type]
+
+
+def test_two_submissions_and_a_robot_play_to_the_end(submit: Submit, tmp_path: Path) -> None:
+    seating = battle(submit("first", WALKER), submit("second", WALKER), tmp_path=tmp_path)
+
+    played = play(seating)
+
+    assert played.match.over
+    assert seating.names == ("first", "second", "fighter 1")
+    assert {seat: report.status for seat, report in played.seats.items()} == {0: "finished", 1: "finished"}
+    assert [report.steps_played for report in played.seats.values()] == [STEPS, STEPS]
+
+
+def test_an_agent_killed_in_mid_match_leaves_the_others_whole(submit: Submit, tmp_path: Path) -> None:
+    victim = submit(
+        "victim",
+        """
+    def act(self, observation):
+        if observation.step == 20:
+            print(os.getpid(), flush=True)
+            time.sleep(600)
+        return Action()
+""",
+    )
+    seating = battle(victim, submit("other", WALKER), tmp_path=tmp_path)
+    killing: list[asyncio.Task[None]] = []
+
+    async def kill() -> None:
+        log = seating.logs[0]
+        for _ in range(400):
+            if log.exists() and log.read_text().strip():
+                os.kill(int(log.read_text()), signal.SIGKILL)
+                return
+            await asyncio.sleep(0.05)
+
+    def started(_: HostedMatch) -> None:
+        killing.append(asyncio.create_task(kill()))
+
+    played = play(seating, started=started)
+
+    victim_report, other_report = played.seats[0], played.seats[1]
+    assert victim_report.status == SeatStatus.CRASHED
+    assert "killed by SIGKILL" in victim_report.detail
+    assert (victim_report.killed_by, len(victim_report.last_lines)) == ("SIGKILL", 1)
+    assert victim_report.steps_played == 20
+    assert other_report.status == SeatStatus.FINISHED
+    assert other_report.steps_played == STEPS
+    assert played.match.step_number == STEPS
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "says"),
+    [
+        ("unborn", "    def __init__(self): raise ValueError('no reason')", "ValueError: no reason"),
+        ("resetless", "    def reset(self, match): raise ValueError('no reason')", "ValueError: no reason"),
+        ("crasher", "    def act(self, observation): return 1 / 0", "ZeroDivisionError"),
+        ("speechless", "    def act(self, observation): pass", "it must return an Action"),
+        (
+            "verbose",
+            "    def act(self, observation): raise ValueError('no reason\\nat all\\n  whatever')",
+            "ValueError: no reason",
+        ),
+        (
+            "parent",  # its child holds its output open
+            """
+    def act(self, observation):
+        subprocess.Popen(["sleep", "3"], start_new_session=True)
+        raise ValueError("no reason")
+""",
+            "ValueError: no reason",
+        ),
+        ("quitter", "    def act(self, observation): os._exit(0)", "exit code 0"),
+    ],
+)
+def test_an_agent_that_fails_is_named_with_its_last_words(
+    submit: Submit, tmp_path: Path, name: str, body: str, says: str
+) -> None:
+    seating = battle(submit(name, body), submit("other", WALKER), tmp_path=tmp_path)
+
+    played = play(seating)
+
+    assert played.seats[0].status == SeatStatus.CRASHED
+    assert says in played.seats[0].detail
+    assert "\n" not in played.seats[0].detail
+    assert played.seats[1].status == SeatStatus.FINISHED
+    assert played.seats[1].steps_played == STEPS
+
+
+def test_an_agent_that_thinks_for_ever_uses_up_its_own_time_alone(submit: Submit, tmp_path: Path) -> None:
+    thinker = submit("thinker", "    def act(self, observation): time.sleep(600)")
+    seating = battle(thinker, submit("other", WALKER), tmp_path=tmp_path)
+
+    played = play(seating, clock=Clock(step_budget=0.05, time_bank=0.2))
+
+    assert played.seats[0].status == SeatStatus.TIMED_OUT
+    assert played.seats[1].status == SeatStatus.FINISHED
+
+
+def test_a_match_that_is_broken_off_leaves_no_agent_behind(submit: Submit, tmp_path: Path) -> None:
+    sleeper = submit("sleeper", SLEEPER)
+    seating = battle(sleeper, tmp_path=tmp_path)
+
+    async def break_off() -> int:
+        playing = asyncio.create_task(play_match(seating))
+        while not (seating.logs[0].exists() and seating.logs[0].read_text().strip()):  # noqa: ASYNC110
+            await asyncio.sleep(0.05)
+        playing.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await playing
+        return int(seating.logs[0].read_text())
+
+    pid = asyncio.run(break_off())
+
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+    kill_session(pid)  # has nobody to kill, and does not mind
+
+
+def test_a_long_temporary_folder_is_no_obstacle_to_a_unix_socket(
+    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    deep = tmp_path / ("d" * 100)
+    deep.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(deep))
+
+    assert play(battle(submit("walker", WALKER), tmp_path=tmp_path)).seats[0].status == "finished"

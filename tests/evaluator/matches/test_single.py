@@ -1,0 +1,86 @@
+"""`wildscav play` as its user runs it."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wildscav_engine.record import read_record
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.submissions.submission import Submission
+
+Submit = Callable[..., Submission]
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
+SHORT = ("--size", 40, "--time-limit", 1)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    warm()
+
+
+def test_a_match_leaves_what_was_asked_for_and_no_more(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    folder = submit("walker", WALKER).folder
+    here = tmp_path / "here"
+    here.mkdir()
+
+    done = wildscav("play", folder, *SHORT, "--record", "a/match.wsr", "--replay", "b/match.rrd", cwd=here)
+
+    assert done.returncode == 0, done.stderr
+    assert read_record(here / "a" / "match.wsr").names == ("walker",)
+    assert sorted(path.name for path in here.iterdir()) == ["a", "b"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--robots", "5000", "--track", "battle"], "999"),
+        (["--robots", "999", "--track", "battle", "{walker}"], "at most 1,000 seats in all"),
+        (["--time-limit", "1e9"], "--time-limit"),
+        (["--time-limit", "nan"], "--time-limit"),
+        (["--record", "{folder}"], "is a folder: name a file in it"),
+        (["--replay", "{folder}"], "is a folder: name a file in it"),
+        (["--record", "/dev/null/match.wsr"], "--record /dev/null/match.wsr cannot be written: "),
+        (["--replay", "/dev/null"], "--replay /dev/null is not a plain file"),
+        (["--record", "same", "--replay", "./same"], "--record and --replay name the same file"),
+    ],
+)
+def test_what_cannot_be_played_or_written_is_refused_before_the_match(
+    wildscav: Command, submit: Submit, tmp_path: Path, arguments: list[str], says: str
+) -> None:
+    walker = submit("walker", WALKER, tracks='["navigation", "battle"]').folder
+    given = [argument.format(folder=tmp_path, walker=walker) for argument in arguments]
+
+    done = wildscav("play", walker, "--logs", tmp_path / "logs", *given, cwd=tmp_path)
+
+    assert done.returncode == 2, done.stderr
+    assert "Traceback" not in done.stderr
+    assert says in done.stderr
+    assert not (tmp_path / "logs").exists()
+
+
+def test_an_interrupted_match_says_so(submit: Submit, tmp_path: Path) -> None:
+    folder = submit("sleeper", "    def act(self, observation): print(1, flush=True); time.sleep(600)").folder
+    logs = tmp_path / "logs"
+    program = str(Path(sys.executable).parent / "wildscav")
+    command = [program, "play", str(folder), "--logs", str(logs)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as playing:
+        log = logs / "0-sleeper.log"
+        while not (log.exists() and log.stat().st_size):
+            assert playing.poll() is None
+            time.sleep(0.05)
+        os.kill(playing.pid, signal.SIGINT)
+        _, errors = playing.communicate(timeout=60)
+
+    assert playing.returncode == 130
+    assert errors.splitlines()[-1].startswith("wildscav: interrupted")
+    assert "Traceback" not in errors

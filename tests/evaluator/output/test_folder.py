@@ -1,0 +1,104 @@
+"""An output folder holds one evaluation: the same one goes on in it, another is refused."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from wildscav.errors import UserError
+from wildscav_evaluator.evaluation import Plan, identity
+from wildscav_evaluator.output.folder import keep_only, output_folder
+from wildscav_evaluator.output.identity import IDENTITY_FILE, read_identity
+from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite import SUITES
+
+Submit = Callable[..., Submission]
+WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
+
+
+@pytest.fixture
+def plan(submit: Submit, tmp_path: Path) -> Plan:
+    walker = submit("walker", WALKER, tracks='["navigation", "gathering"]')
+    return Plan(
+        (walker,),
+        ("navigation",),
+        SUITES["quick"],
+        SuiteSeed(0),
+        replays="none",
+        jobs=1,
+        out=tmp_path / "out",
+    )
+
+
+def refusal(plan: Plan) -> str:
+    """The line that a plan is refused with."""
+    with pytest.raises(UserError) as refused, output_folder(plan.out, identity(plan)):
+        pass
+    assert refused.value.exit_code == 2
+    assert "--fresh" in str(refused.value)
+    return str(refused.value)
+
+
+def test_what_does_not_change_the_results_may_change_between_sittings(plan: Plan) -> None:
+    for one in (plan, replace(plan, jobs=2), replace(plan, replays="all")):
+        with output_folder(plan.out, identity(one)):
+            assert read_identity(plan.out) == identity(plan)
+
+
+def test_another_evaluation_is_refused_with_the_difference(plan: Plan, submit: Submit) -> None:
+    with output_folder(plan.out, identity(plan)):
+        pass
+    walker = plan.submissions[0]
+    newer = replace(walker, manifest=walker.manifest.model_copy(update={"version": "1.1.0"}))
+    (walker.folder / "agent.py").write_text("import time")
+    changed = load_submission(walker.folder)
+
+    for other, says in (
+        (replace(plan, suite=SUITES["official"]), "its suite is quick, not official"),
+        (replace(plan, seed=SuiteSeed(7)), "its seed is 0, not 7"),
+        (replace(plan, sandbox="oci"), "its sandbox is process, not oci"),
+        (replace(plan, tracks=("gathering",)), "its tracks are navigation, not gathering"),
+        (replace(plan, submissions=(newer,)), "it is of walker 1.0.0, not 1.1.0"),
+        (replace(plan, submissions=(submit("other", WALKER),)), "it is of walker, not of other"),
+        (replace(plan, submissions=(changed,)), "the files of walker have changed since"),
+    ):
+        assert says in refusal(other)
+    assert read_identity(plan.out) == identity(plan)
+
+
+def test_a_folder_that_does_not_say_what_it_holds_is_refused(plan: Plan) -> None:
+    (plan.out / "records").mkdir(parents=True)
+    (plan.out / "records" / "mine.wsr").touch()
+    assert "does not say which one it is" in refusal(plan)
+
+    (plan.out / IDENTITY_FILE).write_text("{}")
+    with pytest.raises(UserError, match="not of this version"), output_folder(plan.out, identity(plan)):
+        pass
+    assert (plan.out / "records" / "mine.wsr").exists()
+
+
+def test_a_fresh_evaluation_takes_the_folder(plan: Plan) -> None:
+    with output_folder(plan.out, identity(plan)):
+        (plan.out / "records" / "navigation-000-walker.wsr").touch()
+        (plan.out / "notes.txt").touch()
+    other = replace(plan, seed=SuiteSeed(7))
+
+    with output_folder(plan.out, identity(other), fresh=True):
+        assert read_identity(plan.out) == identity(other)
+        assert list((plan.out / "records").iterdir()) == []
+        assert (plan.out / "notes.txt").exists()
+
+
+def test_halves_of_files_and_matches_that_do_not_count_are_removed(plan: Plan) -> None:
+    with output_folder(plan.out, identity(plan)):
+        for name in (
+            *("records/a.wsr", "logs/a.log", "matches/a.json", "records/b.wsr", "logs/b.log"),
+            *("records/.b.wsr.12.part", "matches/.a.json.12.part", ".results.json.12.part", "results.json"),
+        ):
+            (plan.out / name).touch()
+        keep_only(plan.out, ["a"])
+
+    left = {str(path.relative_to(plan.out)) for path in plan.out.rglob("*") if path.is_file()}
+    assert left == {"records/a.wsr", "logs/a.log", "matches/a.json", "results.json", IDENTITY_FILE}

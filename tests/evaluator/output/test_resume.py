@@ -1,0 +1,144 @@
+"""An evaluation may be killed at any moment: the same command goes on; nothing is lost or played twice."""
+
+import random
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from sqlalchemy import func, select
+from tests.evaluator.killing import Sitting, check_whole, files, journal, without_timings
+
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.output.results import read_results
+from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.suites.own_suite import read_suite
+from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_leaderboard.database import reading
+from wildscav_leaderboard.models import Evaluation, MatchResult
+
+Submit = Callable[..., Submission]
+
+WALKER = (
+    "    def act(self, observation): return Action(walk_direction=observation.step * 10.0, walk_speed=6.0)"
+)
+CRASHER = """
+    def act(self, observation):
+        if observation.step == 7:
+            raise RuntimeError("lost the thread")
+        return Action()
+"""
+# Short matches: what is looked at is what lies between them.
+SUITE = """
+name = "short"
+map = { size = 40, houses = 0 }
+[tracks.navigation]
+maps = 3
+match = { time_limit = 2.0 }
+"""
+MATCHES = 6  # of both
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    """Compile before a command's time runs."""
+    warm()
+
+
+@pytest.fixture
+def pair(submit: Submit) -> tuple[Path, Path]:
+    return submit("walker", WALKER).folder, submit("crasher", CRASHER).folder
+
+
+@pytest.fixture
+def suite(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(SUITE)
+    return path
+
+
+def arguments(pair: tuple[Path, Path], suite: Path) -> tuple[object, ...]:
+    return *pair, f"--suite={suite}", "--replays=none", "--jobs=1"
+
+
+def check_same_as_whole(out: Path, whole: Path) -> None:
+    """It came to what an evaluation comes to that nobody killed."""
+    assert without_timings(out) == without_timings(whole)
+    assert files(out, "records") == files(whole, "records")
+    assert files(out, "logs").keys() == files(whole, "logs").keys()
+    assert [path.name for path in out.rglob(".*")] == []
+    timings = read_results(out / "results.json").timings.matches
+    assert len({(one.submission, one.index) for one in timings}) == len(timings) == MATCHES
+    with reading(out / "wildscav.db") as session:
+        assert session.scalar(select(func.count()).select_from(Evaluation)) == 2
+        assert session.scalar(select(func.count()).select_from(MatchResult)) == MATCHES
+
+
+def test_an_evaluation_that_was_killed_again_and_again_comes_to_the_same(
+    pair: tuple[Path, Path], suite: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    run_here(pair, suite, whole)
+
+    for least in (0, 1, 3):
+        Sitting(out, *arguments(pair, suite)).kill_at(least)
+        check_whole(out)
+    before = journal(out)
+    capsys.readouterr()
+    run_here(pair, suite, out)
+
+    # A worker that was left behind may have ended its match while the next evaluation waited for it.
+    said = re.search(rf"(\d+) of {MATCHES} matches were played before", capsys.readouterr().out)
+    assert said is not None
+    assert 3 <= len(before) <= int(said[1]) < MATCHES
+    played = journal(out)
+    assert {stem: played[stem] for stem in before} == before, "a match was played again"
+    check_same_as_whole(out, whole)
+
+    run_here(pair, suite, out)
+    assert f"all {MATCHES} matches were played before" in capsys.readouterr().out
+    assert journal(out) == played
+
+
+def run_here(pair: tuple[Path, Path], suite: Path, out: Path) -> None:
+    """The same command in this process."""
+    submissions = tuple(map(load_submission, pair))
+    plan = Plan(
+        submissions, ("navigation",), read_suite(suite), SuiteSeed(0), replays="none", jobs=1, out=out
+    )
+    with pytest.raises(UserError, match="crasher failed in every match of navigation"):
+        run_session(plan, out / "wildscav.db")
+
+
+@pytest.mark.slow
+def test_a_hundred_kills_at_random_moments_lose_nothing(
+    pair: tuple[Path, Path], suite: Path, tmp_path: Path
+) -> None:
+    whole = tmp_path / "whole"
+    started = time.monotonic()
+    Sitting(whole, *arguments(pair, suite)).process.wait()
+    length = time.monotonic() - started  # s; a sitting that goes on is shorter
+    dice, kills = random.Random(2), 0  # noqa: S311
+    folders = (tmp_path / f"out-{number}" for number in range(1000))
+    out, before = next(folders), {}
+    while True:
+        sitting = Sitting(out, *arguments(pair, suite))
+        killed = kills < 100 and sitting.kill_after(dice.uniform(0.0, 0.7 * length))
+        if killed:
+            kills += 1
+            check_whole(out)
+        else:
+            sitting.process.wait()
+        now = journal(out)
+        # Whoever is killed may leave a worker that ends its match: more is kept then, never less or other.
+        assert {stem: now.get(stem) for stem in before} == before, "a match was lost or played again"
+        before = now
+        if not killed:
+            check_same_as_whole(out, whole)
+            if kills == 100:
+                break
+            out, before = next(folders), {}

@@ -1,0 +1,194 @@
+"""The plain process: what an agent gets, what is kept of it, and that nothing of it stays behind."""
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, RunningAgent
+from wildscav_evaluator.submissions.submission import Submission
+
+Submit = Callable[..., Submission]
+PROCESS = SANDBOXES["process"]
+LOG_LIMIT = 1_000_000  # bytes
+
+
+def launch(submission: Submission, log: Path, limits: Limits) -> Launch:
+    return Launch(
+        folder=submission.folder,
+        entry_point=submission.manifest.entry_point,
+        address="unix:/nowhere",
+        token="of the seat",  # noqa: S106
+        log=log,
+        limits=limits,
+    )
+
+
+async def start(submission: Submission, log: Path, **limits: float) -> RunningAgent:
+    return await PROCESS.start(launch(submission, log, Limits(**limits)))  # type: ignore[arg-type]
+
+
+def run_to_end(submission: Submission, log: Path, **limits: float) -> Ending:
+    async def run() -> Ending:
+        agent = await start(submission, log, **limits)
+        try:
+            return await agent.ended()
+        finally:
+            await agent.stop()
+
+    return asyncio.run(run())
+
+
+def test_an_agent_that_does_not_import_says_so_in_its_last_words(submit: Submit, tmp_path: Path) -> None:
+    submission = submit("broken", code="import no_such_module")
+
+    ending = run_to_end(submission, tmp_path / "log")
+
+    assert ending.exit_code == 3
+    assert ending.last_words == "ModuleNotFoundError: No module named 'no_such_module'"
+    assert str(ending) == f"the agent's process ended (exit code 3): {ending.last_words}"
+    assert "import no_such_module" in "".join(ending.last_lines)
+    assert "agent.py" in (tmp_path / "log").read_text()
+
+
+def test_a_killed_agent_is_reported_by_its_signal(submit: Submit, tmp_path: Path) -> None:
+    submission = submit("suicidal", code="import os\nos.kill(os.getpid(), 9)")
+
+    ending = run_to_end(submission, tmp_path / "log")
+
+    assert ending.killed_by == "SIGKILL"
+    assert ending.exit_code is None
+    assert "killed by SIGKILL" in str(ending)
+
+
+def test_an_agent_sees_nothing_of_the_users_environment(
+    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("AWS_SECRET", "hands off")
+    monkeypatch.setenv("PYTHONPATH", "/somewhere")
+    submission = submit("curious", code="import os\nprint(sorted(os.environ))\nprint(os.getcwd())")
+
+    run_to_end(submission, tmp_path / "log")
+
+    log = (tmp_path / "log").read_text()
+    assert "WILDSCAV_TOKEN" in log
+    assert "OMP_NUM_THREADS" in log
+    assert "AWS_SECRET" not in log
+    assert "PYTHONPATH" not in log
+    assert str(submission.folder) in log
+
+
+def test_the_log_of_a_talkative_agent_is_cut_and_the_agent_never_blocks(
+    submit: Submit, tmp_path: Path
+) -> None:
+    submission = submit("talkative", code=f"print('x' * {3 * LOG_LIMIT})\nprint('the end')")
+
+    ending = run_to_end(submission, tmp_path / "log")
+
+    size = (tmp_path / "log").stat().st_size
+    assert LOG_LIMIT <= size < LOG_LIMIT + 100
+    assert (tmp_path / "log").read_text().endswith("[the log is cut here]\n")
+    assert ending.exit_code is not None
+
+
+@pytest.mark.parametrize("limit", [4096, 50_000])
+def test_a_log_is_as_long_as_its_limit_allows(submit: Submit, tmp_path: Path, limit: int) -> None:
+    submission = submit("talkative", code="print('x' * 100_000)")
+
+    run_to_end(submission, tmp_path / "log", output=limit)
+
+    assert (tmp_path / "log").read_bytes().partition(b"\n[")[0] == b"x" * limit
+
+
+def test_an_agent_ends_with_its_wall_clock(submit: Submit, tmp_path: Path) -> None:
+    submission = submit("sleeper", code="import time\nprint('good night', flush=True)\ntime.sleep(600)")
+
+    ending = run_to_end(submission, tmp_path / "log", wall_clock=1.0)
+
+    assert ending.limit == "wall clock"
+    assert "its wall clock is used up" in str(ending)
+
+
+def test_a_log_that_cannot_be_written_costs_the_log_alone(submit: Submit) -> None:
+    submission = submit("plain", code="print('hello')")
+
+    assert run_to_end(submission, Path("/dev/full")).exit_code is not None
+
+
+CHILDREN = """
+import os, subprocess, sys, time
+child = [sys.executable, "-c", "import time; time.sleep(600)"]
+print(subprocess.Popen(child).pid)
+print(subprocess.Popen(child, process_group=0).pid)
+print(os.getpid(), flush=True)
+time.sleep(600)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other process groups are found by Linux's /proc")
+def test_stopping_an_agent_ends_all_that_it_started(submit: Submit, tmp_path: Path) -> None:
+    submission, log = submit("parent", code=CHILDREN), tmp_path / "log"
+
+    async def run() -> list[int]:
+        agent = await start(submission, log)
+        await asyncio.to_thread(wait_until, lambda: lines(log) >= 3)
+        await agent.stop()
+        await agent.stop()
+        return [int(word) for word in log.read_text().split()]
+
+    pids = asyncio.run(run())
+
+    assert len(pids) == 3
+    assert [pid for pid in pids if running(pid)] == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the kernel's word for it is Linux's")
+def test_an_agent_ends_when_whoever_started_it_is_killed(submit: Submit, tmp_path: Path) -> None:
+    submission, log = submit("orphan", code=CHILDREN), tmp_path / "log"
+    starter = subprocess.Popen([sys.executable, "-c", STARTER, str(submission.folder), str(log)])
+    wait_until(lambda: lines(log) >= 3)
+    agent = int(log.read_text().split()[-1])
+
+    starter.kill()
+    starter.wait()
+
+    wait_until(lambda: not running(agent))
+    for child in log.read_text().split()[:2]:
+        os.kill(int(child), signal.SIGKILL)
+
+
+STARTER = """
+import asyncio, sys
+from pathlib import Path
+from wildscav_evaluator.sandbox import SANDBOXES, Launch
+
+async def run():
+    launch = Launch(Path(sys.argv[1]), "agent:Player", "unix:/nowhere", "of the seat", Path(sys.argv[2]))
+    await (await SANDBOXES["process"].start(launch)).ended()
+
+asyncio.run(run())
+"""
+
+
+def lines(log: Path) -> int:
+    return log.read_text().count("\n") if log.exists() else 0
+
+
+def running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it took too long"
+        time.sleep(0.05)

@@ -1,0 +1,160 @@
+"""Which of two submissions is better, by the matches that both played."""
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.platform.command import Done, command_here
+
+from wildscav_evaluator.cli.compare_session import comparison_table, told_apart, verdict_line
+from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Timings
+from wildscav_evaluator.scores.compare import Comparison, compare, judge
+from wildscav_evaluator.scores.score import summary
+from wildscav_evaluator.submissions.submission import Submission
+
+SUPPLIES = MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False)
+TIME = MetricInfo(name="time", title="used time", unit="s", lower_is_better=True)
+HARD_AND_EASY = [10.0, 200.0, 30.0, 150.0, 60.0, 90.0, 20.0, 180.0]  # supplies of matches unlike each other
+SUBMISSIONS = Path(__file__).parents[3] / "submissions"
+
+
+def evaluation(name: str, values: Sequence[float | None], metric: MetricInfo = SUPPLIES) -> Evaluation:
+    rows = tuple(
+        MatchRow(index=index, seat=0, status="failed", fault="platform")
+        if value is None
+        else MatchRow(index=index, seat=0, status="finished", metrics={metric.name: value})
+        for index, value in enumerate(values)
+    )
+    return Evaluation(
+        submission=name,
+        version="1",
+        digest="0",
+        track="gathering",
+        metrics=(metric,),
+        matches=rows,
+        summary=summary([metric], rows),
+    )
+
+
+def compared(
+    first: Sequence[float | None], second: Sequence[float | None], metric: MetricInfo = SUPPLIES
+) -> Comparison:
+    results = Results(
+        engine_version="0",
+        suite="quick",
+        seed=0,
+        evaluations=(evaluation("ada", first, metric), evaluation("bob", second, metric)),
+        timings=Timings(started="", wall=0.0, jobs=1, matches=()),
+    )
+    (comparison,) = compare(results, "ada", "bob").comparisons
+    return comparison
+
+
+def test_a_small_lead_in_every_match_shows_though_the_matches_are_unlike_each_other() -> None:
+    ahead = [value + 5.0 + (index % 3) for index, value in enumerate(HARD_AND_EASY)]
+    alone = [evaluation("ada", ahead), evaluation("bob", HARD_AND_EASY)]
+
+    comparison = compared(ahead, HARD_AND_EASY)
+
+    assert comparison.verdict == "first"
+    (difference,) = comparison.differences
+    assert 5.0 <= difference.low <= difference.difference <= difference.high <= 7.0
+    # Side by side the two intervals say nothing.
+    first, second = (one.summary["supplies"] for one in alone)
+    assert first.low < second.mean < first.high
+
+
+def test_the_same_values_the_other_way_round_give_the_other_verdict() -> None:
+    ahead = [value + 5.0 for value in HARD_AND_EASY]
+
+    assert compared(ahead, HARD_AND_EASY).verdict == "first"
+    assert compared(HARD_AND_EASY, ahead).verdict == "second"
+    assert compared(ahead, HARD_AND_EASY, TIME).verdict == "second"
+    assert compared(HARD_AND_EASY, ahead, TIME).verdict == "first"
+
+
+def test_submissions_that_play_the_same_are_tied() -> None:
+    comparison = compared(HARD_AND_EASY, HARD_AND_EASY)
+
+    assert comparison.verdict == "tied"
+    assert (comparison.differences[0].low, comparison.differences[0].high) == (0.0, 0.0)
+
+
+def test_equals_are_found_different_in_one_case_of_twenty() -> None:
+    dice = np.random.default_rng(7)
+    verdicts = [
+        compared(dice.normal(0, 1, 20).tolist(), dice.normal(0, 1, 20).tolist()).verdict for _ in range(200)
+    ]
+
+    assert 0.9 < verdicts.count("tied") / 200 < 0.99
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "pairs", "lower_is_better", "verdict"),
+    [
+        (1.0, 2.0, 10, False, "first"),
+        (1.0, 2.0, 10, True, "second"),
+        (-2.0, -1.0, 10, False, "second"),
+        (-2.0, -1.0, 10, True, "first"),
+        (-1.0, 1.0, 10, False, "tied"),
+        (0.0, 1.0, 10, False, "tied"),  # zero is in the interval
+        (1.0, 2.0, 6, False, "first"),
+        (1.0, 2.0, 5, False, "too few"),
+    ],
+)
+def test_verdicts(low: float, high: float, pairs: int, lower_is_better: bool, verdict: str) -> None:
+    assert judge(low, high, pairs, lower_is_better=lower_is_better) == verdict
+
+
+def test_a_match_that_the_platform_lost_is_left_out_for_both() -> None:
+    comparison = compared([None, *HARD_AND_EASY[1:]], [*HARD_AND_EASY[:-1], None])
+
+    assert (comparison.pairs, comparison.dropped, comparison.verdict) == (6, 2, "tied")
+    assert "2 matches left out: the platform failed" in verdict_line(comparison).plain
+    nothing = compared([None], [1.0])
+    assert (nothing.pairs, nothing.verdict, nothing.differences) == (0, "too few", ())
+    assert "0 matches are too few to tell: 6 at least" in verdict_line(nothing).plain
+    assert comparison_table(nothing).row_count == 0
+
+
+def test_two_versions_of_one_submission_are_told_apart(submit: Callable[..., Submission]) -> None:
+    walker, other = submit("walker", "pass"), submit("other", "pass")
+
+    assert told_apart([walker, other]) == (walker, other)
+    assert [one.name for one in told_apart([walker, walker])] == ["walker-a", "walker-b"]
+
+
+@pytest.fixture
+def command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., Done]:
+    """Run `wildscav compare`."""
+    return command_here("compare", tmp_path, monkeypatch, capsys)
+
+
+def test_tracks_that_not_both_play_are_refused(
+    command: Callable[..., Done], submit: Callable[..., Submission]
+) -> None:
+    walker, gatherer = submit("walker", "pass"), submit("gatherer", "pass", tracks='["gathering"]')
+
+    refused = command(walker.folder, gatherer.folder)
+
+    assert refused.returncode == 2
+    assert "suite quick has no track that both" in refused.stderr
+
+
+@pytest.mark.slow
+def test_the_better_agent_is_named_and_all_is_kept(command: Callable[..., Done], tmp_path: Path) -> None:
+    folders = (SUBMISSIONS / "homing", SUBMISSIONS / "random")
+
+    done = command(*folders, "--track=navigation", "--out=out")
+
+    assert done.returncode == 0, done.stderr
+    assert "navigation · 10 matches that both played" in done.stdout
+    assert "homing is better than random by its used + punish time" in done.stdout
+    kept = json.loads((tmp_path / "out/comparison.json").read_text())
+    assert kept["comparisons"][0]["differences"][0]["verdict"] == "first"
+    again = command(*folders, "--track=navigation", "--out=out")
+    assert "all 20 matches were played before" in again.stdout

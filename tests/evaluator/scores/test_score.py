@@ -1,0 +1,73 @@
+"""What matches say about a submission, and how sure that is."""
+
+import numpy as np
+import pytest
+
+from wildscav_evaluator.output.results import MatchRow, MetricInfo
+from wildscav_evaluator.scores.score import expanded_tail, summarize, summary
+
+
+def test_mean_and_deviation_of_the_sample() -> None:
+    result = summarize([2.0, 4.0, 4.0, 6.0])
+
+    assert result.mean == 4.0
+    assert result.std == pytest.approx((8 / 3) ** 0.5)
+
+
+def test_the_interval_holds_the_mean_and_narrows_with_more_matches() -> None:
+    few, many = summarize([1.0, 2.0, 3.0, 4.0]), summarize([1.0, 2.0, 3.0, 4.0] * 25)
+
+    assert few.low < few.mean < few.high
+    assert many.high - many.low < (few.high - few.low) / 3
+
+
+def test_the_interval_is_that_of_normal_theory_where_that_holds() -> None:
+    # 100 values 0..99: standard error 29.01 / sqrt(100) = 2.9, so 49.5 ± 1.96 · 2.9.
+    result = summarize([float(value) for value in range(100)])
+
+    assert result.low == pytest.approx(43.8, abs=0.5)
+    assert result.high == pytest.approx(55.2, abs=0.5)
+
+
+def test_a_single_match_has_no_deviation_and_no_width() -> None:
+    result = summarize([3.0])
+
+    assert (result.mean, result.std, result.low, result.high) == (3.0, None, 3.0, 3.0)
+
+
+def test_equal_values_give_equal_summaries() -> None:
+    values = [0.1 * number for number in range(11)]
+
+    assert summarize(values) == summarize(values)
+
+
+def test_the_interval_of_a_few_matches_is_as_wide_as_they_lie_apart() -> None:
+    result = summarize([1.0, 5.0, 9.0])
+
+    assert (result.low, result.high) == (1.0, 9.0)
+    # 2.5 % of a normal distribution, but for what a small sample does not know of its own spread.
+    assert expanded_tail(3) == 0.0
+    assert expanded_tail(10) == pytest.approx(0.0086, abs=1e-4)  # t of 9 is 2.262, times √(10 / 9) is 2.385
+    assert expanded_tail(10_000) == pytest.approx(0.025, abs=1e-4)
+
+
+def test_nineteen_of_twenty_intervals_hold_the_true_mean() -> None:
+    dice = np.random.default_rng(1)
+
+    for count in (10, 30):
+        samples = dice.exponential(1.0, size=(400, count))  # as skewed as scores come
+        held = [result.low <= 1.0 <= result.high for result in map(summarize, samples.tolist())]
+
+        assert np.mean(held) > 0.88
+
+
+def test_a_match_that_never_came_to_a_result_is_left_out_and_an_agents_failure_counts() -> None:
+    metric = MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False)
+    rows = [
+        MatchRow(index=0, seat=0, status="finished", metrics={"supplies": 10.0}),
+        MatchRow(index=1, seat=0, status="crashed", fault="agent", metrics={"supplies": 0.0}),
+        MatchRow(index=2, seat=0, status="failed", fault="platform"),
+    ]
+
+    assert summary([metric], rows)["supplies"].mean == 5.0
+    assert summary([metric], rows[2:]) == {}

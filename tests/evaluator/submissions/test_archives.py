@@ -1,0 +1,219 @@
+"""Submissions as archives: good ones are unpacked, tricks are refused, and nothing is left of those.
+
+Each trick has a control: the unpackers that everybody has at hand fall for it.
+"""
+
+import io
+import stat
+import tarfile
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wildscav_evaluator.submissions import archives
+from wildscav_evaluator.submissions.archives import ArchiveError, unpack
+from wildscav_evaluator.submissions.submission import SubmissionError, load_submission
+
+MANIFEST = b'name = "walker"\nversion = "1"\nentry_point = "agent:Walker"\ntracks = ["navigation"]\n'
+GOOD = {"submission.toml": MANIFEST, "agent.py": b"class Walker: ...", "models/net.bin": bytes(1000)}
+KINDS = ["a.zip", "a.tar.gz", "a.tgz"]
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "submissions"
+
+
+def pack(path: Path, files: dict[str, bytes]) -> Path:
+    if path.suffix == ".zip":
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, content in files.items():
+                archive.writestr(name, content)
+        return path
+    with tarfile.open(path, "w:gz") as archive:
+        for name, content in files.items():
+            info = tarfile.TarInfo(name)
+            info.size = len(content)
+            archive.addfile(info, io.BytesIO(content))
+    return path
+
+
+def special(path: Path, name: str, target: str, kind: bytes = tarfile.SYMTYPE) -> Path:
+    """Pack a good submission and a link, or a file of another kind."""
+    if path.suffix == ".zip":
+        pack(path, GOOD)
+        with zipfile.ZipFile(path, "a") as archive:
+            info = zipfile.ZipInfo(name)
+            info.external_attr = (stat.S_IFLNK | 0o777) << 16
+            archive.writestr(info, target)
+        return path
+    with tarfile.open(path, "w:gz") as archive:
+        link = tarfile.TarInfo(name)
+        link.type, link.linkname = kind, target
+        archive.addfile(link)
+        for file, content in GOOD.items():
+            info = tarfile.TarInfo(file)
+            info.size = len(content)
+            archive.addfile(info, io.BytesIO(content))
+    return path
+
+
+@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("top", ["", "./", "my-agent/"])
+def test_a_good_archive_is_the_submission_that_was_packed(tmp_path: Path, name: str, top: str) -> None:
+    archive = pack(tmp_path / name, {top + file: content for file, content in GOOD.items()})
+
+    submission = load_submission(archive)
+
+    assert submission.name == "walker"
+    found = {
+        str(path.relative_to(submission.folder)) for path in submission.folder.rglob("*") if path.is_file()
+    }
+    assert found == set(GOOD)
+    assert load_submission(archive).folder == submission.folder
+
+
+def test_an_archive_and_the_folder_in_it_have_one_digest(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    for name, content in GOOD.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+
+    digests = {load_submission(pack(tmp_path / name, GOOD)).digest for name in KINDS}
+
+    assert digests == {load_submission(folder).digest}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("../evil.py", "leads out"),
+        ("models/../../evil.py", "leads out"),
+        ("/tmp/wildscav-evil.py", "leads out"),  # noqa: S108
+        ("C:/evil.py", "leads out"),
+        ("..\\evil.py", "is no name of a file"),
+        ("a\nb.py", "is no name of a file"),
+        ("\x1b[2Jclear.py", "is no name of a file"),
+        ("x" * 300, "is no name of a file"),
+        ("d/" * 30 + "deep.py", "folders deep"),
+        ("AGENT.py", "is there twice"),
+        ("agent.py/more.py", "cannot be unpacked"),
+    ],
+)
+def test_names_stay_inside_and_are_names(
+    tmp_path: Path, cache: Path, kind: str, name: str, says: str
+) -> None:
+    archive = pack(tmp_path / kind, {**GOOD, name: b"evil"})
+
+    with pytest.raises(ArchiveError, match=says) as caught:
+        unpack(archive)
+
+    assert str(caught.value).isprintable()
+    assert list(cache.iterdir()) == []
+    assert not (tmp_path / "cache" / "evil.py").exists()
+    assert not Path("/tmp/wildscav-evil.py").exists()  # noqa: S108
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("target", ["/etc/passwd", "../../outside", "agent.py"])
+def test_links_are_refused(tmp_path: Path, cache: Path, kind: str, target: str) -> None:
+    archive = special(tmp_path / kind, "link", target)
+
+    with pytest.raises(ArchiveError, match="'link' is a link: an archive may have plain files"):
+        unpack(archive)
+
+    assert list(cache.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", [tarfile.LNKTYPE, tarfile.FIFOTYPE, tarfile.CHRTYPE])
+def test_special_files_are_refused(tmp_path: Path, kind: bytes) -> None:
+    with pytest.raises(ArchiveError, match="may have plain files and folders only"):
+        unpack(special(tmp_path / "a.tar.gz", "thing", "agent.py", kind))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_bombs_end_where_they_become_too_large(
+    tmp_path: Path, cache: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(archives, "LARGEST_CONTENT", 1 << 20)
+    archive = pack(tmp_path / kind, {**GOOD, "zeros": bytes(20 << 20)})
+    assert archive.stat().st_size < 100_000  # a hundredth of what it becomes
+
+    with pytest.raises(ArchiveError, match="unpacks to more than 1 MiB"):
+        unpack(archive)
+
+    assert list(cache.iterdir()) == []
+
+
+def test_a_zip_that_lies_about_sizes_is_found_out(tmp_path: Path, cache: Path) -> None:
+    archive = pack(tmp_path / "a.zip", {**GOOD, "zeros": bytes(1 << 20)})
+    lying = archive.read_bytes().replace((1 << 20).to_bytes(4, "little"), (10).to_bytes(4, "little"))
+    archive.write_bytes(lying)
+
+    with pytest.raises(ArchiveError, match="cannot be unpacked"):
+        unpack(archive)
+
+    assert list(cache.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_too_many_entries_are_refused(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archives, "MOST_ENTRIES", 10)
+
+    with pytest.raises(ArchiveError, match="more than 10 entries"):
+        unpack(pack(tmp_path / kind, {f"{number}.py": b"" for number in range(11)}))
+
+
+def test_an_archive_that_is_too_large_is_not_even_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(archives, "LARGEST", 100)
+
+    with pytest.raises(ArchiveError, match="may have 0 MiB at most"):
+        unpack(pack(tmp_path / "a.zip", GOOD))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "spoil", [lambda _: b"", lambda _: b"no archive", lambda good: good[: len(good) // 2]]
+)
+def test_what_is_no_archive_is_said_to_be_none(
+    tmp_path: Path, cache: Path, kind: str, spoil: Callable[[bytes], bytes]
+) -> None:
+    archive = pack(tmp_path / kind, GOOD)
+    archive.write_bytes(spoil(archive.read_bytes()))
+
+    with pytest.raises((ArchiveError, SubmissionError)):
+        load_submission(archive)
+
+    assert not cache.exists() or [path for path in cache.iterdir() if path.name.startswith("unpacking")] == []
+
+
+def test_a_file_that_is_no_archive_by_its_name_is_told_what_is(tmp_path: Path) -> None:
+    (tmp_path / "agent.rar").write_bytes(b"Rar!")
+
+    with pytest.raises(SubmissionError, match=r"or one as \.zip, \.tar\.gz, \.tgz"):
+        load_submission(tmp_path / "agent.rar")
+
+
+def test_without_care_a_tar_does_lead_out(tmp_path: Path) -> None:
+    """The control: Python's own unpacker, told to trust."""
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    with tarfile.open(pack(tmp_path / "a.tar.gz", {"../evil.py": b"evil"})) as archive:
+        archive.extractall(inside, filter="fully_trusted")  # noqa: S202
+
+    assert (tmp_path / "evil.py").exists()
+
+
+def test_without_care_a_link_does_lead_out(tmp_path: Path) -> None:
+    """The control: a link to a file of the host, and what a reader of the folder then sees."""
+    (tmp_path / "secret").write_text("a secret")
+    with tarfile.open(special(tmp_path / "a.tar.gz", "link", "../secret")) as archive:
+        archive.extractall(tmp_path / "inside", filter="fully_trusted")  # noqa: S202
+
+    assert (tmp_path / "inside" / "link").read_text() == "a secret"

@@ -1,0 +1,115 @@
+"""What a submission's folder must look like, and what its author is told where it does not."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from wildscav_evaluator.submissions.submission import SubmissionError, folder_digest, load_submission
+
+GOOD = """
+name = "walker"
+version = "1.0.0"
+entry_point = "agent:Walker"
+tracks = ["navigation"]
+"""
+REPOSITORY = Path(__file__).parents[3]
+
+
+def make(folder: Path, manifest: str = GOOD) -> Path:
+    (folder / "submission.toml").write_text(manifest)
+    (folder / "agent.py").write_text("class Walker: ...")
+    return folder
+
+
+def test_a_good_folder_is_read_whole(tmp_path: Path) -> None:
+    submission = load_submission(make(tmp_path, GOOD + "[sensors.depth]\nwidth = 64\nheight = 36\nfar = 200"))
+
+    assert submission.name == "walker"
+    assert submission.manifest.tracks == ("navigation",)
+    assert submission.manifest.sensors == {"depth": {"width": 64, "height": 36, "far": 200}}
+    assert submission.folder.is_absolute()
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "says"),
+    [
+        ('name = "walker"', "", "name: is missing: 2 to 40 of a-z, 0-9 and -"),
+        ('name = "walker"', 'name = "W"', "name: is 'W', must be 2 to 40 of a-z"),
+        ('name = "walker"', 'name = "../up"', "name: is '../up', must be"),
+        ('name = "walker"', "name = 7", "name: is 7, must be"),
+        ('version = "1.0.0"', "version = 1.0", "version: is 1.0, must be text"),
+        (
+            '"agent:Walker"',
+            '"agent.py"',
+            "entry_point: is 'agent.py', must be text of the form \"module:Class\"",
+        ),
+        ('"agent:Walker"', '"brain:Walker"', "entry_point: is 'brain:Walker', but there is no file"),
+        ('["navigation"]', '["fishing"]', "tracks: there is no track 'fishing'; the tracks are navigation"),
+        ('["navigation"]', "[]", "tracks: is []"),
+        ('["navigation"]', '["battle", "battle"]', "tracks: a track is named twice"),
+        ('["navigation"]', '"navigation"', "tracks: is 'navigation'"),
+        ("\n", "\nlicence = 1\n", "licence: is not a field; the fields are name, version"),
+        (
+            '["navigation"]',
+            '["navigation"]\n[sensors.nose]',
+            "sensors: there is no sensor 'nose'; the sensors are depth",
+        ),
+        (
+            '["navigation"]',
+            '["navigation"]\n[sensors.depth]\nwidht = 5',
+            "sensors: .*widht.*options are width",
+        ),
+        ('["navigation"]', '["navigation"]\n[sensors.depth]\nwidth = -5', "sensors: .*width"),
+        ('name = "walker"', "name = walker", "is not valid TOML: .*line 2"),
+    ],
+)
+def test_a_wrong_manifest_gets_one_line_with_file_and_field(
+    tmp_path: Path, was: str, becomes: str, says: str
+) -> None:
+    make(tmp_path, GOOD.replace(was, becomes, 1))
+
+    with pytest.raises(SubmissionError) as caught:
+        load_submission(tmp_path)
+
+    line = str(caught.value)
+    assert str(tmp_path / "submission.toml") in line
+    assert re.search(says if ".*" in says else re.escape(says), line), line
+    assert "\n" not in line
+    assert caught.value.exit_code == 2
+
+
+def test_a_missing_folder_file_or_manifest_is_named(tmp_path: Path) -> None:
+    with pytest.raises(SubmissionError, match="nowhere does not exist"):
+        load_submission(tmp_path / "nowhere")
+    with pytest.raises(SubmissionError, match=r"submission\.toml is missing"):
+        load_submission(tmp_path)
+    (tmp_path / "file").touch()
+    with pytest.raises(SubmissionError, match="is a file, not a folder"):
+        load_submission(tmp_path / "file")
+
+
+def test_the_digest_is_of_paths_and_contents_and_of_nothing_else(tmp_path: Path) -> None:
+    first, second = tmp_path / "a", tmp_path / "b"
+    for folder in (first, second):
+        folder.mkdir()
+        make(folder)
+    assert folder_digest(first) == folder_digest(second)
+
+    (first / "__pycache__").mkdir()
+    (first / "__pycache__" / "agent.pyc").write_bytes(b"left behind")
+    assert folder_digest(first) == folder_digest(second)
+
+    (second / "agent.py").write_text("class Walker: pass")
+    assert folder_digest(first) != folder_digest(second)
+    make(second)
+    (second / "agent.py").rename(second / "other.py")
+    assert folder_digest(first) != folder_digest(second)
+
+
+@pytest.mark.parametrize("name", ["random", "homing", "hunter"])
+def test_the_baselines_are_submissions_like_any_other(name: str) -> None:
+    submission = load_submission(REPOSITORY / "submissions" / name)
+
+    assert submission.name == name
+    assert set(submission.manifest.tracks) == {"navigation", "gathering", "battle"}

@@ -1,0 +1,166 @@
+"""Hidden seeds: bound by a public commitment, told by nothing before they are opened."""
+
+import hashlib
+import json
+import stat
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.platform.command import Done, command_here
+
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.output.opening import check_opened, expected_matches
+from wildscav_evaluator.output.results import read_results
+from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_evaluator.suites.seeds import OPENED_FILE, SuiteSeed, read_secret
+from wildscav_evaluator.suites.suite import SUITES
+
+HOMING = Path(__file__).parents[3] / "submissions" / "homing"
+
+
+@pytest.fixture
+def secret(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., Done]:
+    """Run `wildscav secret`."""
+    return command_here("secret", tmp_path, monkeypatch, capsys)
+
+
+@pytest.fixture(scope="module")
+def evaluated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A secret's file, and the output folder of an evaluation with that hidden seed."""
+    folder = tmp_path_factory.mktemp("hidden")
+    file, out = folder / "season.secret", folder / "out"
+    file.write_bytes(b"nobody knows this, and nobody is going to guess it\n")
+    suite, seed = SUITES["quick"], read_secret(file)
+    homing = load_submission(HOMING)
+    plan = Plan((homing,), ("navigation",), suite, seed, replays="none", jobs=1, out=out)
+    run_session(plan, out / "wildscav.db")
+    return file, out
+
+
+def test_a_new_secret_is_private_and_its_commitment_is_the_sha256_of_its_file(
+    secret: Callable[..., Done], tmp_path: Path
+) -> None:
+    made = secret("new", "season.secret")
+
+    content = (tmp_path / "season.secret").read_bytes()
+    assert made.stdout.strip() == hashlib.sha256(content).hexdigest()
+    assert secret("commitment", "season.secret").stdout == made.stdout
+    assert stat.S_IMODE((tmp_path / "season.secret").stat().st_mode) == 0o600
+    assert len(content) > 64
+    again = secret("new", "season.secret")
+    assert (again.returncode, "never overwritten" in again.stderr) == (2, True)
+    assert (tmp_path / "season.secret").read_bytes() == content
+
+
+def test_other_secrets_give_other_seeds_that_their_commitments_do_not_tell(tmp_path: Path) -> None:
+    one, other = tmp_path / "one", tmp_path / "other"
+    one.write_bytes(b"1" * 32)
+    other.write_bytes(b"2" * 32)
+
+    first, second = read_secret(one), read_secret(other)
+
+    assert first == read_secret(one)
+    assert first.value != second.value
+    assert first.value != int(str(first.commitment), 16)
+    assert str(first.value) not in first.label
+    assert first.label == f"hidden:{str(first.commitment)[:12]}"
+    assert SuiteSeed(7).label == "7"
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (None, "cannot be read: No such file"),
+        (b"guess me", "has 8 bytes, a secret must have 32 to 4096"),
+        (b"x" * 5000, "has 5000 bytes, a secret must have 32 to 4096"),
+    ],
+)
+def test_what_can_be_no_secret_is_refused(tmp_path: Path, content: bytes | None, says: str) -> None:
+    if content is not None:
+        (tmp_path / "secret").write_bytes(content)
+    with pytest.raises(UserError, match=says):
+        read_secret(tmp_path / "secret")
+
+
+def test_results_tell_the_commitment_and_not_the_seed(evaluated: tuple[Path, Path]) -> None:
+    file, out = evaluated
+    told, seed = read_results(out / "results.json"), read_secret(file)
+
+    assert (told.seed, told.commitment) == (None, seed.commitment)
+    assert told.seed_label == seed.label
+    for name in ("results.json", "evaluation.json"):
+        assert str(seed.value) not in (out / name).read_text()
+    assert expected_matches(out, told) is None
+
+
+def test_an_opened_secret_shows_that_its_matches_were_played(
+    evaluated: tuple[Path, Path], secret: Callable[..., Done]
+) -> None:
+    file, out = evaluated
+    commitment = read_secret(file).commitment
+    assert "is not opened yet" in secret("check", out, commitment).stderr
+
+    opened = secret("open", file, out)
+    checked = secret("check", out, commitment)
+
+    assert opened.returncode == checked.returncode == 0
+    assert str(commitment) in opened.stdout
+    assert "5 records are of the matches that follow from it" in checked.stdout
+    told = read_results(out / "results.json")
+    expected = expected_matches(out, told)
+    assert expected is not None
+    assert len(expected["navigation"]) == 5
+    (out / OPENED_FILE).unlink()
+
+
+def test_another_secret_than_that_committed_to_is_found_out(
+    evaluated: tuple[Path, Path], secret: Callable[..., Done], tmp_path: Path
+) -> None:
+    file, out = evaluated
+    other = tmp_path / "other"
+    other.write_bytes(b"the one that would have suited my friend's agent better")
+    mine = str(read_secret(file).commitment)
+
+    assert "was evaluated on the secret of" in secret("open", other, out).stderr
+    assert "was evaluated with the commitment" in secret("check", out, read_secret(other).commitment).stderr
+    assert "must be 64 hexadecimal digits" in secret("check", out, "1234").stderr
+
+    (out / OPENED_FILE).write_bytes(other.read_bytes())
+    assert "is not the secret of the commitment" in secret("check", out, mine).stderr
+    (out / OPENED_FILE).unlink()
+
+
+def test_results_that_name_the_commitment_and_other_matches_are_found_out(
+    evaluated: tuple[Path, Path], tmp_path: Path
+) -> None:
+    """An organizer plays matches of an own choice and puts the commitment into the results."""
+    _, out = evaluated
+    other = tmp_path / "other"
+    other.write_bytes(b"the one that was committed to, but whose matches were not to somebody's liking")
+    forged = tmp_path / "out"
+    (forged / "records").mkdir(parents=True)
+    for path in (out / "records").iterdir():
+        (forged / "records" / path.name).write_bytes(path.read_bytes())
+    told = json.loads((out / "results.json").read_text())
+    told["commitment"] = read_secret(other).commitment
+    (forged / "results.json").write_text(json.dumps(told))
+    (forged / OPENED_FILE).write_bytes(other.read_bytes())
+
+    with pytest.raises(UserError, match=r"navigation-000-homing\.wsr is not of a match that follows"):
+        check_opened(forged, told["commitment"])
+
+
+def test_an_evaluation_on_a_public_seed_has_nothing_to_open(
+    secret: Callable[..., Done], evaluated: tuple[Path, Path], tmp_path: Path
+) -> None:
+    file, out = evaluated
+    told = json.loads((out / "results.json").read_text())
+    (tmp_path / "results.json").write_text(json.dumps({**told, "seed": 0, "commitment": None}))
+
+    assert "was evaluated on a public seed" in secret("open", file, tmp_path).stderr
+    assert "was evaluated on a public seed" in secret("check", tmp_path, "0" * 64).stderr
