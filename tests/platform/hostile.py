@@ -18,7 +18,8 @@ from wildscav.wire.errors import reason_of
 
 REASONS = frozenset(
     {
-        *("PROTOCOL_VERSION", "SEAT_TOKEN_UNKNOWN", "SEAT_TAKEN", "SEAT_CLOSED", "SERVER_BUSY"),
+        *("PROTOCOL_VERSION", "SEAT_TOKEN_UNKNOWN", "SEAT_ELSEWHERE", "SEAT_TAKEN"),
+        *("SEAT_CLOSED", "SERVER_BUSY"),
         *("JOIN_TIMEOUT", "PROTOCOL_ERROR", "MESSAGE_TOO_LARGE", "TOO_EARLY", "FLOOD", "MATCH_CANCELLED"),
     }
 )

@@ -45,6 +45,37 @@ def test_a_seat_cannot_be_taken_twice(tmp_path: Path) -> None:
     serving(tmp_path, play)
 
 
+def test_a_seat_with_an_address_of_its_own_is_not_taken_over_another(tmp_path: Path) -> None:
+    async def play(server: MatchServer, shared: str) -> None:
+        first, second = await server.start([f"unix:{tmp_path / name}.sock" for name in ("first", "second")])
+        hosted = await host(server, small_spec(seats=2), addresses={0: first, 1: second})
+        for token, address in ((0, second), (1, first), (1, shared)):
+            async with connected(address) as thief:
+                await thief.send(join(hosted.tokens[token]))
+                assert await refused(thief) == (grpc.StatusCode.PERMISSION_DENIED, "SEAT_ELSEWHERE")
+        async with connected(first) as one, connected(second) as other:
+            await one.join(hosted.tokens[0])
+            await other.join(hosted.tokens[1])
+            await asyncio.gather(one.play_out(), other.play_out())
+        assert {report.status for report in (await hosted.finished()).seats.values()} == {"finished"}
+        anywhere = await host(server, small_spec())
+        async with connected(second) as seat:
+            await seat.join(anywhere.tokens[0])
+            await seat.play_out()
+
+    serving(tmp_path, play)
+
+
+def test_an_address_of_a_seat_must_be_one_of_the_servers(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        with pytest.raises(ValueError, match="an address for seat 1, which no submission fills"):
+            await host(server, small_spec(), addresses={1: address})
+        with pytest.raises(ValueError, match="does not listen on unix:/elsewhere"):
+            await host(server, small_spec(), addresses={0: "unix:/elsewhere"})
+
+    serving(tmp_path, play)
+
+
 def test_another_version_of_the_protocol(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str) -> None:
         hosted = await host(server, small_spec())
@@ -144,6 +175,24 @@ def test_of_too_many_strangers_the_one_who_said_nothing_for_longest_has_to_go(
                 await seat.join(hosted.tokens[0])
                 assert (await seat.play_out()).match_over.conduct.status == SeatStatus.FINISHED
             assert await refused(silent[0]) == (grpc.StatusCode.RESOURCE_EXHAUSTED, "SERVER_BUSY")
+
+    serving(tmp_path, play)
+
+
+def test_strangers_at_one_address_crowd_nobody_out_at_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Strangers.__init__, "__defaults__", (3,))
+
+    async def play(server: MatchServer, own: str) -> None:
+        (others,) = await server.start([f"unix:{tmp_path / 'others.sock'}"])
+        hosted = await host(server, small_spec())
+        async with AsyncExitStack() as stack, connected(own) as shy:
+            for _ in range(6):
+                await stack.enter_async_context(connected(others))
+            await asyncio.sleep(0.2)
+            await shy.join(hosted.tokens[0])
+            assert (await shy.play_out()).match_over.conduct.status == SeatStatus.FINISHED
 
     serving(tmp_path, play)
 

@@ -106,7 +106,9 @@ async def _break_off(submission: Submission, spec: MatchSpec, sandbox: Sandbox, 
         (address,) = await server.start([f"unix:{folders[0] / 'match.sock'}"])
         try:
             sensors = {0: submission.manifest.sensors}
-            hosted = await server.host(spec, names=seating.names, sensors=sensors, clock=Clock())
+            hosted = await server.host(
+                spec, names=seating.names, sensors=sensors, clock=Clock(), addresses={0: address}
+            )
             agent = await sandbox.start(launch_for(submission, address, hosted.tokens[0], log))
             ending = asyncio.create_task(agent.ended())
             try:

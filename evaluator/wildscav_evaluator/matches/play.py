@@ -139,7 +139,7 @@ async def play_once(
     """
     with socket_folders(len(seating.seats)) as folders:
         server = MatchServer(connections=CONNECTIONS)
-        # A socket of its own for each seat, so that a sandbox can hand over just that.
+        # A socket of its own for each seat: a sandbox hands over just that, and no other token works there.
         addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
         try:
             hosted = await server.host(
@@ -150,6 +150,7 @@ async def play_once(
                     for seat, submission in zip(seating.seats, seating.submissions, strict=True)
                 },
                 clock=clock or Clock(),
+                addresses=dict(zip(seating.seats, addresses, strict=True)),
             )
             if started is not None:
                 started(hosted)

@@ -7,19 +7,16 @@ import secrets
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import grpc
-from grpc_health.v1 import health, health_pb2, health_pb2_grpc
-
-from wildscav.errors import AddressInUseError, UserError
+from wildscav.errors import UserError
 from wildscav.logs import Log
-from wildscav.proto.match_pb2_grpc import add_ArenaServicer_to_server
-from wildscav.server.addresses import check_free, is_public, with_port
+from wildscav.server.addresses import check_free, is_public
 from wildscav.server.arena import ArenaService
 from wildscav.server.deadlines import Clock, TimeBank
 from wildscav.server.diary import Diary
+from wildscav.server.entrance import Entrance
 from wildscav.server.meters import ServerMeters
 from wildscav.server.seat import Seat, parse_sensors
-from wildscav.server.service import MatchService, Place
+from wildscav.server.service import Place
 from wildscav.server.session import HostedMatch, MatchCancelledError
 from wildscav.server.warm import warm
 from wildscav.wire.errors import RefusalError
@@ -29,16 +26,6 @@ if TYPE_CHECKING:
     from wildscav_engine.sensors import Sensor
     from wildscav_engine.spec import MatchSpec
 
-SERVICES = ("", "wildscav.match.v1.Match")
-OPTIONS = (
-    ("grpc.so_reuseport", 0),  # so that a port in use is an error
-    ("grpc.max_receive_message_length", 256 * 1024),  # bytes: actions are tiny, specs small
-    ("grpc.keepalive_time_ms", 30_000),  # finds out that a remote peer is gone
-    ("grpc.keepalive_timeout_ms", 10_000),
-    ("grpc.server_handshake_timeout_ms", 10_000),  # for a connection to speak HTTP/2
-    ("grpc.max_connection_idle_ms", 60_000),  # without a stream
-    ("grpc.max_concurrent_streams", 128),  # of one connection
-)
 CONNECTIONS = 2000  # to one address at one time
 
 
@@ -62,20 +49,17 @@ class MatchServer:
     ) -> None:
         self._places: dict[str, Place] = {}
         self._matches: set[HostedMatch] = set()
-        self._arena, self._organizer_token = arena, organizer_token
-        self._health = health.aio.HealthServicer()  # type: ignore[attr-defined]
-        limit = ("grpc.max_allowed_incoming_connections", connections)
-        self._grpc = grpc.aio.server(options=(*OPTIONS, limit))
-        service = MatchService(self._places, self._refused)
-        self.meters = ServerMeters(lambda: self._matches, lambda: len(service.strangers))
+        self._entrances: list[Entrance] = []
+        self._connections = connections
+        self._arena = ArenaService(self, organizer_token) if arena else None
+        self._guarded = not arena or organizer_token is not None
+        self.meters = ServerMeters(
+            lambda: self._matches, lambda: sum(one.strangers for one in self._entrances)
+        )
         self._diary = Diary(log)
-        self._grpc.add_generic_rpc_handlers((service.handler(),))
-        health_pb2_grpc.add_HealthServicer_to_server(self._health, self._grpc)
-        if arena:
-            add_ArenaServicer_to_server(ArenaService(self, organizer_token), self._grpc)
 
     async def start(self, addresses: Sequence[str]) -> list[str]:
-        """Listen.
+        """Listen; may be called again for more.
 
         Args:
             addresses: ``unix:/path`` or ``host:port``; port 0 takes a free one.
@@ -89,25 +73,20 @@ class MatchServer:
         """
         for address in addresses:
             check_free(address)
-            if self._arena and self._organizer_token is None and is_public(address):
+            if not self._guarded and is_public(address):
                 raise UserError(
                     f"{address} can be reached from other machines: name an organizer token "
                     "(--organizer-token-file), or listen on 127.0.0.1 or a unix socket",
                     exit_code=2,
                 )
         _allow_many_files()
-        taken = [self._listen(address) for address in addresses]
-        await self._grpc.start()
-        for service in SERVICES:
-            await self._health.set(service, health_pb2.HealthCheckResponse.SERVING)
-        return taken
-
-    def _listen(self, address: str) -> str:
-        try:
-            port = self._grpc.add_insecure_port(address)
-        except RuntimeError as error:
-            raise AddressInUseError(address, str(error)) from None
-        return with_port(address, port)
+        new = []
+        for address in addresses:
+            new.append(Entrance(address, self._connections, self._places, self._refused, self._arena))
+            self._entrances.append(new[-1])
+        for entrance in new:
+            await entrance.start()
+        return [entrance.address for entrance in new]
 
     async def host(
         self,
@@ -116,6 +95,7 @@ class MatchServer:
         names: Sequence[str],
         sensors: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
         clock: Clock | None = None,
+        addresses: Mapping[int, str] | None = None,
     ) -> HostedMatch:
         """Open a match; its submission seats can be joined from now on.
 
@@ -124,11 +104,14 @@ class MatchServer:
             names: Display name of every seat.
             sensors: For each seat, the sensors it wants with their options.
             clock: The limits of the seats' time.
+            addresses: Of seats that can be joined over one address alone, which ``start`` returned; at any
+                other, their tokens are of no use.
 
         Raises:
             MatchSetupError: The spec cannot be played.
             SensorError: A sensor does not exist, or does not have an option.
-            ValueError: Another number of names than seats, or sensors for a seat that there is not.
+            ValueError: Another number of names than seats, sensors or an address for a seat that there is
+                not, or an address that nobody listens on.
         """
         from wildscav_engine.spec import SUBMISSION
 
@@ -137,6 +120,7 @@ class MatchServer:
             raise ValueError(f"{len(names)} names for {len(spec.seats)} seats")
         if wrong := set(sensors or {}) - set(numbers):
             raise ValueError(f"sensors for seat {min(wrong)}, which no submission fills")
+        own = self._own_addresses(addresses or {}, numbers)
         clock = (clock or Clock()).fitted(spec)
         seats = []
         for number in numbers:
@@ -146,10 +130,18 @@ class MatchServer:
         match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats])
         hosted = HostedMatch(match, names, seats, clock)
         self._matches.add(hosted)
-        self._places.update({seat.token: Place(hosted, seat) for seat in seats})
+        self._places.update({seat.token: Place(hosted, seat, own.get(seat.number)) for seat in seats})
         hosted.task.add_done_callback(lambda _: self._forget(hosted))
         self._diary.opened(hosted)
         return hosted
+
+    def _own_addresses(self, addresses: Mapping[int, str], numbers: Sequence[int]) -> Mapping[int, str]:
+        """Check that seats can be joined over the addresses that are to be theirs."""
+        if wrong := set(addresses) - set(numbers):
+            raise ValueError(f"an address for seat {min(wrong)}, which no submission fills")
+        if unknown := set(addresses.values()) - {entrance.address for entrance in self._entrances}:
+            raise ValueError(f"this server does not listen on {min(unknown)}")
+        return addresses
 
     def _refused(self, refusal: RefusalError) -> None:
         self.meters.refused(refusal.reason)
@@ -169,12 +161,13 @@ class MatchServer:
         Args:
             grace: s that open calls have to end by themselves.
         """
-        await self._health.enter_graceful_shutdown()
+        for entrance in self._entrances:
+            await entrance.announce_end()
         for hosted in tuple(self._matches):
             hosted.cancel()
             with contextlib.suppress(MatchCancelledError):
                 await hosted.finished()
-        await self._grpc.stop(grace)
+        await asyncio.gather(*(entrance.stop(grace) for entrance in self._entrances))
 
 
 def _allow_many_files() -> None:

@@ -33,6 +33,7 @@ class Place(NamedTuple):
 
     match: HostedMatch
     seat: Seat
+    address: str | None = None  # the only one over which it can be taken; any if none
 
 
 class StreamLostError(Exception):
@@ -40,15 +41,18 @@ class StreamLostError(Exception):
 
 
 class MatchService:
-    """Serves the seats of all matches of a server.
+    """Serves the seats of all matches of a server, for those who come in over one address.
 
     Args:
         places: What each token stands for; the server adds and removes.
         refused: Told of every refusal.
+        address: The address.
     """
 
-    def __init__(self, places: Mapping[str, Place], refused: Callable[[RefusalError], None]) -> None:
-        self._places, self._refused = places, refused
+    def __init__(
+        self, places: Mapping[str, Place], refused: Callable[[RefusalError], None], address: str
+    ) -> None:
+        self._places, self._refused, self._address = places, refused, address
         self.strangers = Strangers()
 
     def handler(self) -> grpc.GenericRpcHandler:
@@ -91,6 +95,12 @@ class MatchService:
             raise RefusalError(
                 grpc.StatusCode.UNAUTHENTICATED, "SEAT_TOKEN_UNKNOWN", "no seat here has this token"
             )
+        if place.address not in (None, self._address):
+            raise RefusalError(
+                grpc.StatusCode.PERMISSION_DENIED,
+                "SEAT_ELSEWHERE",
+                f"seat {place.seat.number} is not joined over this address: the token is another agent's",
+            )
         return place
 
 
@@ -103,7 +113,7 @@ def _this_task() -> "asyncio.Task[None]":
 
 async def _serve(place: Place, context: Context) -> None:
     """Speak the protocol with a seat that has been taken."""
-    match, seat = place
+    match, seat = place.match, place.seat
     loop = asyncio.get_running_loop()
     try:
         await _write(context, match.info_for(seat))

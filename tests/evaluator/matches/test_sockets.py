@@ -1,0 +1,88 @@
+"""The one socket that is mounted for a seat is the only way into it: a stolen token is of no use."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.evaluator.sandbox.conftest import missing
+
+from wildscav.server import HostedMatch
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.matches.play import Played, Seating, play_match
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.submissions.submission import Submission
+
+Submit = Callable[..., Submission]
+
+STEPS = 20
+# Comes late, so that its seat is free for whoever has its token.
+VICTIM = """
+    def __init__(self):
+        time.sleep(1.5)
+
+    def act(self, observation):
+        return Action(walk_speed=5.0)
+"""
+THIEF = """
+    def reset(self, match):
+        from wildscav.errors import WildscavError
+        from wildscav.sdk.connection import Connection
+        address = os.environ["WILDSCAV_ADDRESS"]{elsewhere}
+        try:
+            self.stolen = Connection(address, open("stolen.txt").read(), "thief")
+            print("is in")
+        except WildscavError as error:
+            print(error)
+
+    def act(self, observation):
+        return Action(walk_speed=5.0)
+"""
+ELSEWHERE = '.replace("/0/match.sock", "/1/match.sock")'  # the victim's socket, where it can be reached
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    warm()
+
+
+def play(thief: Submission, victim: Submission, sandbox: str, tmp_path: Path) -> tuple[Played, str]:
+    """Play a match in which the thief is given the victim's token; return it with what the thief says."""
+    if sandbox != "process" and missing(sandbox):
+        pytest.skip(missing(sandbox))
+    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
+    spec = MatchSpec(track="gathering", map=small, seats=("submission",) * 2, time_limit=STEPS / 10)
+    logs = (tmp_path / "thief.log", tmp_path / "victim.log")
+
+    def steal(hosted: HostedMatch) -> None:
+        (thief.folder / "stolen.txt").write_text(hosted.tokens[1])
+
+    seating = Seating(spec, (thief, victim), logs)
+    played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], started=steal))
+    return played, logs[0].read_text()
+
+
+@pytest.mark.parametrize("sandbox", ["process", "bubblewrap", pytest.param("oci", marks=pytest.mark.slow)])
+def test_a_stolen_token_is_refused_at_the_thiefs_own_socket(
+    submit: Submit, tmp_path: Path, sandbox: str
+) -> None:
+    thief, victim = submit("thief", THIEF.format(elsewhere="")), submit("victim", VICTIM)
+
+    played, said = play(thief, victim, sandbox, tmp_path)
+
+    assert "seat 1 is not joined over this address" in said
+    assert "(SEAT_ELSEWHERE)" in said
+    assert [(seat.status, seat.steps_played) for seat in played.seats.values()] == [("finished", STEPS)] * 2
+
+
+@pytest.mark.parametrize(("sandbox", "taken"), [("process", True), ("bubblewrap", False)])
+def test_only_a_sandbox_keeps_a_thief_from_the_socket_that_the_token_is_for(
+    submit: Submit, tmp_path: Path, sandbox: str, taken: bool
+) -> None:
+    thief, victim = submit("thief", THIEF.format(elsewhere=ELSEWHERE)), submit("victim", VICTIM)
+
+    played, said = play(thief, victim, sandbox, tmp_path)
+
+    assert ("is in" in said) == taken, said
+    assert (played.seats[1].status == "crashed") == taken
