@@ -12,13 +12,15 @@ from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
-from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import Suite
 
 REPLAY_CHOICES = ("none", "first", "all")
+KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox keeps that isolates nobody
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,17 @@ class Plan:
         """Return the matches that every submission plays on a track."""
         return matches(self.suite, track, self.seed.value, self.rounds)
 
+    def limits(self, track: str) -> Limits:
+        """Return what an agent may use of the machine on a track."""
+        return self.suite.limits.get(track, DEFAULT_LIMITS)
+
+    def kept_limits(self) -> dict[str, results.KeptLimits]:
+        """Return the limits that the sandbox keeps, by track."""
+        kept = None if SANDBOXES[self.sandbox].isolated else KEPT_ANYWHERE
+        return {
+            track: results.KeptLimits(**self.limits(track).model_dump(include=kept)) for track in self.tracks
+        }
+
 
 def matches(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
     """Return the matches of a suite on a track, played in rounds of consecutive seeds."""
@@ -64,7 +77,7 @@ def make_jobs(plan: Plan) -> list[Job]:
     jobs = []
     for track in plan.tracks:
         playing = [submission for on, submission in plan.entries() if on == track]
-        limits = plan.suite.limits.get(track, DEFAULT_LIMITS)
+        limits = plan.limits(track)
         for index, spec in enumerate(plan.matches(track)):
             replay = plan.replays == "all" or (plan.replays == "first" and index == 0)
             jobs += [
@@ -87,6 +100,7 @@ def identity(plan: Plan) -> Identity:
             for one in plan.submissions
         ),
         sandbox=plan.sandbox,
+        limits=plan.kept_limits(),
     )
 
 
@@ -101,6 +115,7 @@ def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
         commitment=plan.seed.commitment,
         rounds=plan.rounds,
         sandbox=plan.sandbox,
+        limits=plan.kept_limits(),
         evaluations=tuple(_evaluation(track, submission, done) for track, submission in plan.entries()),
         timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
     )

@@ -3,11 +3,12 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.evaluator.players import CRASHER, WALKER, Command, Submit
 
+from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 
 HEAD = """
@@ -25,8 +26,14 @@ tracks = {tracks}
 """
 
 
+@pytest.fixture(scope="session")
+def compiled() -> None:
+    """Compile what matches need before anybody's time runs."""
+    warm()
+
+
 @pytest.fixture
-def submit(tmp_path: Path) -> Callable[..., Submission]:
+def submit(tmp_path: Path) -> Submit:
     """Write a submission whose agent has the given body of a class, or whose file has the given code."""
 
     def write(
@@ -42,7 +49,13 @@ def submit(tmp_path: Path) -> Callable[..., Submission]:
 
 
 @pytest.fixture
-def wildscav() -> Callable[..., "subprocess.CompletedProcess[str]"]:
+def pair(submit: Submit) -> tuple[Path, Path]:
+    """The folders of two submissions: one that plays to the end, and one that crashes in every match."""
+    return submit("walker", WALKER).folder, submit("crasher", CRASHER).folder
+
+
+@pytest.fixture
+def wildscav() -> Command:
     """Run the `wildscav` command in a process of its own."""
 
     def run(*arguments: object, **options: object) -> "subprocess.CompletedProcess[str]":

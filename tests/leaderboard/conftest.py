@@ -28,7 +28,12 @@ def make_results() -> Callable[..., Results]:
         )
         timings = Timings(started=started, wall=1.0, jobs=1, matches=())
         return Results(
-            engine_version="0.1.0", suite="quick", seed=seed, evaluations=evaluations, timings=timings
+            engine_version="0.1.0",
+            suite="quick",
+            seed=seed,
+            sandbox="process",
+            evaluations=evaluations,
+            timings=timings,
         )
 
     return make
@@ -37,10 +42,10 @@ def make_results() -> Callable[..., Results]:
 def evaluation(name: str, track: str, values: Sequence[float], version: str) -> Evaluation:
     metric = METRICS[track]
     rows = tuple(
-        MatchRow(index=index, seat=0, status="finished", metrics={metric.name: value})
+        MatchRow(index=index, status="finished", metrics={metric.name: value})
         for index, value in enumerate(values)
     )
-    failed = MatchRow(index=0, seat=0, status="failed", fault="platform", detail="no map")
+    failed = MatchRow(index=0, status="failed", fault="platform", detail="no map")
     mean = sum(values) / len(values) if values else 0.0
     summary = {metric.name: Summary(mean=mean, std=None, low=mean, high=mean)} if values else {}
     return Evaluation(

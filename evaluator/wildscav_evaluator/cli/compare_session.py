@@ -12,6 +12,7 @@ from wildscav.errors import UserError, describe
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.session import all_failed, evaluating
 from wildscav_evaluator.cli.tables import add_columns, heading, number
+from wildscav_evaluator.cli.time_table import conditions
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.output.results import write_results
 from wildscav_evaluator.scores.compare import FEWEST, Comparison, Difference, compare, write_comparisons
@@ -34,6 +35,8 @@ def run_comparison(plan: Plan, watching: Watching) -> None:
             console.print(comparison_table(one))
             console.print(verdict_line(one))
         console.print()
+        for line in conditions(results.sandbox, results.limits):
+            console.print(f"played in {line}", soft_wrap=True, highlight=False)
         try:
             write_results(results, plan.out)
             console.print(f"kept in {write_comparisons(comparisons, plan.out)}", soft_wrap=True)

@@ -10,6 +10,7 @@ from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import LEGEND, track_table
+from wildscav_evaluator.cli.time_table import conditions
 from wildscav_evaluator.output.opening import expected_matches
 from wildscav_evaluator.output.results import RESULTS_FILE, Results, Timings, read_results
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, record_paths, replay_all
@@ -50,7 +51,12 @@ def recomputed(replayed: Sequence[Replayed], told: Results | None) -> Results:
         return told.model_copy(update={"evaluations": evaluations})
     nothing = Timings(started="", wall=0.0, jobs=0, matches=())
     return Results(
-        engine_version=ENGINE_VERSION, suite="unknown", seed=0, evaluations=evaluations, timings=nothing
+        engine_version=ENGINE_VERSION,
+        suite="unknown",
+        seed=0,
+        sandbox="unknown",
+        evaluations=evaluations,
+        timings=nothing,
     )
 
 
@@ -73,3 +79,6 @@ def _show(results: Results) -> None:
         console.print(track_table(results, track))
         console.print()
     console.print(f"{LEGEND}\n", style="dim")
+    if results.limits:
+        for line in conditions(results.sandbox, results.limits):
+            console.print(f"played in {line}", soft_wrap=True, highlight=False)

@@ -12,6 +12,7 @@ from wildscav_engine.files import write_whole
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import LEGEND, ranked, track_table
+from wildscav_evaluator.cli.time_table import conditions, time_table
 from wildscav_evaluator.evaluation import Plan, check_names, collect, identity, make_jobs
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, kept, sensors_read
 from wildscav_evaluator.matches.workers import WorkerDiedError, Workers
@@ -40,7 +41,8 @@ def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None
         for track in results.tracks:
             console.print()
             console.print(track_table(results, track))
-        console.print(f"\n{LEGEND}", style="dim")
+        console.print(f"\n{LEGEND}\n", style="dim")
+        console.print(time_table(results))
         _remark(results)
         complaints = list(_keep(results, plan, kept_by, database))
         complaints += [
@@ -119,6 +121,8 @@ def _remark(results: Results) -> None:
 def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
     """Write the results and hand them to the sinks; say where all is, and yield what went wrong."""
     console.print()
+    for position, line in enumerate(conditions(results.sandbox, results.limits)):
+        _say("" if position else "sandbox", line)
     try:
         _say("results", str(write_results(results, plan.out)))
     except OSError as error:
@@ -133,7 +137,7 @@ def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database:
             _say("", f"standings: {command('wildscav')} leaderboard --db {database}")
         except UserError as error:
             yield str(error)
-    if any(row.log is not None for row in rows):
+    if any(row.logs for row in rows):
         _say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sum(row.replay is not None for row in rows)
     if replays:
@@ -160,5 +164,7 @@ def _replay_to_show(results: Results) -> str | None:
 def all_failed(evaluation: Evaluation, out: Path) -> str:
     """Say that a submission failed in every match of a track, and why."""
     first = evaluation.matches[0]
-    see = f" (its log: {out / first.log})" if first.log else ""
+    # The log of the seat that failed, which may not be its first.
+    log = next((seat.log for seat in first.seats if seat.fault is not None), None)
+    see = f" (its log: {out / log})" if log else ""
     return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"

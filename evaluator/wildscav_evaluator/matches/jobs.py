@@ -12,9 +12,10 @@ from wildscav.server import HostedMatch, SeatReport
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.matches.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.seating import submission_seats
 from wildscav_evaluator.matches.warm import Wanted
 from wildscav_evaluator.output.journal import read_entry, write_entry
-from wildscav_evaluator.output.results import MatchRow, MatchTiming
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, SeatTiming
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits, Sandbox
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -54,15 +55,20 @@ class Job:
         return f"{REPLAYS}/{self.stem}.rrd"
 
     @property
-    def log(self) -> str:
-        """Path of the agent's log in the output folder."""
-        return f"{LOGS}/{self.stem}.log"
+    def seats(self) -> tuple[int, ...]:
+        """The seats that the submission fills: all that a submission may."""
+        return submission_seats(self.spec.seats)
+
+    def log(self, seat: int) -> str:
+        """Path of the log of a seat's agent in the output folder."""
+        # No name of a submission has a dot: what stands before the first one is always the stem.
+        return f"{LOGS}/{self.stem}.log" if len(self.seats) == 1 else f"{LOGS}/{self.stem}.seat-{seat}.log"
 
     @property
     def seating(self) -> Seating:
         """The match, with this submission in every seat that a submission fills."""
-        count = self.spec.seats.count("submission")
-        return Seating(self.spec, (self.submission,) * count, (self.out / self.log,) * count, self.limits)
+        logs = tuple(self.out / self.log(seat) for seat in self.seats)
+        return Seating(self.spec, (self.submission,) * len(logs), logs, self.limits)
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:
@@ -125,10 +131,8 @@ def _play(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None]) -> Job
         played = runner.run(_play_telling(seating, SANDBOXES[job.sandbox], beat))
         write_record(job.out / job.record, played.match, seating.names)
         remove_empty_logs(seating.logs)
-        seat = seating.seats[0]
-        row = _row(job, played, seat)
-        wall = time.perf_counter() - clock
-        timing = _timing(job, played, played.seats[seat], started, wall)
+        row = MatchRow.of(job.index, tuple(_seat(job, played, seat) for seat in job.seats), job.record)
+        timing = _timing(job, played, started, time.perf_counter() - clock)
         # From here on the match is played, whatever happens.
         write_entry(job.out, job.evaluation, job.stem, row, timing)
         return JobResult(job, row, timing)
@@ -163,8 +167,7 @@ async def _play_telling(seating: Seating, sandbox: Sandbox, beat: Callable[[Beat
 
 def failed(job: Job, reason: str) -> JobResult:
     """Return the result of a job that came to no result, by no fault of the agent."""
-    row = MatchRow(index=job.index, seat=job.seating.seats[0], status=FAILED, fault="platform", detail=reason)
-    return JobResult(job, row)
+    return JobResult(job, MatchRow(index=job.index, status=FAILED, fault="platform", detail=reason))
 
 
 def _rendered(result: JobResult) -> JobResult:
@@ -184,7 +187,7 @@ def _render(job: Job) -> str:
 
     path = job.out / job.replay_path
     try:
-        write_replay(read_record(job.out / job.record), path, follow=job.seating.seats[0])
+        write_replay(read_record(job.out / job.record), path, follow=job.seats[0])
     except OSError as error:
         return f"no replay {path}: {error.strerror or error}"
     except Exception as error:  # noqa: BLE001 (the match stands, whatever becomes of its picture)
@@ -192,10 +195,9 @@ def _render(job: Job) -> str:
     return ""
 
 
-def _row(job: Job, played: Played, seat: int) -> MatchRow:
-    report = played.seats[seat]
-    return MatchRow(
-        index=job.index,
+def _seat(job: Job, played: Played, seat: int) -> SeatRow:
+    report, log = played.seats[seat], job.log(seat)
+    return SeatRow(
         seat=seat,
         status=report.status.value,
         fault=fault.value if (fault := report.status.fault) else None,
@@ -207,13 +209,11 @@ def _row(job: Job, played: Played, seat: int) -> MatchRow:
         invalid_actions=report.invalid_actions,
         ignored_fields=report.ignored_fields,
         metrics=dict(played.match.result().seats[seat].metrics),
-        record=job.record,
-        log=job.log if (job.out / job.log).exists() else None,
+        log=log if (job.out / log).exists() else None,
     )
 
 
-def _timing(job: Job, played: Played, report: SeatReport, started: float, wall: float) -> MatchTiming:
-    total, median, high, most = report.think_time
+def _timing(job: Job, played: Played, started: float, wall: float) -> MatchTiming:
     return MatchTiming(
         submission=job.submission.name,
         track=job.track,
@@ -221,11 +221,22 @@ def _timing(job: Job, played: Played, report: SeatReport, started: float, wall: 
         started=started,
         wall=wall,
         steps=played.match.step_number,
+        seats=tuple(_seat_timing(played.seats[seat]) for seat in job.seats),
+        platform_faults=played.platform_faults,
+    )
+
+
+def _seat_timing(report: SeatReport) -> SeatTiming:
+    time = report.think_time
+    return SeatTiming(
+        seat=report.seat,
+        start_up=report.start_up,
+        steps=report.steps_played + report.late_steps,
         late_steps=report.late_steps,
         dropped_actions=report.dropped_actions,
-        think_time=total,
-        think_p50=median,
-        think_p99=high,
-        think_max=most,
-        platform_faults=played.platform_faults,
+        time_used=time.total,
+        latency_p50=time.p50,
+        latency_p99=time.p99,
+        latency_max=time.max,
+        time_bank=report.time_bank,
     )

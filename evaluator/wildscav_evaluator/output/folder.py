@@ -79,7 +79,7 @@ def keep_only(out: Path, stems: Iterable[str]) -> None:
     """
     kept = set(stems)
     for path in _own_files(out):
-        if path.stem not in kept:
+        if path.name.partition(".")[0] not in kept:
             path.unlink()
     for pattern in PARTS:
         for path in out.glob(pattern):

@@ -12,7 +12,7 @@ from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.files import write_whole
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.output.results import Part
+from wildscav_evaluator.output.results import KeptLimits, Part
 
 IDENTITY_FILE = "evaluation.json"
 
@@ -37,7 +37,8 @@ class Identity(Part):
     tracks: tuple[str, ...]
     matches: str  # digest of the specs of all matches
     submissions: tuple[Entrant, ...]
-    sandbox: str  # in which agents run: its limits may cost them time
+    sandbox: str  # in which agents run
+    limits: dict[str, KeptLimits]  # of each agent in it, by track
 
     @property
     def digest(self) -> str:
@@ -87,6 +88,8 @@ def difference(old: Identity, new: Identity) -> str:
             continue
         if field == "submissions":
             return _difference_of_submissions(was, wanted)
+        if field == "limits":
+            return _difference_of_limits(was, wanted)
         if field == "matches":
             return "its matches are others"
         verb = "are" if field == "tracks" else "is"
@@ -102,6 +105,20 @@ def _difference_of_submissions(old: tuple[Entrant, ...], new: tuple[Entrant, ...
     if was.version != wanted.version:
         return f"it is of {was.name} {was.version}, not {wanted.version}"
     return f"the files of {was.name} have changed since"
+
+
+def _difference_of_limits(old: dict[str, KeptLimits], new: dict[str, KeptLimits]) -> str:
+    """Name the first limit that is another; of the same tracks."""
+    for track, limits in new.items():
+        for name, wanted in limits:
+            was = getattr(old[track], name)
+            if was != wanted:
+                return f"its limit of {name} on {track} is {_limit(was)}, not {_limit(wanted)}"
+    return ""
+
+
+def _limit(value: float | None) -> str:
+    return "none" if value is None else f"{value:,.15g}"
 
 
 def _listed(value: object) -> str:

@@ -3,8 +3,10 @@
 Two runs of the same command give equal files, but for ``timings``.
 """
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -42,13 +44,12 @@ class Summary(Part):
     high: float
 
 
-class MatchRow(Part):
-    """One match of an evaluation, as it went for the submission."""
+class SeatRow(Part):
+    """One seat of the submission in a match. Most matches give it one, an own suite may give it several."""
 
-    index: int  # in the suite
     seat: int
-    # How the seat fared: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error",
-    # "disqualified" or "never_joined"; "failed": no match, by the platform's fault.
+    # How it fared: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error", "disqualified" or
+    # "never_joined".
     status: str
     fault: Fault | None = None  # whose, if something went wrong
     detail: str = ""  # what went wrong, in one line
@@ -58,10 +59,47 @@ class MatchRow(Part):
     actions: int = 0  # answers of the agent that came in time
     invalid_actions: int = 0  # those with a number out of its range, played as no action
     ignored_fields: int = 0  # set though the track has no such action, in all actions together
-    metrics: dict[str, float] | None = None  # none if the match came to no result
+    metrics: dict[str, float] = {}
+    log: str | None = None  # path in the output folder: what its agent printed
+
+
+class MatchRow(Part):
+    """One match of an evaluation, as it went for the submission."""
+
+    index: int  # in the suite
+    status: str  # of the first of its seats in which something went wrong; "failed": no match
+    fault: Fault | None = None  # whose, if something went wrong
+    detail: str = ""  # what went wrong, in one line
+    metrics: dict[str, float] | None = None  # the mean of its seats; none if the match came to no result
     record: str | None = None  # path in the output folder
     replay: str | None = None  # path in the output folder
-    log: str | None = None  # path in the output folder: what the agent printed
+    seats: tuple[SeatRow, ...] = ()  # of the submission; none if the match came to no result
+
+    @classmethod
+    def of(cls, index: int, seats: tuple[SeatRow, ...], record: str | None) -> Self:
+        """Sum up how a match went in each of the submission's seats, one at least."""
+        worst = next((seat for seat in seats if seat.fault is not None), seats[0])
+        metrics = mean_metrics([seat.metrics for seat in seats])
+        return cls(
+            index=index,
+            status=worst.status,
+            fault=worst.fault,
+            detail=worst.detail,
+            metrics=metrics,
+            record=record,
+            seats=seats,
+        )
+
+    @property
+    def logs(self) -> tuple[str, ...]:
+        """Paths in the output folder: what its agents printed."""
+        return tuple(seat.log for seat in self.seats if seat.log is not None)
+
+
+def mean_metrics(seats: Sequence[dict[str, float]]) -> dict[str, float]:
+    """Return each metric's mean over some seats, one at least; of one seat, just its own."""
+    # Exact sums: no result depends on the order of the seats.
+    return {name: math.fsum(seat[name] for seat in seats) / len(seats) for name in seats[0]}
 
 
 class Evaluation(Part):
@@ -86,6 +124,21 @@ class Evaluation(Part):
         return sum(row.fault is not None for row in self.matches)
 
 
+class SeatTiming(Part):
+    """How one seat used its time, measured at the engine."""
+
+    seat: int
+    start_up: float | None  # s from the opening of the match until it was ready; none if it never was
+    steps: int  # that it was asked for
+    late_steps: int  # of those, the timeouts: no answer in time, played with no action
+    dropped_actions: int = 0  # answers to steps that were over
+    time_used: float  # s, of all steps
+    latency_p50: float  # s from an observation sent to its answer received
+    latency_p99: float  # s
+    latency_max: float  # s
+    time_bank: float  # s left of it at the end
+
+
 class MatchTiming(Part):
     """How long one match took."""
 
@@ -95,12 +148,7 @@ class MatchTiming(Part):
     started: float  # s since 1970, UTC
     wall: float  # s, with starting the agent and writing the record
     steps: int
-    late_steps: int  # steps in which the agent was too late and played no action
-    dropped_actions: int = 0  # answers to steps that were over
-    think_time: float  # s, of all steps
-    think_p50: float  # s
-    think_p99: float  # s
-    think_max: float  # s
+    seats: tuple[SeatTiming, ...]  # of the submission
     platform_faults: tuple[str, ...] = ()  # what broke the tries before the one that counts, a line each
 
 
@@ -113,6 +161,18 @@ class Timings(Part):
     matches: tuple[MatchTiming, ...]
 
 
+class KeptLimits(Part):
+    """The limits of each agent that its sandbox keeps; none where it keeps none."""
+
+    cpus: float | None = None  # cores' worth of processor time
+    memory: int | None = None  # bytes, with what is in /tmp
+    processes: int | None = None  # processes and threads
+    open_files: int | None = None  # of each process
+    tmp_size: int | None = None  # bytes in /tmp
+    output: int | None = None  # bytes kept of what it prints
+    wall_clock: float | None = None  # s from its start
+
+
 class Results(Part):
     """An evaluation of some submissions on some tracks."""
 
@@ -122,7 +182,8 @@ class Results(Part):
     seed: int | None  # none while it is hidden
     commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
     rounds: int = 1  # how often the suite was played, each time with the next seed
-    sandbox: str = "process"  # in which agents ran
+    sandbox: str  # in which agents ran
+    limits: dict[str, KeptLimits] = {}  # of each agent in it, by track
     evaluations: tuple[Evaluation, ...]
     timings: Timings
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from wildscav_engine.files import write_whole
-from wildscav_evaluator.output.results import Evaluation, MetricInfo, Part, Results
+from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Part, Results
 from wildscav_evaluator.scores.score import interval
 
 COMPARISON_FILE = "comparison.json"
@@ -52,6 +52,8 @@ class Comparisons(Part):
     suite: str
     seed: str  # or the beginning of a hidden one's commitment
     rounds: int
+    sandbox: str  # in which agents ran
+    limits: dict[str, KeptLimits]  # of each agent in it, by track
     comparisons: tuple[Comparison, ...]
 
 
@@ -62,6 +64,8 @@ def compare(results: Results, first: str, second: str) -> Comparisons:
         suite=results.suite,
         seed=results.seed_label,
         rounds=results.rounds,
+        sandbox=results.sandbox,
+        limits=results.limits,
         comparisons=tuple(
             _compare(by_name[first, track], by_name[second, track]) for track in results.tracks
         ),

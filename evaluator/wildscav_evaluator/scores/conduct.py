@@ -11,10 +11,11 @@ from wildscav_evaluator.output.results import Evaluation
 
 def evaluation_remark(evaluation: Evaluation) -> str | None:
     """Return a line on a submission's invalid actions on one track, if there were any."""
+    seats = [seat for row in evaluation.matches for seat in row.seats]
     return remark(
         f"{evaluation.submission} on {evaluation.track}",
-        actions=sum(row.actions for row in evaluation.matches),
-        invalid=sum(row.invalid_actions for row in evaluation.matches),
+        actions=sum(seat.actions for seat in seats),
+        invalid=sum(seat.invalid_actions for seat in seats),
     )
 
 

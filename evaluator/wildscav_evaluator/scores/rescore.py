@@ -20,7 +20,7 @@ from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.evaluation import metric_infos
 from wildscav_evaluator.matches.jobs import RECORDS
 from wildscav_evaluator.matches.seating import display_names, submission_seats
-from wildscav_evaluator.output.results import Evaluation, MatchRow, Results
+from wildscav_evaluator.output.results import Evaluation, MatchRow, Results, SeatRow, mean_metrics
 from wildscav_evaluator.scores.score import summary
 
 NAME = re.compile(
@@ -45,15 +45,19 @@ class Replayed:
     track: str
     index: int  # in the suite
     submission: str
-    seat: int = 0
     spec: MatchSpec | None = None
-    metrics: dict[str, float] | None = None  # none if the record does not hold
+    seats: Mapping[int, dict[str, float]] | None = None  # metrics of the submission's; none if it is no good
     fault: str = ""  # why it does not
 
     @property
     def key(self) -> tuple[str, str, int]:
         """Which match of the evaluation it is."""
         return self.track, self.submission, self.index
+
+    @property
+    def metrics(self) -> dict[str, float] | None:
+        """Those of the match; none if the record does not hold."""
+        return None if self.seats is None else mean_metrics(list(self.seats.values()))
 
 
 def record_paths(out: Path) -> list[Path]:
@@ -103,9 +107,9 @@ def replay_one(path: Path) -> Replayed:
         fault = describe(error)
     if fault:
         return replace(told, fault=printable(fault))
-    seat = submission_seats(record.spec.seats)[0]
     # The record holds: its result is that of the match played again.
-    return replace(told, seat=seat, spec=record.spec, metrics=record.result.seats[seat].metrics)
+    seats = {seat: dict(record.result.seats[seat].metrics) for seat in submission_seats(record.spec.seats)}
+    return replace(told, spec=record.spec, seats=seats)
 
 
 def _misnamed(record: Record, told: Replayed) -> str:
@@ -116,9 +120,10 @@ def _misnamed(record: Record, told: Replayed) -> str:
     if record.spec.track != told.track:
         return f"it is of {record.spec.track}, not of {told.track}"
     expected = display_names(record.spec.seats, [told.submission] * len(seats))
-    if record.names != expected:
-        return f"seat {seats[0]} is that of {record.names[seats[0]]}, not of {told.submission}"
-    return ""
+    for seat in seats:
+        if record.names[seat] != expected[seat]:
+            return f"seat {seat} is that of {record.names[seat]}, not of {expected[seat]}"
+    return "" if record.names == expected else "its seats have other names"
 
 
 def recompute(replayed: Sequence[Replayed], told: Results | None) -> list[Evaluation]:
@@ -128,7 +133,7 @@ def recompute(replayed: Sequence[Replayed], told: Results | None) -> list[Evalua
         replayed: The records, played again.
         told: What the evaluation said: its order, the versions, and how agents behaved, which no record says.
     """
-    held = {one.key: one for one in replayed if one.metrics is not None}
+    held = {one.key: one for one in replayed if one.seats is not None}
     before = {(one.track, one.submission): one for one in (told.evaluations if told else ())}
     tracks = list(TRACKS)
     found = sorted({key[:2] for key in held} - before.keys(), key=lambda key: (tracks.index(key[0]), key[1]))
@@ -154,12 +159,16 @@ def _evaluation(
 
 
 def _row(index: int, told: MatchRow | None, recorded: Replayed | None) -> MatchRow:
-    changes: dict[str, object] = {"metrics": None, "record": None}
-    if recorded is not None:
-        changes = {"seat": recorded.seat, "metrics": recorded.metrics, "record": recorded.record}
-    if told is None:
-        return MatchRow(index=index, status=RECORDED, **{"seat": 0, **changes})  # type: ignore[arg-type]
-    return told.model_copy(update=changes)
+    if recorded is None or recorded.seats is None:
+        told = told or MatchRow(index=index, status=RECORDED)
+        return told.model_copy(update={"metrics": None, "record": None, "seats": ()})
+    known = {seat.seat: seat for seat in (told.seats if told else ())}
+    seats = tuple(
+        known.get(seat, SeatRow(seat=seat, status=RECORDED)).model_copy(update={"metrics": metrics})
+        for seat, metrics in recorded.seats.items()
+    )
+    row = told or MatchRow(index=index, status=RECORDED)
+    return row.model_copy(update={"metrics": recorded.metrics, "record": recorded.record, "seats": seats})
 
 
 def disagreements(
@@ -193,13 +202,18 @@ def _differences(told: Evaluation, found: Evaluation) -> Iterator[str]:
             yield f"{who}, match {row.index}: there is a record, but no result"
         elif before.record is not None and row.record is None:
             yield f"{who}, match {row.index}: its record is missing or does not hold"
-        elif (before.metrics, before.seat, before.record) != (row.metrics, row.seat, row.record):
+        elif _scored(before) != _scored(row):
             yield f"{who}, match {row.index}: the results say {_metrics(before)}, its record {_metrics(row)}"
     if told.metrics != found.metrics:
         yield f"{who}: its metrics are described otherwise"
     for name in {**told.summary, **found.summary}:
         if told.summary.get(name) != found.summary.get(name):
             yield f"{who}: {name} is {_figures(told, name)}, its records give {_figures(found, name)}"
+
+
+def _scored(row: MatchRow) -> tuple[object, ...]:
+    """Return what of a match a record can bear out."""
+    return row.metrics, row.record, [(seat.seat, seat.metrics) for seat in row.seats]
 
 
 def _metrics(row: MatchRow) -> str:

@@ -70,12 +70,12 @@ def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
     for track in dict.fromkeys(one.track for one in timings):
         of_track = [one for one in timings if one.track == track]
         steps.add_metric((track,), sum(one.steps for one in of_track))
-        late.add_metric((track,), sum(one.late_steps for one in of_track))
+        late.add_metric((track,), sum(seat.late_steps for one in of_track for seat in one.seats))
         for submission in dict.fromkeys(one.submission for one in of_track):
-            own = [one for one in of_track if one.submission == submission]
+            own = [seat for one in of_track if one.submission == submission for seat in one.seats]
             latency.add_metric(
                 (track, submission),
-                count_value=sum(one.steps for one in own),
-                sum_value=sum(one.think_time for one in own),
+                count_value=sum(seat.steps for seat in own),
+                sum_value=sum(seat.time_used for seat in own),
             )
     yield from (steps, late, latency)

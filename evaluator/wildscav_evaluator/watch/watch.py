@@ -83,9 +83,7 @@ class Watch:
             values |= {
                 "wall": round(timing.wall, 3),
                 "steps": timing.steps,
-                "late_steps": timing.late_steps,
-                "step_latency_p50": timing.think_p50,
-                "step_latency_p99": timing.think_p99,
+                "seats": [seat.model_dump() for seat in timing.seats],
                 "platform_faults": list(timing.platform_faults),
             }
         write = self._log.info if row.fault is None else self._log.warning

@@ -1,31 +1,22 @@
 """`wildscav check`: what it tries with an agent, and how it explains what fails."""
 
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.evaluator.players import WALKER, Command, Submit
 
 from wildscav.server import Clock
 from wildscav_evaluator.check.findings import Finding, Verdict, mend_outcome
 from wildscav_evaluator.check.trials import run_checks
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
 
-Submit = Callable[..., Submission]
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
+pytestmark = pytest.mark.usefixtures("compiled")
 
-WALKER = "    def act(self, observation): return Action(walk_direction=90.0, walk_speed=5.0)"
 PATIENT = Clock(step_budget=2.0, game_time_factor=100.0)  # so that a busy machine is not the agent's fault
 HASTY = Clock(step_budget=0.02, time_bank=0.5, join_timeout=2.0)
 MATCH = "match: navigation"
 CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers", "broken-off match"]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    warm()
 
 
 def findings(submission: Submission, logs: Path, clock: Clock = PATIENT) -> dict[str, Finding]:

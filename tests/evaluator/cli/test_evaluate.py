@@ -2,44 +2,21 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.evaluator.players import WALKER, Command, Submit
 
 from wildscav_engine.record import read_record, save, verify_record
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.output.lock import locked
-from wildscav_evaluator.output.results import Results, read_results
-from wildscav_evaluator.submissions.submission import Submission, folder_digest
+from wildscav_evaluator.output.results import KeptLimits, Results, read_results
+from wildscav_evaluator.submissions.submission import folder_digest
 from wildscav_evaluator.suites.suite import suite
 from wildscav_leaderboard.database import writing
 
-Submit = Callable[..., Submission]
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
-
-WALKER = (
-    "    def act(self, observation): return Action(walk_direction=observation.step * 10.0, walk_speed=6.0)"
-)
-CRASHER = """
-    def act(self, observation):
-        if observation.step == 7:
-            raise RuntimeError("lost the thread")
-        return Action()
-"""
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    """Compile before a command's time runs."""
-    warm()
-
-
-@pytest.fixture
-def pair(submit: Submit) -> tuple[Path, Path]:
-    return submit("walker", WALKER).folder, submit("crasher", CRASHER).folder
+pytestmark = pytest.mark.usefixtures("compiled")
 
 
 def evaluate(
@@ -75,6 +52,8 @@ def test_a_failing_agent_harms_nobody(wildscav: Command, pair: tuple[Path, Path]
     assert (crasher.submission, crasher.faults, len(crasher.matches)) == ("crasher", matches, matches)
     assert {row.status for row in crasher.matches} == {"crashed"}
     assert crasher.score is not None, "a match that an agent left is scored as it stands"
+    assert results.sandbox == "process"
+    assert results.limits == {"navigation": KeptLimits(output=1_000_000, wall_clock=7200.0)}
     check_files(tmp_path, results)
     check_table(done.stdout)
 
@@ -90,8 +69,7 @@ def check_files(out: Path, results: Results) -> None:
             assert (out / row.record).stat().st_size > 0
         assert evaluation.matches[0].replay is not None
         assert (out / evaluation.matches[0].replay).stat().st_size > 1000
-    log = results.evaluations[1].matches[0].log
-    assert log is not None
+    (log,) = results.evaluations[1].matches[0].logs
     assert "lost the thread" in (out / log).read_text()
     record = read_record(out / str(results.evaluations[0].matches[0].record))
     assert verify_record(record).holds
@@ -101,6 +79,9 @@ def check_table(output: str) -> None:
     assert "navigation · suite quick · seed 0" in output
     assert "walker 1.0.0" in output
     assert "success" in output
+    said = " ".join(output.split())
+    assert "sandbox process; each agent: 1 MB of output, 7,200 s" in said
+    assert "time of the agents, measured at the engine" in said
     assert "results.json" in output
     assert "verify" in output
     assert ".rrd" in output
@@ -115,9 +96,10 @@ def test_invalid_actions_are_counted_and_told(wildscav: Command, submit: Submit,
 
     first, second = read_results(tmp_path / "results.json").evaluations
     assert done.returncode == 0
-    assert all(row.invalid_actions == row.actions > 100 for row in first.matches)
-    assert all(row.invalid_actions == row.ignored_fields == 0 < row.actions for row in second.matches)
-    total = sum(row.actions for row in first.matches)
+    ones, others = ([row.seats[0] for row in one.matches] for one in (first, second))
+    assert all(seat.invalid_actions == seat.actions > 100 for seat in ones)
+    assert all(seat.invalid_actions == seat.ignored_fields == 0 < seat.actions for seat in others)
+    total = sum(seat.actions for seat in ones)
     said = " ".join(done.stdout.split())
     assert f"runner on navigation: {total:,} of {total:,} actions were invalid" in said
     assert "walk_speed must be 0 to 10 m/s" in said

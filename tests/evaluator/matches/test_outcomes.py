@@ -1,39 +1,23 @@
 """What an agent does is the outcome of its seat; what the platform breaks is played again."""
 
 import asyncio
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.evaluator.players import QUITTER, TALKER, Submit
 
 from wildscav.server import Clock, SeatStatus
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import TRIES, PlatformFaultError, Played, Seating, play_match, status_of
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 from wildscav_evaluator.submissions.submission import Submission
 
-Submit = Callable[..., Submission]
+pytestmark = pytest.mark.usefixtures("compiled")
 
 MAP = MapSpec(config=MapConfig(size=40, houses=1), seed=3)
 STEPS = 20
-WALKER = """
-    def act(self, observation):
-        print("step", observation.step)
-        return Action(walk_speed=5.0)
-"""
-CRASHER = """
-    def act(self, observation):
-        print("going")
-        os._exit(7)
-"""
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    warm()
 
 
 @pytest.fixture(autouse=True)
@@ -107,7 +91,7 @@ def test_whatever_a_seat_does_but_finishing_is_its_agents_fault(status: SeatStat
 def test_an_agent_that_ends_early_has_crashed_with_its_exit_code_and_last_lines(
     submit: Submit, tmp_path: Path
 ) -> None:
-    played = play(submit("crasher", CRASHER), submit("walker", WALKER), tmp_path=tmp_path)
+    played = play(submit("crasher", QUITTER), submit("walker", TALKER), tmp_path=tmp_path)
 
     crasher, walker = played.seats[0], played.seats[1]
     assert (crasher.status, crasher.exit_code, crasher.last_lines) == ("crashed", 7, ("going",))
@@ -126,7 +110,7 @@ def test_an_agent_that_ends_early_has_crashed_with_its_exit_code_and_last_lines(
 def test_what_a_sandbox_ends_an_agent_for_is_its_outcome(
     submit: Submit, tmp_path: Path, ending: Ending, status: str
 ) -> None:
-    played = play(submit("crasher", CRASHER), tmp_path=tmp_path, sandbox=Failing(ending))
+    played = play(submit("crasher", QUITTER), tmp_path=tmp_path, sandbox=Failing(ending))
 
     assert (played.seats[0].status, played.seats[0].detail) == (status, str(ending))
     assert played.platform_faults == ()
@@ -154,7 +138,7 @@ CRASHES_FIRST = """
 @pytest.mark.parametrize(
     ("failure", "body"),
     [
-        (BlockingIOError(11, "Resource temporarily unavailable"), WALKER),
+        (BlockingIOError(11, "Resource temporarily unavailable"), TALKER),
         (Ending(exit_code=125, platform_fault="the container could not be started"), CRASHES_FIRST),
     ],
     ids=["no process", "broken sandbox"],
@@ -187,7 +171,7 @@ def test_an_engine_that_fails_under_a_match_is_no_fault_of_its_agents(
 
     monkeypatch.setattr(Match, "step", fails_once)
 
-    played = play(submit("walker", WALKER), tmp_path=tmp_path)
+    played = play(submit("walker", TALKER), tmp_path=tmp_path)
 
     assert played.seats[0].status == SeatStatus.FINISHED
     assert played.platform_faults == ("FloatingPointError: a number of ours went wrong",)
@@ -197,7 +181,7 @@ def test_a_platform_that_fails_again_and_again_gives_the_match_up(submit: Submit
     sandbox = Failing(*[BlockingIOError(11, "Resource temporarily unavailable")] * 5)
 
     with pytest.raises(PlatformFaultError, match=r"failed 3 times: Resource temporarily unavailable$"):
-        play(submit("walker", WALKER), tmp_path=tmp_path, sandbox=sandbox)
+        play(submit("walker", TALKER), tmp_path=tmp_path, sandbox=sandbox)
 
     assert sandbox.starts == TRIES
 
@@ -215,6 +199,6 @@ def test_a_match_that_cannot_be_set_up_is_not_tried_again(
     monkeypatch.setattr("wildscav.server.server._set_up", refuse)
 
     with pytest.raises(MatchSetupError):
-        play(submit("walker", WALKER), tmp_path=tmp_path)
+        play(submit("walker", TALKER), tmp_path=tmp_path)
 
     assert tries == 1

@@ -3,36 +3,21 @@
 import asyncio
 import os
 import signal
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.evaluator.players import SLEEPER, WALKER, Submit
 
 from wildscav.server import Clock, HostedMatch, SeatStatus
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Played, Seating, play_match
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
 
-Submit = Callable[..., Submission]
+pytestmark = pytest.mark.usefixtures("compiled")
 
-WALKER = """
-    def act(self, observation):
-        return Action(walk_direction=90.0, walk_speed=5.0)
-"""
-SLEEPER = """
-    def act(self, observation):
-        print(os.getpid(), flush=True)
-        time.sleep(600)
-"""
 MAP = MapSpec(config=MapConfig(size=40, houses=1), seed=3)
 STEPS = 60
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    warm()
 
 
 def battle(*submissions: Submission, tmp_path: Path) -> Seating:

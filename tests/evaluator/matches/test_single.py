@@ -5,25 +5,16 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.evaluator.players import WALKER, Command, Submit
 
 from wildscav_engine.record import read_record
-from wildscav_evaluator.matches.warm import warm
-from wildscav_evaluator.submissions.submission import Submission
 
-Submit = Callable[..., Submission]
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
+pytestmark = pytest.mark.usefixtures("compiled")
 
-WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
 SHORT = ("--size", 40, "--time-limit", 1)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    warm()
 
 
 def test_a_match_leaves_what_was_asked_for_and_no_more(

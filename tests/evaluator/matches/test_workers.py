@@ -4,10 +4,10 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.evaluator.players import SLEEPER, WALKER, Submit
 
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult
@@ -15,14 +15,6 @@ from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.journal import MATCHES
 from wildscav_evaluator.submissions.submission import Submission
 
-Submit = Callable[..., Submission]
-
-WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
-SLEEPER = """
-    def act(self, observation):
-        print(os.getpid(), flush=True)
-        time.sleep(600)
-"""
 WORKER_KILLER = """
     def act(self, observation):
         os.kill(os.getppid(), signal.SIGKILL)
@@ -83,7 +75,7 @@ def test_a_record_that_cannot_be_written_costs_its_match_alone(submit: Submit, o
 def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Submit, out: Path) -> None:
     sleeper = submit("sleeper", SLEEPER)
     only = job(sleeper, 0, out)
-    log = out / only.log
+    log = out / only.log(0)
 
     with Workers(2) as workers:
         results = workers.run([only, job(submit("walker", WALKER), 0, out)])

@@ -1,21 +1,19 @@
 """An output folder holds one evaluation: the same one goes on in it, another is refused."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.evaluator.players import WALKER, Submit
 
 from wildscav.errors import UserError
 from wildscav_evaluator.evaluation import Plan, identity
 from wildscav_evaluator.output.folder import keep_only, output_folder
 from wildscav_evaluator.output.identity import IDENTITY_FILE, read_identity
-from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.sandbox import Limits
+from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
-from wildscav_evaluator.suites.suite import SUITES
-
-Submit = Callable[..., Submission]
-WALKER = "    def act(self, observation): return Action(walk_speed=5.0)"
+from wildscav_evaluator.suites.suite import SUITES, Suite
 
 
 @pytest.fixture
@@ -59,6 +57,10 @@ def test_another_evaluation_is_refused_with_the_difference(plan: Plan, submit: S
         (replace(plan, suite=SUITES["official"]), "its suite is quick, not official"),
         (replace(plan, seed=SuiteSeed(7)), "its seed is 0, not 7"),
         (replace(plan, sandbox="oci"), "its sandbox is process, not oci"),
+        (
+            replace(plan, suite=limited(output=4096)),
+            "output on navigation is 1,000,000, not 4,096",
+        ),
         (replace(plan, tracks=("gathering",)), "its tracks are navigation, not gathering"),
         (replace(plan, submissions=(newer,)), "it is of walker 1.0.0, not 1.1.0"),
         (replace(plan, submissions=(submit("other", WALKER),)), "it is of walker, not of other"),
@@ -66,6 +68,22 @@ def test_another_evaluation_is_refused_with_the_difference(plan: Plan, submit: S
     ):
         assert says in refusal(other)
     assert read_identity(plan.out) == identity(plan)
+
+
+def limited(**limits: object) -> Suite:
+    """The quick suite with other limits of agents, as another version of Wildscav may have them."""
+    navigation = Limits.model_validate(limits)
+    return replace(SUITES["quick"], limits={"navigation": navigation})
+
+
+def test_limits_are_of_an_evaluation_as_far_as_its_sandbox_keeps_them(plan: Plan) -> None:
+    less = replace(plan, suite=limited(memory="1GiB"))
+    assert identity(less) == identity(plan), "a plain process may take what it likes"
+
+    plan, less = replace(plan, sandbox="bubblewrap"), replace(less, sandbox="bubblewrap")
+    with output_folder(plan.out, identity(plan)):
+        pass
+    assert "its limit of memory on navigation is 2,147,483,648, not 1,073,741,824" in refusal(less)
 
 
 def test_a_folder_that_does_not_say_what_it_holds_is_refused(plan: Plan) -> None:

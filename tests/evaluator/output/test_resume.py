@@ -3,7 +3,6 @@
 import random
 import re
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,25 +12,15 @@ from tests.evaluator.killing import Sitting, check_whole, files, journal, withou
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.session import run_session
 from wildscav_evaluator.evaluation import Plan
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.output.results import read_results
-from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.own_suite import read_suite
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.models import Evaluation, MatchResult
 
-Submit = Callable[..., Submission]
+pytestmark = pytest.mark.usefixtures("compiled")
 
-WALKER = (
-    "    def act(self, observation): return Action(walk_direction=observation.step * 10.0, walk_speed=6.0)"
-)
-CRASHER = """
-    def act(self, observation):
-        if observation.step == 7:
-            raise RuntimeError("lost the thread")
-        return Action()
-"""
 # Short matches: what is looked at is what lies between them.
 SUITE = """
 name = "short"
@@ -41,17 +30,6 @@ maps = 3
 match = { time_limit = 2.0 }
 """
 MATCHES = 6  # of both
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    """Compile before a command's time runs."""
-    warm()
-
-
-@pytest.fixture
-def pair(submit: Submit) -> tuple[Path, Path]:
-    return submit("walker", WALKER).folder, submit("crasher", CRASHER).folder
 
 
 @pytest.fixture

@@ -22,9 +22,9 @@ SUBMISSIONS = Path(__file__).parents[3] / "submissions"
 
 def evaluation(name: str, values: Sequence[float | None], metric: MetricInfo = SUPPLIES) -> Evaluation:
     rows = tuple(
-        MatchRow(index=index, seat=0, status="failed", fault="platform")
+        MatchRow(index=index, status="failed", fault="platform")
         if value is None
-        else MatchRow(index=index, seat=0, status="finished", metrics={metric.name: value})
+        else MatchRow(index=index, status="finished", metrics={metric.name: value})
         for index, value in enumerate(values)
     )
     return Evaluation(
@@ -45,6 +45,7 @@ def compared(
         engine_version="0",
         suite="quick",
         seed=0,
+        sandbox="process",
         evaluations=(evaluation("ada", first, metric), evaluation("bob", second, metric)),
         timings=Timings(started="", wall=0.0, jobs=1, matches=()),
     )

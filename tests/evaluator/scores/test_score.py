@@ -64,9 +64,9 @@ def test_nineteen_of_twenty_intervals_hold_the_true_mean() -> None:
 def test_a_match_that_never_came_to_a_result_is_left_out_and_an_agents_failure_counts() -> None:
     metric = MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False)
     rows = [
-        MatchRow(index=0, seat=0, status="finished", metrics={"supplies": 10.0}),
-        MatchRow(index=1, seat=0, status="crashed", fault="agent", metrics={"supplies": 0.0}),
-        MatchRow(index=2, seat=0, status="failed", fault="platform"),
+        MatchRow(index=0, status="finished", metrics={"supplies": 10.0}),
+        MatchRow(index=1, status="crashed", fault="agent", metrics={"supplies": 0.0}),
+        MatchRow(index=2, status="failed", fault="platform"),
     ]
 
     assert summary([metric], rows)["supplies"].mean == 5.0

@@ -28,11 +28,11 @@ def shown(submit: Submit, tmp_path: Path, *, terminal: bool) -> str:
     tally = Tally(jobs)
     progress = EvaluationProgress(console, tally)
     with progress.shown():
-        failed = MatchRow(index=0, seat=0, status="crashed", fault="agent", detail=DETAIL)
+        failed = MatchRow(index=0, status="crashed", fault="agent", detail=DETAIL)
         result = JobResult(jobs[0], failed)
         progress.add(result, tally.add(result))
         metrics = {"time": 7.0, "used_time": 7.0, "punish_time": 0.0, "success": 1.0}
-        result = JobResult(jobs[1], MatchRow(index=0, seat=0, status="finished", metrics=metrics))
+        result = JobResult(jobs[1], MatchRow(index=0, status="finished", metrics=metrics))
         progress.add(result, tally.add(result))
     assert isinstance(console.file, io.StringIO)
     return console.file.getvalue()

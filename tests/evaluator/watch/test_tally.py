@@ -8,7 +8,7 @@ from rich.console import Console
 
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Beat, Job, JobResult
-from wildscav_evaluator.output.results import MatchRow, MatchTiming
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatTiming
 from wildscav_evaluator.submissions.submission import Manifest, Submission
 from wildscav_evaluator.watch.dashboard import dashboard, duration
 from wildscav_evaluator.watch.tally import Tally
@@ -45,10 +45,20 @@ def played(job: Job, wall: float, score: float = 1.0, *, fault: bool = False) ->
     metrics = {"time": score, "supplies": score}
     row = MatchRow(
         index=job.index,
-        seat=0,
         status="crashed" if fault else "finished",
         fault="agent" if fault else None,
         metrics=metrics,
+    )
+    seat = SeatTiming(
+        seat=0,
+        start_up=0.5,
+        steps=100,
+        late_steps=0,
+        time_used=1.0,
+        latency_p50=0.01,
+        latency_p99=0.01,
+        latency_max=0.01,
+        time_bank=30.0,
     )
     timing = MatchTiming(
         submission="walker",
@@ -57,11 +67,7 @@ def played(job: Job, wall: float, score: float = 1.0, *, fault: bool = False) ->
         started=0.0,
         wall=wall,
         steps=100,
-        late_steps=0,
-        think_time=1.0,
-        think_p50=0.01,
-        think_p99=0.01,
-        think_max=0.01,
+        seats=(seat,),
     )
     return JobResult(job, row, timing)
 

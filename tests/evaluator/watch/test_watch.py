@@ -91,7 +91,7 @@ def test_log_lines_say_what_happened_with_which_values(capsys: pytest.CaptureFix
     ]
     ended = lines[2]
     assert (ended["level"], ended["match"], ended["fault"]) == ("warning", "navigation-000-walker", "agent")
-    assert (ended["steps"], ended["step_latency_p99"]) == (100, 0.01)
+    assert (ended["steps"], ended["seats"][0]["latency_p99"]) == (100, 0.01)
     assert all(line["timestamp"].endswith("Z") for line in lines)
 
 

@@ -37,9 +37,7 @@ def attack(function: Callable[[], object]) -> Callable[[], object]:
 
 
 def call(function: str, *arguments: object) -> int:
-    # Whole registers: an int would leave half of a system call's argument to chance.
-    whole = [ctypes.c_long(one) if isinstance(one, int) else one for one in arguments]
-    result = int(getattr(LIBC, function)(*whole))
+    result = int(getattr(LIBC, function)(*arguments))
     if result == -1:
         raise OSError(ctypes.get_errno(), f"{function}: {os.strerror(ctypes.get_errno())}")
     return result

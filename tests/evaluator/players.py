@@ -1,0 +1,40 @@
+"""Agents that many tests play with: the body of a class each, for the fixture ``submit``."""
+
+import subprocess
+from collections.abc import Callable
+
+from wildscav_evaluator.submissions.submission import Submission
+
+Submit = Callable[..., Submission]  # the fixture that writes a submission
+Command = Callable[..., "subprocess.CompletedProcess[str]"]  # the fixture that runs `wildscav`
+
+# Walks in circles.
+WALKER = """
+    def act(self, observation):
+        return Action(walk_direction=observation.step * 10.0, walk_speed=6.0)
+"""
+# Walks, and says so at every step.
+TALKER = """
+    def act(self, observation):
+        print("step", observation.step)
+        return Action(walk_speed=5.0)
+"""
+# Raises an exception.
+CRASHER = """
+    def act(self, observation):
+        if observation.step == 7:
+            raise RuntimeError("lost the thread")
+        return Action()
+"""
+# Ends its process.
+QUITTER = """
+    def act(self, observation):
+        print("going")
+        os._exit(7)
+"""
+# Says which process it is, and is silent.
+SLEEPER = """
+    def act(self, observation):
+        print(os.getpid(), flush=True)
+        time.sleep(600)
+"""
