@@ -19,7 +19,7 @@ from report import Figure, JsonFile, publish
 from wildscav.proto.match_pb2 import ServerMessage
 from wildscav.sdk.transport import EXPERIMENTS, VARIABLE
 from wildscav.server import Clock, HostedMatch, MatchServer
-from wildscav.server.snapshot import take_snapshot
+from wildscav.server.snapshot import Senses
 from wildscav.server.warm import warm
 from wildscav.wire.observations import encode_observation
 from wildscav_engine.actions import Field, no_actions
@@ -105,13 +105,15 @@ async def _script(environment: dict[str, str], *arguments: str) -> asyncio.subpr
 def sample_messages(seats: int, count: int = 100) -> list[ServerMessage]:
     """Return what the first seat of such a match is sent."""
     match = Match(match_spec(seats))
+    senses = Senses(match)
     messages = []
     for step in range(count):
         rows = no_actions(seats)
         rows[:, Field.WALK_DIRECTION], rows[:, Field.WALK_SPEED] = step * 3.0, 6.0
         match.step(rows)
-        snapshot = take_snapshot(match)
-        messages.append(encode_observation(snapshot, 0, seconds_per_frame=0.02, time_bank=30.0, tensors={}))
+        messages.append(
+            encode_observation(senses.take(), 0, seconds_per_frame=0.02, time_bank=30.0, tensors={})
+        )
     return messages
 
 

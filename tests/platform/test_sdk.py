@@ -96,6 +96,7 @@ def test_an_agent_that_fails_is_told_from_a_platform_that_fails(
         got, said = await ended(process)
         assert (got, errors in said) == (code, True), said
         assert "wildscav/sdk" not in said  # the traceback is of the agent's own code
+        assert "asyncio" not in said
         hosted.give_up(0, "its process ended")
         assert (await hosted.finished()).seats[0].status == SeatStatus.CRASHED
 
@@ -123,6 +124,17 @@ def test_the_launcher_tells_usage_from_a_missing_server(
     assert done.returncode == code
     assert errors in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_an_agent_may_run_event_loops_of_its_own(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=1.0))
+        process = await start_agent("ThinksInLoops", address, hosted.tokens[0])
+        assert await ended(process) == (0, "")
+        report = (await hosted.finished()).seats[0]
+        assert (report.status, report.steps_played) == (SeatStatus.FINISHED, 10)
+
+    serving(tmp_path, play)
 
 
 def test_a_server_that_dies_is_an_unreachable_server(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ Or ``python -m wildscav.sdk FOLDER``: the entry point stands in the folder's sub
 0 the match was played, 2 usage, 3 the agent's code failed, 4 the server cannot be reached or refuses.
 """
 
+import asyncio
 import importlib
 import os
 import sys
@@ -79,16 +80,15 @@ def _load(entry_point: str) -> Callable[[], Agent]:
 
 def _print_own_code(error: BaseException) -> None:
     """Print a traceback without the frames of the SDK at its beginning."""
-    own = str(Path(wildscav.__file__).parent)
     trace: TracebackType | None = error.__traceback__
-    while trace is not None and _is_foreign_to_agent(trace, own):
+    while trace is not None and _is_foreign_to_agent(trace):
         trace = trace.tb_next
     traceback.print_exception(type(error), error, trace, file=sys.stderr)
 
 
-def _is_foreign_to_agent(trace: TracebackType, own: str) -> bool:
-    name = trace.tb_frame.f_code.co_filename
-    return name.startswith((own, "<frozen importlib")) or name == importlib.__file__
+def _is_foreign_to_agent(trace: TracebackType) -> bool:
+    folders = (*wildscav.__path__, *asyncio.__path__, "<frozen importlib")
+    return trace.tb_frame.f_code.co_filename.startswith((*folders, importlib.__file__))
 
 
 if __name__ == "__main__":

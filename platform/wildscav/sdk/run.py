@@ -1,8 +1,9 @@
 """Play one match with an agent."""
 
+import asyncio
 import os
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from wildscav.errors import AgentError, UserError
 from wildscav.sdk.agent import Agent, check_action
@@ -10,6 +11,7 @@ from wildscav.sdk.agent import Agent, check_action
 if TYPE_CHECKING:
     from wildscav.proto.match_pb2 import MatchOver
 
+Result = TypeVar("Result")
 ADDRESS_VARIABLE = "WILDSCAV_ADDRESS"
 TOKEN_VARIABLE = "WILDSCAV_TOKEN"  # noqa: S105 - the name of a variable, no secret
 
@@ -61,14 +63,37 @@ def make_agent(factory: Callable[[], Agent]) -> Agent:
 
 def play(agent: Agent, address: str, token: str) -> "MatchOver":
     """Play one match with an agent that has been made, and return how it ended."""
+    # A loop of its own, which an agent that asks for the current one does not get.
+    with asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
+        return runner.get_loop().run_until_complete(_play(agent, address, token))
+
+
+async def _play(agent: Agent, address: str, token: str) -> "MatchOver":
     # Imported here because the command line, which imports this package, should start quickly.
     from wildscav import __version__
     from wildscav.sdk.connection import Connection
 
-    with Connection(address, token, __version__) as connection:
-        agent.reset(connection.match)
-        observation = connection.first()
+    async with Connection(address, token, __version__) as connection:
+        undisturbed(agent.reset, connection.match)
+        observation = await connection.first()
         while observation is not None:
-            action = check_action(agent, agent.act(observation))
-            observation = connection.answer(observation.step, action)
+            action = check_action(agent, undisturbed(agent.act, observation))
+            observation = await connection.answer(observation.step, action)
         return connection.over
+
+
+def undisturbed(work: Callable[..., Result], *arguments: object) -> Result:
+    """Call an agent's code as if no event loop ran, so that it may run loops of its own.
+
+    To stop the connection's loop for it and to start it again would take a sixth of a whole step.
+    """
+    loop, task = asyncio.get_running_loop(), asyncio.current_task()
+    if task is None:
+        raise RuntimeError("a match is played by a task")
+    asyncio._leave_task(loop, task)  # noqa: SLF001 - both are documented for who extends asyncio
+    asyncio._set_running_loop(None)  # noqa: SLF001
+    try:
+        return work(*arguments)
+    finally:
+        asyncio._set_running_loop(loop)  # noqa: SLF001
+        asyncio._enter_task(loop, task)  # noqa: SLF001

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wildscav.proto.match_pb2 import Action, ServerMessage
 from wildscav.server.deadlines import Clock
 from wildscav.server.seat import Seat
-from wildscav.server.snapshot import take_snapshot
+from wildscav.server.snapshot import Senses
 from wildscav.wire.actions import ACTION_FIELDS, decode_action
 from wildscav.wire.observations import Snapshot, encode_observation
 
@@ -43,6 +43,7 @@ class Lockstep:
         from wildscav_engine.rules import FRAME
 
         self._match, self._seats, self._clock = match, seats, clock
+        self._senses = Senses(match)
         self._loop = asyncio.get_running_loop()
         self._frame_time = FRAME
         columns = range(len(ACTION_FIELDS))
@@ -140,7 +141,7 @@ class Lockstep:
             self._disarm()
             self._done.set_result(None)
             return
-        self._snapshot = take_snapshot(self._match)
+        self._snapshot = self._senses.take()
         self._rows.fill(0.0)
         self._pending = set(present)
         self._opened = self._loop.time()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from wildscav.errors import UserError
 from wildscav.logs import Log
+from wildscav.sdk.transport import tune
 from wildscav.server.addresses import check_free, is_public
 from wildscav.server.arena import ArenaService
 from wildscav.server.deadlines import Clock, TimeBank
@@ -47,6 +48,7 @@ class MatchServer:
         connections: int = CONNECTIONS,
         log: Log | None = None,
     ) -> None:
+        tune()
         self._places: dict[str, Place] = {}
         self._matches: set[HostedMatch] = set()
         self._entrances: list[Entrance] = []

@@ -10,34 +10,47 @@ if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 
-def take_snapshot(match: "Match") -> Snapshot:
-    """Return a match's present state; each array is converted once, not element by element."""
-    agents, boxes, seen = match.state.agents, match.state.supplies, match.seen
-    own = {name: getattr(agents, name)[0].tolist() for name in _OWN}
-    target = match.state.matches.target[0].tolist()
-    # Of the boxes, only those that somebody sees: a match can have thousands.
-    slots = seen.supplies[0, :, : seen.supply_count[0].max()]
-    return Snapshot(
-        step=match.step_number,
-        frame=match.frame,
-        target=[target if knows else None for knows in agents.knows_target[0].tolist()],
-        can_pick_up=seen.can_pick_up[0].tolist(),
-        agent_count=seen.agent_count[0].tolist(),
-        agents=seen.agents[0].tolist(),
-        box_count=seen.supply_count[0].tolist(),
-        box_serial=boxes.serial[0][slots].tolist(),
-        box_position=boxes.position[0][slots].tolist(),
-        box_quantity=boxes.quantity[0][slots].tolist(),
-        **own,
-    )
+FIRST, LAST = "position", "gained"  # facts of a snapshot that the engine's agents have under the same name
+OWN = Snapshot._fields[Snapshot._fields.index(FIRST) : Snapshot._fields.index(LAST) + 1]
 
 
-# Facts of agents that have one name in the engine's state and in the snapshot.
-_OWN = (
-    *("position", "velocity", "team", "yaw", "pitch", "on_ground", "in_water", "health"),
-    *("clip", "spare_ammo", "reload_left", "fired", "hit_seat", "hit_by_seat"),
-    *("invincible_left", "respawn_left", "supplies", "gained"),
-)
+class Senses:
+    """Takes snapshots of a match.
+
+    Each fact is one list for all seats, made in one go from the array that holds it; the arrays stay where
+    they are for as long as the match lasts, so they are looked up once.
+
+    Args:
+        match: Any, at any moment.
+    """
+
+    def __init__(self, match: "Match") -> None:
+        agents, matches = match.state.agents, match.state.matches
+        self._match = match
+        self._own = [getattr(agents, name)[0] for name in OWN]
+        self._knows_target, self._target = agents.knows_target[0], matches.target[0]
+
+    def take(self) -> Snapshot:
+        """Return the match's present state."""
+        match, boxes, seen = self._match, self._match.state.supplies, self._match.seen
+        target = self._target.tolist()
+        box_count = seen.supply_count[0].tolist()
+        # Of the boxes, only those that somebody sees: a match can have thousands.
+        slots = seen.supplies[0, :, : max(box_count)]
+        facts = (  # in the order of a snapshot's fields
+            match.step_number,
+            match.frame,
+            *[fact.tolist() for fact in self._own],
+            seen.can_pick_up[0].tolist(),
+            [target if knows else None for knows in self._knows_target.tolist()],
+            seen.agent_count[0].tolist(),
+            seen.agents[0].tolist(),
+            box_count,
+            boxes.serial[0].take(slots).tolist(),
+            boxes.position[0].take(slots, axis=0).tolist(),
+            boxes.quantity[0].take(slots).tolist(),
+        )
+        return Snapshot._make(facts)
 
 
 def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:

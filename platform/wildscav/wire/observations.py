@@ -38,9 +38,9 @@ class Snapshot(NamedTuple):
     hit_by_seat: list[int]  # -1 for nobody
     invincible_left: list[int]  # frames
     respawn_left: list[int]  # frames
-    can_pick_up: list[bool]
     supplies: list[int]
     gained: list[int]
+    can_pick_up: list[bool]
     target: list[list[float] | None]  # m, None as long as the seat does not know it
     # What a seat sees, nearest first; what lies past the count means nothing.
     agent_count: list[int]

@@ -27,11 +27,12 @@ VICTIM = """
 """
 THIEF = """
     def reset(self, match):
+        import asyncio
         from wildscav.errors import WildscavError
         from wildscav.sdk.connection import Connection
         address = os.environ["WILDSCAV_ADDRESS"]{elsewhere}
         try:
-            self.stolen = Connection(address, open("stolen.txt").read(), "thief")
+            asyncio.run(Connection(address, open("stolen.txt").read(), "thief").__aenter__())
             print("is in")
         except WildscavError as error:
             print(error)

@@ -1,5 +1,6 @@
 """Agents of every kind, for processes that the tests start."""
 
+import asyncio
 import math
 import os
 import sys
@@ -39,6 +40,22 @@ class Sleepy(Walker):
     def act(self, observation: Observation) -> Action:
         if observation.step == 3:
             time.sleep(0.5)
+        return super().act(observation)
+
+
+class ThinksInLoops(Walker):
+    """Runs event loops of its own, as for asking a model over a network: new ones, and one that stays."""
+
+    def reset(self, match: MatchInfo) -> None:
+        self.own = asyncio.new_event_loop()
+        self.own.run_until_complete(asyncio.sleep(0.001))
+
+    def act(self, observation: Observation) -> Action:
+        self.own.run_until_complete(self.think(observation))
+        return asyncio.run(self.think(observation))
+
+    async def think(self, observation: Observation) -> Action:
+        await asyncio.gather(asyncio.sleep(0.0001), asyncio.to_thread(math.sqrt, 2.0))
         return super().act(observation)
 
 
