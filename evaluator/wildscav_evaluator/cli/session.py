@@ -91,7 +91,7 @@ def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, watching: Watching) -> li
             ):
                 workers.warm(sensors_read(waiting))
             with watch.shown():
-                for result in workers.run(waiting, watch.start, watch.beat):
+                for result in workers.run(waiting, watch.start, watch.tell):
                     watch.add(result)
     return list(watch.tally.done.values())
 

@@ -11,7 +11,15 @@ from wildscav.errors import WildscavError, describe
 from wildscav.server import HostedMatch, SeatReport
 from wildscav_engine.record import SUFFIX, read_record, write_record
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.matches.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.play import (
+    TRIES,
+    Played,
+    Seating,
+    given_up,
+    play_match,
+    prepare_logs,
+    remove_empty_logs,
+)
 from wildscav_evaluator.matches.seating import submission_seats
 from wildscav_evaluator.matches.warm import Wanted
 from wildscav_evaluator.output.journal import read_entry, write_entry
@@ -38,6 +46,7 @@ class Job:
     evaluation: str = ""  # digest of the evaluation's identity
     sandbox: str = "process"  # in which its agent runs
     limits: Limits = DEFAULT_LIMITS  # of its agent
+    faults: tuple[str, ...] = ()  # what the platform broke earlier tries by, a line each
 
     @property
     def stem(self) -> str:
@@ -85,6 +94,15 @@ class Beat(NamedTuple):
     steps: int
 
 
+class Broken(NamedTuple):
+    """A try that the platform broke; the match is played again."""
+
+    reason: str  # in a line
+
+
+Told = Beat | Broken  # of a match that is being played
+
+
 @dataclass(frozen=True)
 class JobResult:
     """What became of a job."""
@@ -100,7 +118,7 @@ class JobResult:
         return self.job.replay and self.row.record is not None and self.row.replay is None
 
 
-def run_job(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None] = lambda _: None) -> JobResult:
+def run_job(runner: asyncio.Runner, job: Job, tell: Callable[[Told], None] = lambda _: None) -> JobResult:
     """Play a job's match, unless it was played before, and write its files.
 
     Whatever goes wrong costs this job alone.
@@ -108,9 +126,9 @@ def run_job(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None] = lam
     Args:
         runner: Of the loop to play in.
         job: The job.
-        beat: Told now and then how far the match is.
+        tell: Told now and then how far the match is, and when it is played again.
     """
-    result = kept(job) or _play(runner, job, beat)
+    result = kept(job) or _play(runner, job, tell)
     return _rendered(result) if result.to_render else result
 
 
@@ -123,12 +141,28 @@ def kept(job: Job) -> JobResult | None:
     return JobResult(job, _with_replay(job, entry.row) if rendered else entry.row, entry.timing)
 
 
-def _play(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None]) -> JobResult:
+def after_death(job: Job, reason: str) -> Job | JobResult:
+    """Return what becomes of a job whose worker died: the job once more, or its result.
+
+    Args:
+        job: The job, with all that broke it before.
+        reason: How the worker ended, in a line.
+    """
+    faults = (*job.faults, reason)
+    if len(faults) < TRIES:
+        return replace(job, faults=faults)
+    played = kept(job)
+    if played is not None:
+        return replace(played, complaint=f"no replay {job.out / job.replay_path}: {given_up(faults)}")
+    return failed(job, given_up(faults))
+
+
+def _play(runner: asyncio.Runner, job: Job, tell: Callable[[Told], None]) -> JobResult:
     started, clock = time.time(), time.perf_counter()
     seating = job.seating
     try:
         prepare_logs(seating.logs)
-        played = runner.run(_play_telling(seating, SANDBOXES[job.sandbox], beat))
+        played = runner.run(_play_telling(seating, SANDBOXES[job.sandbox], job.faults, tell))
         write_record(job.out / job.record, played.match, seating.names)
         remove_empty_logs(seating.logs)
         row = MatchRow.of(job.index, tuple(_seat(job, played, seat) for seat in job.seats), job.record)
@@ -144,22 +178,30 @@ def _play(runner: asyncio.Runner, job: Job, beat: Callable[[Beat], None]) -> Job
         return failed(job, f"{type(error).__name__}: {error}")
 
 
-async def _play_telling(seating: Seating, sandbox: Sandbox, beat: Callable[[Beat], None]) -> Played:
+async def _play_telling(
+    seating: Seating, sandbox: Sandbox, faults: Sequence[str], tell: Callable[[Told], None]
+) -> Played:
     """Play a match, and tell how far it is; from its start again, if it is played again."""
     telling: list[asyncio.Task[None]] = []
 
-    async def tell(hosted: HostedMatch) -> None:
+    async def beat(hosted: HostedMatch) -> None:
         while True:
-            beat(Beat(hosted.match.frame, hosted.match.step_number))
+            tell(Beat(hosted.match.frame, hosted.match.step_number))
             await asyncio.sleep(BEAT)
 
     def begin(hosted: HostedMatch) -> None:
         for task in telling:
             task.cancel()
-        telling.append(asyncio.create_task(tell(hosted)))
+        telling.append(asyncio.create_task(beat(hosted)))
 
     try:
-        return await play_match(seating, sandbox=sandbox, started=begin)
+        return await play_match(
+            seating,
+            sandbox=sandbox,
+            started=begin,
+            faults=faults,
+            broken=lambda reason: tell(Broken(reason)),
+        )
     finally:
         for task in telling:
             task.cancel()

@@ -5,6 +5,7 @@ sandbox) is no outcome: the match is played again from its start, and in the end
 """
 
 import asyncio
+import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,6 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from wildscav.console import counted
 from wildscav.errors import SensorError, UserError, WildscavError, describe
 from wildscav.server import (
     Clock,
@@ -38,6 +40,7 @@ from wildscav_evaluator.submissions.submission import Submission
 
 SOCKET = "match.sock"
 SOCKET_PATH_LIMIT = 100  # bytes; the systems' own limits begin at 104
+SHORT_PLACE = "/tmp"  # noqa: S108 - for sockets, where temporary files are elsewhere; folders in it are private
 CONNECTIONS = 16  # that an agent may have open to its seat's socket at one time
 FAREWELL = 3.0  # s for an agent's process to end by itself after the match; a container takes one
 TRIES = 3  # for a match that the platform breaks
@@ -88,14 +91,24 @@ async def play_match(
     sandbox: Sandbox = SANDBOXES["process"],
     clock: Clock | None = None,
     started: Callable[[HostedMatch], None] | None = None,
+    faults: Sequence[str] = (),
+    broken: Callable[[str], None] = lambda _: None,
 ) -> Played:
     """Play one match, and again from its start if the platform broke it. See ``play_once``.
+
+    Args:
+        seating: The match, and who plays.
+        sandbox: How the agents run.
+        clock: How long they may think; the server's default if none.
+        started: Told of the match whenever it is hosted.
+        faults: What broke earlier tries, a line each: they count.
+        broken: Told what broke a try, before the match is played again.
 
     Raises:
         MatchSetupError: The match's spec cannot be played.
         PlatformFaultError: The platform broke every try.
     """
-    faults: list[str] = []
+    faults = list(faults)
     while True:
         try:
             played = await play_once(seating, sandbox=sandbox, clock=clock, started=started)
@@ -104,11 +117,16 @@ async def play_match(
             raise
         except Exception as error:
             faults.append(_in_a_line(error))
-            if len(faults) == TRIES:
-                reasons = "; ".join(dict.fromkeys(faults))
-                raise PlatformFaultError(f"the platform failed {TRIES} times: {reasons}") from error
+            if len(faults) >= TRIES:
+                raise PlatformFaultError(given_up(faults)) from error
+        broken(faults[-1])
         await asyncio.sleep(PAUSE)
         prepare_logs(seating.logs)
+
+
+def given_up(faults: Sequence[str]) -> str:
+    """Return, in a line, why a match is not played again."""
+    return f"the platform failed {counted(len(faults), 'time')}: {'; '.join(dict.fromkeys(faults))}"
 
 
 def _in_a_line(error: Exception) -> str:
@@ -254,10 +272,10 @@ def _explained(report: SeatReport, ending: Ending | None) -> SeatReport:
 @contextmanager
 def socket_folders(count: int) -> Iterator[list[Path]]:
     """Make private folders for a unix socket each, with paths short enough for one."""
-    folder = Path(tempfile.mkdtemp(prefix="wildscav-"))
+    folder = Path(tempfile.mkdtemp(prefix=_sockets_of(os.getpid())))
     if len(bytes(folder / str(count) / SOCKET)) > SOCKET_PATH_LIMIT:
         folder.rmdir()
-        folder = Path(tempfile.mkdtemp(prefix="wildscav-", dir="/tmp"))
+        folder = Path(tempfile.mkdtemp(prefix=_sockets_of(os.getpid()), dir=SHORT_PLACE))
     try:
         folders = [folder / str(number) for number in range(count)]
         for each in folders:
@@ -265,6 +283,17 @@ def socket_folders(count: int) -> Iterator[list[Path]]:
         yield folders
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def remove_sockets(process: int) -> None:
+    """Remove the folders of sockets that a process has left behind which was killed."""
+    for place in {tempfile.gettempdir(), SHORT_PLACE}:
+        for folder in Path(place).glob(f"{_sockets_of(process)}*"):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _sockets_of(process: int) -> str:
+    return f"wildscav-{process}-"
 
 
 def prepare_logs(logs: Sequence[Path]) -> None:

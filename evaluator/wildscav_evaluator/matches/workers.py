@@ -1,7 +1,8 @@
 """Worker processes: each plays one match at a time, and none takes another one down.
 
 They are spawned, never forked: a fork after a kernel ran would copy the state of threads that it does not
-copy. (The standard library's pool gives all work up when one of its processes dies; ours gives up one job.)
+copy. (The standard library's pool gives all work up when one of its processes dies; ours has another worker
+play that one match again.)
 """
 
 import asyncio
@@ -13,15 +14,17 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
-from wildscav_evaluator.matches.jobs import Beat, Job, JobResult, failed, run_job
+from wildscav_evaluator.matches.jobs import Beat, Broken, Job, JobResult, Told, after_death, run_job
+from wildscav_evaluator.matches.play import remove_sockets
 from wildscav_evaluator.matches.warm import Wanted, warm
 from wildscav_evaluator.output.lock import Lock
+from wildscav_evaluator.sandbox.base import signal_name
 
 STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
 PR_SET_PDEATHSIG = 1
@@ -59,18 +62,27 @@ class Worker:
         with contextlib.suppress(OSError):
             self.connection.send(job)
 
-    def take(self) -> Beat | JobResult:
-        """Return what is waiting: how far its match is, or the result; if it died, the failure of its job."""
+    def take(self) -> Told | Job | JobResult:
+        """Return what is waiting: how its match goes on, or its result; if it died, what its job comes to."""
         job = cast(Job, self.job)
         try:
-            result = cast(Beat | JobResult, self.connection.recv())
+            told = cast(Told | JobResult, self.connection.recv())
         except (EOFError, OSError):
             self.dead = True
-            self.process.join()
-            return failed(job, f"the worker process died (exit code {self.process.exitcode})")
-        if isinstance(result, JobResult):
-            self.rendered += result.row.replay is not None
-        return result
+            return after_death(job, f"the worker process died ({self._clear_away()})")
+        if isinstance(told, JobResult):
+            self.rendered += told.row.replay is not None
+        elif isinstance(told, Broken):
+            self.job = replace(job, faults=(*job.faults, told.reason))
+        return told
+
+    def _clear_away(self) -> str:
+        """Remove what it left behind, being dead, and return how it ended."""
+        self.process.join()
+        if self.process.pid is not None:
+            remove_sockets(self.process.pid)
+        code = self.process.exitcode or 0
+        return signal_name(-code) if code < 0 else f"exit code {code}"
 
     def close(self) -> None:
         """Let it go while it has nothing to do."""
@@ -127,14 +139,16 @@ class Workers:
         self,
         jobs: Iterable[Job],
         started: Callable[[Job], None] = lambda _: None,
-        beat: Callable[[Job, Beat], None] = lambda _job, _beat: None,
+        tell: Callable[[Job, Told], None] = lambda _job, _told: None,
     ) -> Iterator[JobResult]:
-        """Run all jobs and yield their results as they come. One worker's death costs its job alone.
+        """Run all jobs and yield their results as they come.
+
+        If a worker dies, another one plays its match from the start, up to ``TRIES`` in all.
 
         Args:
             jobs: What to play, in this order.
-            started: Told of every job as it is begun.
-            beat: Told now and then how far a match is.
+            started: Told of every job as it is begun, or begun again.
+            tell: Told now and then how far a match is, and what broke one that is played again.
         """
         waiting = deque(jobs)
         while len(self._workers) < min(self._count, len(waiting)):
@@ -145,15 +159,19 @@ class Workers:
         while busy:
             for connection in wait(list(busy)):
                 worker = busy[cast(Connection, connection)]
-                result = worker.take()
-                if isinstance(result, Beat):
-                    beat(cast(Job, worker.job), result)
+                told = worker.take()
+                if isinstance(told, Beat | Broken):
+                    tell(cast(Job, worker.job), told)
                     continue
                 del busy[worker.connection]
+                if isinstance(told, Job):
+                    tell(told, Broken(told.faults[-1]))
+                    waiting.appendleft(told)
                 if worker.dead or worker.rendered >= REPLAYS_PER_WORKER:
                     worker = self._replace(worker)
                 _next_job(worker, waiting, busy, started)
-                yield result
+                if isinstance(told, JobResult):
+                    yield told
 
     def _replace(self, worker: Worker) -> Worker:
         self._workers.remove(worker)
@@ -195,15 +213,15 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
             else:
                 # Only a match has agents to be stopped; elsewhere a worker may end on the spot.
                 signal.signal(signal.SIGTERM, _leave)
-                result = run_job(runner, message, partial(_send_beat, connection))
+                result = run_job(runner, message, partial(_tell, connection))
                 signal.signal(signal.SIGTERM, signal.SIG_DFL)
                 connection.send(result)
 
 
-def _send_beat(connection: Connection, beat: Beat) -> None:
+def _tell(connection: Connection, told: Told) -> None:
     # Nobody listens any more: the result will not be taken either, and that ends this process.
     with contextlib.suppress(OSError):
-        connection.send(beat)
+        connection.send(told)
 
 
 def _leave(number: int, _: object) -> None:

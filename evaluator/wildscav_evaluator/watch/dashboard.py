@@ -43,6 +43,8 @@ def standing(tally: Tally) -> Text:
     if tally.waiting:
         text.append(f", {tally.waiting:,} waiting", "dim")
     text.append(f", {tally.failed:,} failed", "red" if tally.failed else "dim")
+    if tally.broken:
+        text.append(f", {tally.broken:,} played again", "yellow")
     return text
 
 

@@ -46,9 +46,10 @@ class EvaluationMetrics(Collector):
         for fault in ("agent", "platform"):
             faults.add_metric((fault,), sum(one.row.fault == fault for one in done))
         yield faults
-        tries = sum(len(one.timing.platform_faults) for one in done if one.timing is not None)
         yield CounterMetricFamily(
-            "wildscav_platform_retries", "Matches played again because the platform broke them.", tries
+            "wildscav_platform_retries",
+            "Matches played again because the platform broke them.",
+            self._tally.broken,
         )
 
     def _queue(self) -> Iterator[Metric]:

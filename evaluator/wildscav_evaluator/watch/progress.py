@@ -9,7 +9,7 @@ from rich.text import Text
 
 from wildscav.console import counted
 from wildscav_evaluator.cli.tables import number
-from wildscav_evaluator.matches.jobs import JobResult
+from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.watch.dashboard import dashboard, duration, of_what, standing
 from wildscav_evaluator.watch.tally import Line, Tally
 
@@ -44,6 +44,10 @@ class EvaluationProgress:
             return
         with self._live:
             yield
+
+    def note_broken(self, job: Job, reason: str) -> None:
+        """Say at once that the platform broke a match, which is played again."""
+        self._say(f"{job.stem}: played again, the platform's fault", reason, "yellow")
 
     def add(self, result: JobResult, line: Line) -> None:
         """Say at once what went wrong in a match that ended; where nobody watches, also how far all is."""

@@ -61,6 +61,7 @@ class Tally:
         self.jobs = {job.stem: job for job in jobs}
         self.done: dict[str, JobResult] = {}
         self.running: dict[str, Running] = {}
+        self.broken = 0  # tries that the platform broke, each played again
         self.lines: dict[tuple[str, str], Line] = {}
         for job in jobs:
             key = (job.track, job.submission.name)
@@ -71,9 +72,9 @@ class Tally:
     # What is told of it.
 
     def start(self, job: Job) -> None:
-        """Count a match that begins."""
+        """Count a match that begins, or begins again."""
+        self._line(job).running += job.stem not in self.done and job.stem not in self.running
         self.running[job.stem] = Running(job, self.clock())
-        self._line(job).running += job.stem not in self.done
 
     def beat(self, job: Job, beat: Beat) -> None:
         """Note how far a running match has come."""
@@ -85,6 +86,18 @@ class Tally:
             speed = (beat.steps - before.steps) / (now - running.beat_at)
             running.speed += (speed - running.speed) * (SMOOTHING if running.speed else 1.0)
         running.beat, running.beat_at = beat, now
+
+    def keep(self, result: JobResult) -> Line:
+        """Count a match that was played in an earlier sitting, and return its line."""
+        if result.timing is not None:
+            self.broken += len(result.timing.platform_faults)
+        return self.add(result)
+
+    def note_broken(self, job: Job) -> None:
+        """Count a try of a running match that the platform broke."""
+        self.broken += 1
+        if (running := self.running.get(job.stem)) is not None:
+            running.beat = None
 
     def add(self, result: JobResult) -> Line:
         """Count a match that ended, and return its line."""

@@ -8,7 +8,7 @@ from typing import Any
 from wildscav.console import console
 from wildscav.logs import LogFormat, open_log
 from wildscav.metrics import serving_metrics
-from wildscav_evaluator.matches.jobs import Beat, Job, JobResult
+from wildscav_evaluator.matches.jobs import Beat, Job, JobResult, Told
 from wildscav_evaluator.watch.metrics import EvaluationMetrics
 from wildscav_evaluator.watch.progress import EvaluationProgress
 from wildscav_evaluator.watch.tally import Tally
@@ -56,13 +56,18 @@ class Watch:
         self.tally.start(job)
         self._log.info("match_begins", match=job.stem, waiting=self.tally.waiting)
 
-    def beat(self, job: Job, beat: Beat) -> None:
-        """A match is so far."""
-        self.tally.beat(job, beat)
+    def tell(self, job: Job, told: Told) -> None:
+        """A match is so far, or the platform broke it and it is played again."""
+        if isinstance(told, Beat):
+            self.tally.beat(job, told)
+            return
+        self.tally.note_broken(job)
+        self._log.warning("match_broken", match=job.stem, fault="platform", detail=told.reason)
+        self._progress.note_broken(job, told.reason)
 
     def keep(self, result: JobResult) -> None:
         """A match was played in an earlier sitting."""
-        self._progress.add(result, self.tally.add(result))
+        self._progress.add(result, self.tally.keep(result))
 
     def add(self, result: JobResult) -> None:
         """A match ended."""
