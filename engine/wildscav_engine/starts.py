@@ -6,9 +6,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_RADIUS, EDGE_MARGIN
-from wildscav_engine.geometry.clearance import is_clear
-from wildscav_engine.geometry.sweep import SKIN
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EDGE_MARGIN
+from wildscav_engine.geometry.clearance import CLEARANCE, is_clear, is_free
+from wildscav_engine.geometry.sweep import SKIN, sweep_world
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.kernel import kernel
@@ -127,7 +127,9 @@ def _checked(game_map: GameMap, given: Given) -> NDArray[np.float64]:
 
 
 def _standing_place(given: Given, game_map: GameMap) -> NDArray[np.float64]:
-    """Return a place of the spec, lifted onto the ground.
+    """Return (3,) m a place of the spec, lifted onto the ground, or onto the floor that it is a little below.
+
+    Wherever a body can get, one may start: no more room is asked for than a body needs.
 
     Raises:
         MatchSetupError: It is outside the map, or inside something.
@@ -137,9 +139,22 @@ def _standing_place(given: Given, game_map: GameMap) -> NDArray[np.float64]:
     if max(abs(x), abs(z)) > limit:
         raise MatchSetupError(f"{given.name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
     standing = max(y, ground_at(game_map.world, x, z).height)
-    if not is_clear(game_map.world, x, standing + LIFT, z):
+    soles = standing + LIFT
+    if not is_free(game_map.world, x, soles + CLEARANCE, soles + BODY_HEIGHT, z, 0.0):
         raise MatchSetupError(f"{_named(given)}: inside something")
-    return np.array([x, standing + LIFT if given.reach is None else standing, z])
+    return np.array([x, _onto_floor(game_map.world, x, soles, z) if given.reach is None else standing, z])
+
+
+def _onto_floor(world: World, x: float, soles: float, z: float) -> float:
+    """Return the height in m of the soles of a body, lifted out of what reaches up to CLEARANCE into it.
+
+    No floor holds a body that is inside it already: from a start that is rounded to centimetres, it would
+    fall through a storey.
+    """
+    if is_free(world, x, soles, soles + CLEARANCE, z, 0.0):
+        return soles
+    down = sweep_world(world, x, soles + CLEARANCE, z, 0.0, -CLEARANCE, 0.0)
+    return float(soles + CLEARANCE * (1.0 - down.fraction))
 
 
 def _check_ways(given: Given, game_map: GameMap, place: NDArray[np.float64]) -> None:

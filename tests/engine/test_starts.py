@@ -5,13 +5,25 @@ import pytest
 from pydantic import ValidationError
 
 from builders import box, flat_world, map_from
+from wildscav_engine.actions import no_actions
 from wildscav_engine.batch import Batch
+from wildscav_engine.maps import load_map
+from wildscav_engine.match import Match
 from wildscav_engine.spec import MatchSpec
-from wildscav_engine.starts import START_DISTANCE, MatchSetupError, choose_starts
+from wildscav_engine.starts import START_DISTANCE, MatchSetupError, choose_starts, usable_place
 
 MEADOW = map_from(flat_world())
 # A wall all along the meadow, with a gap in the middle.
 WALLED = map_from(flat_world(solids=[box((-20, 0, 2), (-2, 3, 3)), box((2, 0, 2), (20, 3, 3))]))
+# A low floor that one steps onto, in the middle between two walls.
+BLOCKED = map_from(
+    flat_world(
+        solids=[
+            *(box((1, 0, -9), (2, 3, 9)), box((-2, 0, -9), (-1.9, 3, 9))),
+            box((-0.8, 0.2, -1), (0.8, 0.4, 1)),
+        ]
+    )
+)
 LIFTED = 3e-3  # m, more than a given start is lifted off the ground
 
 
@@ -58,6 +70,30 @@ def test_starts_that_make_no_sense_are_refused(fields: dict[str, object], fault:
 def test_a_start_that_is_no_good_is_named_by_its_seat() -> None:
     with pytest.raises(MatchSetupError, match="start of seat 1 is at x = 500"):
         starts_of(spec(0, 2, "battle", starts=(None, (500.0, 0.0, 0.0))))
+
+
+def test_wherever_a_body_stands_one_may_start() -> None:
+    """However near to a wall it is, and though places are often told in millimetres only."""
+    for beside in (2.0, 2.001, 2.03):  # m, of the wall's east face; a body needs 0.45 m
+        place = (beside + 0.45, 0.0, 0.0)
+        assert usable_place(BLOCKED, place, None) == place
+    inside = (2.44, 0.0, 0.0)
+    assert usable_place(BLOCKED, inside, None) != inside
+
+
+def test_every_place_of_a_map_may_be_given() -> None:
+    game_map = load_map(101)
+    for place in np.concatenate([game_map.indoor, game_map.outdoor[::20]]).round(3).tolist():
+        assert usable_place(game_map, tuple(place), None) == tuple(place)
+
+
+@pytest.mark.parametrize("below", [0.0, 0.0005, 0.01, 0.05])
+def test_a_start_a_little_below_a_floor_is_on_it(below: float) -> None:
+    """No floor holds a body that is inside it: it would fall to the ground."""
+    match = Match(spec(start=(0.0, 0.4 - below, 0.0)), BLOCKED)
+    for _ in range(10):
+        match.step(no_actions(1))
+    assert match.state.agents.position[0, 0, 1] == pytest.approx(0.4, abs=LIFTED)
 
 
 def test_starts_lie_around_the_target_as_far_as_the_range_says() -> None:
