@@ -20,7 +20,9 @@ ENTRYPOINT ["wildscav", "serve"]
 CMD ["--listen", "0.0.0.0:50051", "--organizer-token-file", "/run/secrets/organizer_token"]
 
 FROM source AS evaluator
-# The sandbox of agents: a container in a container would need an engine of its own, bubblewrap does not.
+# The sandbox of agents: a container in a container would need an engine of its own, bubblewrap does not. Named, so
+# that nothing is played where it cannot be kept.
+ENV WILDSCAV_SANDBOX=bubblewrap
 RUN apt-get update -qq && apt-get install -qq -y --no-install-recommends bubblewrap libseccomp2 util-linux \
     && rm -rf /var/lib/apt/lists/*
 RUN pip install --no-cache-dir --quiet '/source[evaluator,leaderboard]'

@@ -21,13 +21,24 @@ def doctor() -> None:
             continue
         with console.status(f"trying {name}"):
             promises = sandbox.promises(DEFAULT_LIMITS)
-        console.print(_table(name, promises))
+        console.print(_table(f"{name}{_engine(name)}", promises))
         if all(promise.kept for promise in promises):
             whole.append(name)
     console.print("[bold]process[/bold] promises nothing: for agents that you would run yourself.")
     if not whole:
         raise UserError("no sandbox keeps all its promises here: agents would run as plain processes")
     console.print(f"Unless you say otherwise, agents run in [bold]{whole[0]}[/bold].")
+
+
+def _engine(sandbox: str) -> str:
+    """Return the engine of a sandbox in brackets, if it has one here."""
+    from wildscav_evaluator.sandbox import SandboxError
+    from wildscav_evaluator.sandbox.engine import find_engine
+
+    try:
+        return f" ({find_engine().name})" if sandbox == "oci" else ""
+    except SandboxError:
+        return ""
 
 
 def _table(name: str, promises: "tuple[Promise, ...]") -> "Table":

@@ -17,6 +17,7 @@ from wildscav_evaluator.sandbox.process import WARNING, ProcessSandbox
 from wildscav_evaluator.submissions.cache import cache_folder
 
 BOOT = Path("/proc/sys/kernel/random/boot_id")
+ENGINE = ("WILDSCAV_ENGINE", "DOCKER_HOST", "CONTAINER_HOST")  # variables that say who runs containers
 PROGRAMS = ("podman", "docker", "runc", "crun", "bwrap", "setpriv")
 
 
@@ -94,6 +95,7 @@ def _memory(sandbox: Sandbox, limits: Limits) -> Path:
         BOOT.read_text("ascii") if BOOT.exists() else "",
         os.getuid(),
         sys.executable,
+        [os.environ.get(name, "") for name in ENGINE],
         limits.model_dump_json(),
         [(place, os.stat(place).st_mtime if place else 0) for place in places],  # noqa: PTH116
         sorted((path.name, path.stat().st_mtime) for path in Path(__file__).parent.glob("*.py")),

@@ -1,23 +1,29 @@
 """The container engine of this machine: Docker or Podman, whichever works."""
 
 import asyncio
+import contextlib
 import functools
 import io
+import json
 import os
+import shlex
 import shutil
 import subprocess
 import tarfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from wildscav_evaluator.sandbox.base import SandboxError
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
+CHOICE = "WILDSCAV_ENGINE"  # the variable that names the one to use
 PATIENCE = 120.0  # s for a command that makes, removes or looks up something
 OWNER = "wildscav.owner"  # label of containers: the process that started them
 BARE = "localhost/wildscav-bare"  # an image of nothing, for agents that run with this machine's Python
 INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
+LONGEST = 300  # characters of a complaint that are told
 
 
 @dataclass(frozen=True)
@@ -26,6 +32,12 @@ class Engine:
 
     name: str
     options: tuple[str, ...] = field(default=())
+    all_users: bool = False  # whether containers may run as any user, whom nobody else is
+
+    @property
+    def command(self) -> tuple[str, ...]:
+        """What every command of the engine begins with."""
+        return (self.name, *self.options)
 
     async def run(self, *arguments: str, environment: Mapping[str, str] | None = None) -> str:
         """Run a command of the engine and return what it prints.
@@ -34,8 +46,7 @@ class Engine:
             SandboxError: It failed; says how.
         """
         process = await asyncio.create_subprocess_exec(
-            self.name,
-            *self.options,
+            *self.command,
             *arguments,
             env=None if environment is None else dict(environment),
             stdin=asyncio.subprocess.DEVNULL,
@@ -55,36 +66,65 @@ class Engine:
 
 
 def last_line(output: bytes) -> str:
-    """Return the last line that is not empty."""
+    """Return the last line that is not empty, or its beginning."""
     lines = output.decode("utf-8", "replace").splitlines()
-    return next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
+    line = next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
+    return line if len(line) <= LONGEST else f"{line[:LONGEST]} …"
 
 
-@functools.cache
 def find_engine() -> Engine:
-    """Return the engine that works on this machine.
+    """Return the engine that works on this machine, or the one that WILDSCAV_ENGINE names.
 
     Raises:
         SandboxError: None does; says what each lacks.
     """
+    return _find(*(os.environ.get(name, "") for name in (CHOICE, "DOCKER_HOST", "PATH")))
+
+
+@functools.cache
+def _find(asked: str, docker_host: str, path: str) -> Engine:
+    del path  # where programs are, which tests change
+    if asked and asked not in ENGINES:
+        raise SandboxError(f"{CHOICE} is {asked!r}, must be one of {', '.join(ENGINES)}")
     complaints = []
-    for name in ENGINES:
+    for name in (asked,) if asked else ENGINES:
         if shutil.which(name) is None:
             complaints.append(f"{name} is not installed")
             continue
-        engine = Engine(name, _options(name))
-        found = call(
-            engine, "version", "--format", "{{.Server.Version}}" if name == "docker" else "{{.Version}}"
-        )
-        if found.returncode == 0:
-            return engine
-        complaints.append(f"{name}: {last_line(found.stderr)}")
+        try:
+            return _podman() if name == "podman" else _docker(docker_host)
+        except SandboxError as error:
+            complaints.append(f"{name}: {error}")
     raise SandboxError(f"no container engine works here ({'; '.join(complaints)}): {INSTALL}")
 
 
-def _options(name: str) -> tuple[str, ...]:
+def _podman() -> Engine:
     # crun cannot work with control groups of version 1, which runc can.
-    return ("--runtime", "runc") if name == "podman" and old_groups() and shutil.which("runc") else ()
+    options = ("--runtime", "runc") if old_groups() and shutil.which("runc") else ()
+    engine = Engine("podman", options, all_users=os.getuid() == 0)
+    _ask(engine, "version", "--format", "{{.Version}}")
+    return engine
+
+
+def _docker(host: str) -> Engine:
+    engine = Engine("docker", ("--host", host) if host else ())
+    server = _ask(engine, "version", "--format", "{{json .Server}}")
+    if any("podman" in str(part.get("Name", "")).lower() for part in server.get("Components") or ()):
+        raise SandboxError(
+            "what answers is Podman, which takes no filter of system calls from there: use podman itself"
+        )
+    security = _ask(engine, "info", "--format", "{{json .SecurityOptions}}") or ()
+    return replace(engine, all_users=not any("rootless" in one or "userns" in one for one in security))
+
+
+def _ask(engine: Engine, *arguments: str) -> Any:
+    """Return what an engine answers, read as JSON if it is."""
+    answer = call(engine, *arguments)
+    if answer.returncode != 0:
+        raise SandboxError(last_line(answer.stderr))
+    with contextlib.suppress(ValueError):
+        return json.loads(answer.stdout)
+    return answer.stdout
 
 
 def old_groups() -> bool:
@@ -102,7 +142,7 @@ def call(
     """
     try:
         return subprocess.run(
-            [engine.name, *engine.options, *arguments],
+            [*engine.command, *arguments],
             input=content,
             stdin=subprocess.DEVNULL if content is None else None,
             capture_output=True,
@@ -157,7 +197,7 @@ def owner(engine: Engine, process: int) -> str:
         process: This one.
     """
     label = f"{OWNER}={process}"
-    command = " ".join((engine.name, *engine.options))
+    command = shlex.join(engine.command)
     script = f"cat; cd /; {command} ps -aq --filter label={label} | xargs -r {command} rm -f"
     reading, _ = os.pipe()  # the other end stays open as long as this process lives
     quiet = [(os.POSIX_SPAWN_OPEN, output, os.devnull, os.O_WRONLY, 0) for output in (1, 2)]

@@ -38,6 +38,7 @@ MOUNT_POINTS = (
     str(runtime.SOCKET.parent),
     str(runtime.CODE),
 )
+SBIN = Path("/sbin")
 _numbers = itertools.count()
 
 
@@ -62,7 +63,7 @@ class OciSandbox:
             arguments = await asyncio.to_thread(_create_command, launch, hold)
             await engine.run(*arguments, environment=environment)
             process = await start_process(
-                [engine.name, *engine.options, "start", "--attach", hold.container],
+                [*engine.command, "start", "--attach", hold.container],
                 launch,
                 hold,
                 environment=os.environ,
@@ -98,9 +99,10 @@ class ContainerHold:
             state = json.loads(
                 await self.engine.run("inspect", "--format", "{{json .State}}", self.container)
             )
-            # With control groups of version 1, engines do not notice. What kills an agent is then memory, or
+            # With control groups of version 1, Podman does not notice. What kills an agent is then memory, or
             # the agent itself: others cannot, and for a limit of ours there is another word.
-            self._out_of_memory = bool(state.get("OOMKilled")) or old_groups()
+            unnoticed = self.engine.name == "podman" and old_groups()
+            self._out_of_memory = bool(state.get("OOMKilled")) or unnoticed
             self.never_started = str(state.get("StartedAt", NEVER)).startswith(NEVER)
         return self._out_of_memory
 
@@ -148,8 +150,8 @@ def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
 
 
 def _user(engine: Engine) -> str:
-    # Other users' engines map a few users only.
-    user = agent_user() if os.getuid() == 0 and engine.name == "podman" else runtime.NOBODY
+    # Where there are few users, agents share the one who owns nothing.
+    user = agent_user() if engine.all_users else runtime.NOBODY
     return f"{user}:{user}"
 
 
@@ -190,10 +192,23 @@ def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
     """Return an agent's image, and the command in it; an image that it was built into has one of its own."""
     if launch.image is not None:
         return launch.image, []
-    host = runtime.host_runtime()
-    folders = tuple(sorted({*MOUNT_POINTS, *(str(there) for there in host.folders if _is_folder(there))}))
+    host = _host_runtime(engine)
+    places = {*MOUNT_POINTS, *(str(there) for there in host.folders if _is_folder(there))}
+    folders = tuple(sorted(places | {str(there.parent) for there in host.links} - {"/"}))
     links = tuple((str(there), target) for there, target in host.links.items())
     return bare_image(engine, folders, links), [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
+
+
+def _host_runtime(engine: Engine) -> runtime.Runtime:
+    """Return this machine's Python, as an engine can mount it."""
+    host = runtime.host_runtime()
+    # Docker puts its init into /sbin, which must not be a link into our /usr then.
+    if engine.name == "docker":
+        folders = {there: here for there, here in host.folders.items() if there != SBIN}
+        links = {there: target for there, target in host.links.items() if there != SBIN}
+        # What Python finds libraries with.
+        return runtime.Runtime(folders, links | {SBIN / "ldconfig": "/usr/sbin/ldconfig"})
+    return host
 
 
 def _is_folder(path: Path) -> bool:
@@ -209,7 +224,7 @@ def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:
         folder = launch.folder
         if not runtime.everybody_reads(folder):
             folder = readable_copy(folder, hold.folder)
-        mounts = {**runtime.host_runtime().folders, runtime.CODE: folder, **mounts}
+        mounts = {**_host_runtime(hold.engine).folders, runtime.CODE: folder, **mounts}
     return [
         word
         for there, here in mounts.items()

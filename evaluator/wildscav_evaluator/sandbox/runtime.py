@@ -7,7 +7,7 @@ from pathlib import Path
 
 import wildscav
 
-SDK = Path("/opt/wildscav")  # where an agent finds the package of the SDK
+SDK = Path("/wildscav-sdk")  # where an agent finds the package of the SDK; no machine has its Python there
 CODE = Path("/submission")
 SOCKET = Path("/run/wildscav/match.sock")
 LINKED = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")  # links into /usr on most systems

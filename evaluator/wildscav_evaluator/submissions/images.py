@@ -81,7 +81,7 @@ def _dockerfile(name: str) -> Path:
 def _build(engine: Engine, name: str, context: Path, dockerfile: Path, options: Sequence[str]) -> None:
     import subprocess
 
-    command = [engine.name, *engine.options, "build", "--file", str(dockerfile), "--tag", name, *options]
+    command = [*engine.command, "build", "--file", str(dockerfile), "--tag", name, *options]
     if subprocess.run([*command, str(context)], check=False).returncode != 0:  # it tells its user itself
         raise SandboxError(f"{name} could not be built: {engine.name} has said above why")
 

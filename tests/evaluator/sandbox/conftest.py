@@ -1,32 +1,54 @@
-"""The real sandboxes, where they keep their promises on this machine."""
+"""The real sandboxes, where they keep their promises on this machine; containers by each of the engines."""
 
 import functools
+import os
 import sys
+from collections.abc import Iterator
 
 import pytest
+from tests.evaluator.sandbox.daemon import docker_daemon
 from tests.evaluator.sandbox.world import LIMITS
 
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
+from wildscav_evaluator.sandbox.engine import CHOICE, ENGINES
 
-REAL = [
-    pytest.param(name, marks=pytest.mark.slow) if name == "oci" else name
-    for name, sandbox in SANDBOXES.items()
-    if sandbox.isolated
-]
+REAL = ["bubblewrap", *(pytest.param(f"oci-{name}", marks=pytest.mark.slow) for name in ENGINES)]
+
+
+@pytest.fixture(scope="session")
+def docker() -> Iterator[str]:
+    """The address of a Docker daemon; skipped where none can be had."""
+    try:
+        daemon = docker_daemon()
+        address = daemon.__enter__()
+    except RuntimeError as error:
+        pytest.skip(str(error))
+    yield address
+    daemon.__exit__(None, None, None)
 
 
 @pytest.fixture(scope="module", params=REAL)
-def real(request: pytest.FixtureRequest) -> Sandbox:
+def real(request: pytest.FixtureRequest) -> Iterator[Sandbox]:
     """Each sandbox that isolates; skipped where it cannot be had."""
-    why = missing(request.param)
-    if why:
-        pytest.skip(f"{request.param}: {why}")
-    return SANDBOXES[request.param]
+    name, _, engine = request.param.partition("-")
+    with pytest.MonkeyPatch.context() as environment:
+        if engine:
+            environment.setenv(CHOICE, engine)
+        if engine == "docker":
+            environment.setenv("DOCKER_HOST", request.getfixturevalue("docker"))
+        if why := missing(name):
+            pytest.skip(f"{request.param}: {why}")
+        yield SANDBOXES[name]
+
+
+def missing(name: str) -> str:
+    """Return what a sandbox lacks on this machine, nothing if it is whole."""
+    return _missing(name, os.environ.get(CHOICE, ""))
 
 
 @functools.cache
-def missing(name: str) -> str:
-    """Return what a sandbox lacks on this machine, nothing if it is whole."""
+def _missing(name: str, engine: str) -> str:
+    del engine  # another one, another answer
     if sys.platform != "linux":
         return "it is Linux's"
     broken = [promise for promise in SANDBOXES[name].promises(LIMITS) if not promise.kept]

@@ -9,9 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.world import LIMITS, listening, processes_with
+from tests.evaluator.sandbox.world import LIMITS, listening, processes_with, wait_until
 
 from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
+from wildscav_evaluator.sandbox.engine import find_engine, old_groups
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.slow
@@ -49,6 +50,17 @@ def test_memory_is_what_an_agent_is_said_to_have_died_of(
 
     assert ending.out_of_memory
     assert str(ending) == "the agent's process ended (out of memory): more"
+
+
+def test_an_agent_that_kills_itself_did_not_die_of_memory(
+    real: Sandbox, submit: Submit, tmp_path: Path
+) -> None:
+    unknown = real.name == "oci" and find_engine().name == "podman" and old_groups()
+    code = "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)"
+
+    ending, _, _ = run(real, submit("ending", code=code), tmp_path)
+
+    assert (ending.killed_by, ending.out_of_memory) == ("SIGKILL", unknown)
 
 
 @pytest.mark.parametrize(
@@ -134,10 +146,3 @@ async def run():
 
 asyncio.run(run())
 """
-
-
-def wait_until(condition: Callable[[], bool], seconds: float = 20.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it took too long"
-        time.sleep(0.05)

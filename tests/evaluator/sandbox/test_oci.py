@@ -1,12 +1,15 @@
 """Containers: which engine runs them, and what is said where none can."""
 
 import asyncio
+import os
+import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from tests.evaluator.sandbox.conftest import missing
-from tests.evaluator.sandbox.world import LIMITS, listening
+from tests.evaluator.sandbox.world import LIMITS, listening, wait_until
 
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError, engine
 from wildscav_evaluator.submissions.submission import Submission
@@ -20,7 +23,7 @@ def test_without_an_engine_it_says_what_to_install(tmp_path: Path, monkeypatch: 
     with pytest.raises(
         SandboxError, match=r"podman is not installed; docker is not installed.*install Podman"
     ):
-        engine.find_engine.__wrapped__()
+        engine.find_engine()
 
 
 def test_an_engine_that_does_not_answer_is_passed_over(
@@ -31,7 +34,14 @@ def test_an_engine_that_does_not_answer_is_passed_over(
     monkeypatch.setenv("PATH", str(tmp_path))
 
     with pytest.raises(SandboxError, match="docker: Cannot connect to the daemon"):
-        engine.find_engine.__wrapped__()
+        engine.find_engine()
+
+
+def test_only_engines_that_there_are_can_be_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(engine.CHOICE, "lxc")
+
+    with pytest.raises(SandboxError, match="WILDSCAV_ENGINE is 'lxc', must be one of podman, docker"):
+        engine.find_engine()
 
 
 @pytest.mark.slow
@@ -48,4 +58,26 @@ def test_a_container_that_cannot_be_made_leaves_nothing(submit: Submit, tmp_path
     with listening(tmp_path / "match.sock") as address, missing_image:
         asyncio.run(start("nobody/has-this"))
 
-    assert engine.call(engine.find_engine(), "ps", "-aq").stdout == b""
+    ours = f"label={engine.OWNER}={os.getpid()}"
+    assert engine.call(engine.find_engine(), "ps", "-aq", "--filter", ours).stdout == b""
+
+
+@pytest.mark.slow
+def test_the_service_of_podman_is_not_taken_for_docker(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Podman takes the path of a filter of system calls; Docker's command sends what is in it."""
+    if not (shutil.which("podman") and shutil.which("docker")):
+        pytest.skip("it takes Podman and Docker's command: install podman and docker.io")
+    address = f"unix://{tmp_path}/podman.sock"
+    service = subprocess.Popen(["podman", "system", "service", "--time", "0", address])
+    try:
+        wait_until((tmp_path / "podman.sock").exists)
+        monkeypatch.setenv("DOCKER_HOST", address)
+        monkeypatch.setenv(engine.CHOICE, "docker")
+
+        with pytest.raises(SandboxError, match="docker: what answers is Podman.*: use podman itself"):
+            engine.find_engine()
+    finally:
+        service.terminate()
+        service.wait()

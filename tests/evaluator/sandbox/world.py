@@ -7,8 +7,9 @@ import os
 import shutil
 import socket
 import tempfile
+import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -180,3 +181,10 @@ def _read_file(process: int, name: str) -> str:
         return Path(f"/proc/{process}/{name}").read_text(errors="replace")
     except OSError:
         return ""
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it took too long"
+        time.sleep(0.05)

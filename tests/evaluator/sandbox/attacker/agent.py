@@ -37,7 +37,9 @@ def attack(function: Callable[[], object]) -> Callable[[], object]:
 
 
 def call(function: str, *arguments: object) -> int:
-    result = int(getattr(LIBC, function)(*arguments))
+    # Whole registers: an int would leave half of a system call's argument to chance.
+    whole = [ctypes.c_long(one) if isinstance(one, int) else one for one in arguments]
+    result = int(getattr(LIBC, function)(*whole))
     if result == -1:
         raise OSError(ctypes.get_errno(), f"{function}: {os.strerror(ctypes.get_errno())}")
     return result
