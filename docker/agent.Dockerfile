@@ -2,7 +2,7 @@
 # context is the submission's folder. In a match there is no network: whatever is needed must be in here.
 ARG BASE=localhost/wildscav/agent-base
 FROM ${BASE}
-USER root
+USER 0:0
 # Apart from the code, so that packages are installed again only when they change.
 COPY submission.toml requirements.tx[t] /requirements/
 RUN if [ -f /requirements/requirements.txt ]; then \

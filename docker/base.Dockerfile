@@ -8,8 +8,7 @@ COPY engine /source/engine
 COPY platform /source/platform
 COPY evaluator /source/evaluator
 COPY leaderboard /source/leaderboard
-RUN /build/bin/pip install --no-cache-dir --quiet wheel \
-    && /build/bin/pip wheel --no-cache-dir --quiet --no-deps --wheel-dir /wheels /source
+RUN /build/bin/pip wheel --no-cache-dir --quiet --no-deps --wheel-dir /wheels /source
 
 FROM ${PYTHON}
 COPY --from=wheel /wheels /wheels

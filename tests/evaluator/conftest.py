@@ -1,11 +1,14 @@
 """Submissions written for a test, and the command line as its user runs it."""
 
+import contextlib
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.evaluator.docker_daemon import docker_daemon
 from tests.evaluator.players import CRASHER, WALKER, Command, Submit
 
 from wildscav_evaluator.matches.warm import warm
@@ -30,6 +33,17 @@ tracks = {tracks}
 def compiled() -> None:
     """Compile what matches need before anybody's time runs."""
     warm()
+
+
+@pytest.fixture(scope="session")
+def docker() -> Iterator[str]:
+    """The address of a Docker daemon; skipped where none can be had."""
+    with contextlib.ExitStack() as stack:
+        try:
+            address = stack.enter_context(docker_daemon())
+        except RuntimeError as error:
+            pytest.skip(str(error))
+        yield address
 
 
 @pytest.fixture

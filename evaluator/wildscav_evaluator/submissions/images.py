@@ -1,5 +1,7 @@
 """Submissions as container images: built from a folder, or brought along."""
 
+import functools
+import hashlib
 import io
 import shutil
 import tarfile
@@ -8,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from wildscav import __version__
+import wildscav
 from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.engine import Engine, call, find_engine, last_line
 from wildscav_evaluator.sandbox.staging import make_readable
@@ -23,14 +25,25 @@ from wildscav_evaluator.submissions.submission import (
 
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
 REQUIREMENTS = "requirements.txt"
-BASE = f"localhost/wildscav/agent-base:{__version__}"
+BASE = "localhost/wildscav/agent-base"
 DOCKERFILES = Path(__file__).parents[3] / "docker"
 LARGEST_MANIFEST = 100_000  # bytes
 
 
+@functools.cache
+def base_name() -> str:
+    """Return what the image with the SDK is called: another SDK has another name."""
+    package = Path(wildscav.__file__).parent
+    digest = hashlib.blake2b(digest_size=4)
+    for path in sorted(package.rglob("*.py")):
+        digest.update(str(path.relative_to(package)).encode() + path.read_bytes())
+    return f"{BASE}:{wildscav.__version__}-{digest.hexdigest()}"
+
+
 def built_name(submission: Submission) -> str:
-    """Return what the image of a submission is called: another content has another name."""
-    return f"localhost/wildscav/{submission.name}:{submission.digest[:16]}"
+    """Return what the image of a submission is called: another content, or another SDK, has another name."""
+    sdk = base_name().rpartition("-")[2]
+    return f"localhost/wildscav/{submission.name}:{submission.digest[:16]}-{sdk}"
 
 
 def build_image(
@@ -53,9 +66,9 @@ def build_image(
     """
     engine = find_engine()
     if base is None:
-        base = BASE
+        base = base_name()
         if not _exists(engine, base):
-            _build(engine, BASE, DOCKERFILES.parent, _dockerfile("base.Dockerfile"), options)
+            _build(engine, base, DOCKERFILES.parent, _dockerfile("base.Dockerfile"), options)
     name = built_name(submission)
     with tempfile.TemporaryDirectory(prefix="wildscav-build-") as folder:
         # Exactly what its digest is of, for every user to read.

@@ -1,12 +1,12 @@
 """The real sandboxes, where they keep their promises on this machine; containers by each of the engines."""
 
+import contextlib
 import functools
 import os
 import sys
 from collections.abc import Iterator
 
 import pytest
-from tests.evaluator.sandbox.daemon import docker_daemon
 from tests.evaluator.sandbox.world import LIMITS
 
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
@@ -15,30 +15,25 @@ from wildscav_evaluator.sandbox.engine import CHOICE, ENGINES
 REAL = ["bubblewrap", *(pytest.param(f"oci-{name}", marks=pytest.mark.slow) for name in ENGINES)]
 
 
-@pytest.fixture(scope="session")
-def docker() -> Iterator[str]:
-    """The address of a Docker daemon; skipped where none can be had."""
-    try:
-        daemon = docker_daemon()
-        address = daemon.__enter__()
-    except RuntimeError as error:
-        pytest.skip(str(error))
-    yield address
-    daemon.__exit__(None, None, None)
-
-
 @pytest.fixture(scope="module", params=REAL)
 def real(request: pytest.FixtureRequest) -> Iterator[Sandbox]:
     """Each sandbox that isolates; skipped where it cannot be had."""
     name, _, engine = request.param.partition("-")
+    with engine_named(engine, request):
+        if why := missing(name):
+            pytest.skip(f"{request.param}: {why}")
+        yield SANDBOXES[name]
+
+
+@contextlib.contextmanager
+def engine_named(engine: str, request: pytest.FixtureRequest) -> Iterator[None]:
+    """Run containers by an engine, Docker with a daemon; skipped where none can be had."""
     with pytest.MonkeyPatch.context() as environment:
         if engine:
             environment.setenv(CHOICE, engine)
         if engine == "docker":
             environment.setenv("DOCKER_HOST", request.getfixturevalue("docker"))
-        if why := missing(name):
-            pytest.skip(f"{request.param}: {why}")
-        yield SANDBOXES[name]
+        yield
 
 
 def missing(name: str) -> str:

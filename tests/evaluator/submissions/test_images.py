@@ -1,19 +1,15 @@
-"""Submissions as images, with the container engine of this machine; nothing is fetched."""
+"""Submissions as images, by each container engine; nothing is fetched."""
 
-import asyncio
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sandbox.conftest import engine_named, missing
 
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.cli.selection import load_submissions
-from wildscav_evaluator.matches.play import Seating, play_match
-from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
-from wildscav_evaluator.sandbox.engine import bare_image, call, find_engine
+from wildscav_evaluator.sandbox import SandboxError
+from wildscav_evaluator.sandbox.engine import ENGINES, bare_image, call, find_engine
 from wildscav_evaluator.submissions.images import (
-    BASE,
     IMAGE,
     build_image,
     built_name,
@@ -27,14 +23,15 @@ Submit = Callable[..., Submission]
 CODE_ALONE = "ARG BASE\nFROM ${BASE}\nCOPY . /submission\n"
 
 
-@pytest.fixture(autouse=True)
-def _engine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    if missing("oci"):
-        pytest.skip(missing("oci"))
-    before = images()
-    yield
-    for image in images() - before:
-        call(find_engine(), "rmi", "-f", image)
+@pytest.fixture(autouse=True, params=ENGINES)
+def _engine(request: pytest.FixtureRequest) -> Iterator[None]:
+    with engine_named(request.param, request):
+        if missing("oci"):
+            pytest.skip(missing("oci"))
+        before = images()
+        yield
+        for image in images() - before:
+            call(find_engine(), "rmi", "-f", image)
 
 
 def images() -> set[str]:
@@ -99,19 +96,3 @@ def test_a_build_that_fails_is_told(submit: Submit, tmp_path: Path) -> None:
 
     with pytest.raises(SandboxError, match="could not be built"):
         build_image(submit("broken"), base="scratch", dockerfile=broken)
-
-
-def test_a_match_is_played_in_the_image_of_our_own_dockerfile(submit: Submit, tmp_path: Path) -> None:
-    if call(find_engine(), "image", "inspect", BASE).returncode != 0:
-        pytest.skip(f"there is no {BASE}: `wildscav build` makes it, with a registry of images")
-    walker = submit("walker", "    def act(self, observation):\n        return Action(walk_speed=5.0)\n")
-    build_image(walker)
-    spec = MatchSpec(
-        track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3), time_limit=2.0
-    )
-
-    seating = Seating(spec, with_images([walker], "oci"), (tmp_path / "log",))
-    played = asyncio.run(play_match(seating, sandbox=SANDBOXES["oci"]))
-
-    assert played.seats[0].status == "finished"
-    assert played.seats[0].steps_played == 20

@@ -1,0 +1,62 @@
+"""Our own Dockerfiles, built and run, with the container engine of this machine."""
+
+import asyncio
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.submissions.python_image import NAME, python_image
+
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.matches.play import Seating, play_match
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.sandbox.engine import Engine, call, find_engine
+from wildscav_evaluator.submissions import images
+from wildscav_evaluator.submissions.images import build_image, with_images
+from wildscav_evaluator.submissions.submission import Submission, load_submission
+
+pytestmark = pytest.mark.slow
+Submit = Callable[..., Submission]
+SUBMISSION = "localhost/wildscav/builds-and-walks"
+BODY = """
+    def act(self, observation):
+        import colorama  # which its requirements.txt brought
+        return Action(walk_speed=5.0)
+"""
+
+
+@pytest.fixture
+def python(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """An image to build on; it and the base go afterwards."""
+    if missing("oci"):
+        pytest.skip(missing("oci"))
+    base = "localhost/wildscav/test-base:0-test"
+    monkeypatch.setattr(images, "base_name", lambda: base)
+    engine = find_engine()
+    yield python_image(engine)
+    for image in (*built(engine), base, NAME):
+        call(engine, "rmi", "-f", image)
+
+
+def built(engine: Engine) -> list[str]:
+    return call(engine, "images", "-q", SUBMISSION).stdout.decode().split()
+
+
+def test_a_match_is_played_in_an_image_of_our_own_dockerfiles(
+    submit: Submit, tmp_path: Path, python: str
+) -> None:
+    """The base with the SDK, on it the submission with its packages, and a match in it, without a network."""
+    folder = submit(SUBMISSION.rpartition("/")[2], BODY).folder
+    (folder / "requirements.txt").write_text("colorama\n")
+    walker = load_submission(folder)
+    build_image(walker, options=["--network=host", "--layers=false", "--build-arg", f"PYTHON={python}"])
+    spec = MatchSpec(
+        track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3), time_limit=2.0
+    )
+
+    seating = Seating(spec, with_images([walker], "oci"), (tmp_path / "log",))
+    played = asyncio.run(play_match(seating, sandbox=SANDBOXES["oci"]))
+
+    assert played.seats[0].status == "finished"
+    assert played.seats[0].steps_played == 20
