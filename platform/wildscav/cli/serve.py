@@ -3,7 +3,7 @@
 import asyncio
 import signal
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
 
@@ -13,6 +13,17 @@ if TYPE_CHECKING:
     from wildscav.logs import LogFormat
 
 SHORTEST_TOKEN = 16  # characters
+MOST_WORKERS = 64
+PREPARING = "preparing the engine (the first run compiles it, which takes about a minute)"
+
+
+class Serving(NamedTuple):
+    """What a server is told."""
+
+    addresses: list[str]
+    token: str | None
+    log_format: "LogFormat | None"
+    metrics_port: int | None
 
 
 def serve(
@@ -24,6 +35,15 @@ def serve(
         Path | None,
         typer.Option(help="File with the secret that opening a match asks for. Needed beyond this machine."),
     ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            help="Processes that play the matches, each at an address of its own. Default: one a core.",
+            min=1,
+            max=MOST_WORKERS,
+            show_default=False,
+        ),
+    ] = None,
     log_format: Annotated[
         Literal["json", "text"] | None,
         typer.Option(help="Write a line on stderr for everything that happens: as JSON or as text."),
@@ -31,7 +51,8 @@ def serve(
     metrics_port: Annotated[
         int | None,
         typer.Option(
-            help="Serve Prometheus metrics to this machine on this port; 0 takes a free one.",
+            help="Serve Prometheus metrics to this machine on this port, a further worker's on each "
+            "of the next ones; 0 takes free ones.",
             min=0,
             max=65_535,
         ),
@@ -40,11 +61,15 @@ def serve(
     """Run a match server (default 127.0.0.1:50051) until it is interrupted.
 
     A match is opened by the Arena service of the protocol (HostMatch), which answers with a token for every
-    seat. An agent joins with WILDSCAV_ADDRESS and WILDSCAV_TOKEN in its environment, run by
-    python -m wildscav.sdk FOLDER.
+    seat and the address at which they are joined: with several workers, worker n listens for its seats on
+    PORT + n, or on unix:/PATH.n. An agent joins with WILDSCAV_ADDRESS and WILDSCAV_TOKEN in its environment,
+    run by python -m wildscav.sdk FOLDER.
     """
+    from wildscav_engine.threads import cores
+
     token = None if organizer_token_file is None else _read_token(organizer_token_file)
-    asyncio.run(_serve(listen or ["127.0.0.1:50051"], token, log_format, metrics_port))
+    how = Serving(listen or ["127.0.0.1:50051"], token, log_format, metrics_port)
+    asyncio.run(_serve(how, workers or min(cores(), MOST_WORKERS)))
 
 
 def _read_token(path: Path) -> str:
@@ -56,28 +81,60 @@ def _read_token(path: Path) -> str:
     return token
 
 
-async def _serve(
-    addresses: list[str], token: str | None, log_format: "LogFormat | None", metrics_port: int | None
-) -> None:
+async def _serve(how: Serving, workers: int) -> None:
+    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stopped.set)
+    await (_serve_alone(how, stopped) if workers == 1 else _serve_with(workers, how, stopped))
+
+
+async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
+    """Serve in this process."""
     from wildscav.console import console
     from wildscav.logs import open_log
     from wildscav.metrics import serving_metrics
     from wildscav.server import MatchServer
     from wildscav.server.warm import warm
 
-    stopped = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, stopped.set)
-    server = MatchServer(arena=True, organizer_token=token, log=open_log(log_format))
-    taken = await server.start(addresses)
-    with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
+    server = MatchServer(arena=True, organizer_token=how.token, log=open_log(how.log_format))
+    taken = await server.start(how.addresses)
+    with console.status(PREPARING):
         await asyncio.to_thread(warm)
-    for address in taken:
-        console.print(f"listening on {address}", highlight=False)
-    with serving_metrics(server.meters, metrics_port) as metrics:
+    _say_listening(taken)
+    with serving_metrics(server.meters, how.metrics_port) as metrics:
         if metrics is not None:
             console.print(f"metrics at {metrics}", highlight=False)
         await stopped.wait()
     console.print("stopping", highlight=False)
     await server.stop()
+
+
+async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> None:
+    """Serve with several processes."""
+    from wildscav.console import console
+    from wildscav.server.shared import SharedServer
+
+    server = SharedServer(
+        workers, organizer_token=how.token, log_format=how.log_format, metrics_port=how.metrics_port
+    )
+    with console.status(PREPARING):
+        taken = await server.start(how.addresses)
+    _say_listening(taken)
+    for worker in server.workers:
+        metrics = f", metrics at {worker.metrics}" if worker.metrics else ""
+        console.print(
+            f"worker {worker.number}: seats at {', '.join(worker.seats)}{metrics}",
+            highlight=False,
+            soft_wrap=True,
+        )
+    await stopped.wait()
+    console.print("stopping", highlight=False)
+    await server.stop()
+
+
+def _say_listening(addresses: list[str]) -> None:
+    from wildscav.console import console
+
+    for address in addresses:
+        console.print(f"listening on {address}", highlight=False)

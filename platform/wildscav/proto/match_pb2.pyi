@@ -324,7 +324,7 @@ class HostMatchRequest(_message.Message):
     def __init__(self, spec_json: _Optional[str] = ..., names: _Optional[_Iterable[str]] = ..., sensors_json: _Optional[_Mapping[int, str]] = ...) -> None: ...
 
 class HostMatchResponse(_message.Message):
-    __slots__ = ("match_id", "seat_tokens", "join_timeout")
+    __slots__ = ("match_id", "seat_tokens", "join_timeout", "seat_address")
     class SeatTokensEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -335,10 +335,12 @@ class HostMatchResponse(_message.Message):
     MATCH_ID_FIELD_NUMBER: _ClassVar[int]
     SEAT_TOKENS_FIELD_NUMBER: _ClassVar[int]
     JOIN_TIMEOUT_FIELD_NUMBER: _ClassVar[int]
+    SEAT_ADDRESS_FIELD_NUMBER: _ClassVar[int]
     match_id: str
     seat_tokens: _containers.ScalarMap[int, str]
     join_timeout: float
-    def __init__(self, match_id: _Optional[str] = ..., seat_tokens: _Optional[_Mapping[int, str]] = ..., join_timeout: _Optional[float] = ...) -> None: ...
+    seat_address: str
+    def __init__(self, match_id: _Optional[str] = ..., seat_tokens: _Optional[_Mapping[int, str]] = ..., join_timeout: _Optional[float] = ..., seat_address: _Optional[str] = ...) -> None: ...
 
 class GetMatchRequest(_message.Message):
     __slots__ = ("match_id",)

@@ -1,20 +1,20 @@
 """The Arena service: the front desk of a shared server."""
 
 import asyncio
-import hmac
 import json
 import secrets
 import tempfile
 from collections import OrderedDict
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import grpc
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.proto.match_pb2_grpc import ArenaServicer
 from wildscav.server.deadlines import Clock
+from wildscav.server.organizer import Context, Organizer
 from wildscav.server.reports import MatchOutcome
 from wildscav.server.session import HostedMatch, MatchCancelledError
 from wildscav.wire.errors import RefusalError, encode_refusal
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 OPEN_LIMIT = 64  # matches at one time
 KEPT_LIMIT = 256  # finished matches that can still be asked for
 
-Context: TypeAlias = grpc.aio.ServicerContext[Any, Any]
 State = GetMatchResponse.State
 
 
@@ -35,12 +34,12 @@ class ArenaService(ArenaServicer):
 
     Args:
         server: Hosts the matches.
-        organizer_token: The secret that every call must carry; None: nobody is asked.
+        organizer: Tells who may call.
     """
 
-    def __init__(self, server: "MatchServer", organizer_token: str | None) -> None:
+    def __init__(self, server: "MatchServer", organizer: Organizer) -> None:
         self._server = server
-        self._organizer_token = organizer_token
+        self._organizer = organizer
         self._open: dict[str, HostedMatch | None] = {}  # None: its map is being made
         self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()
         self._keepers: set[asyncio.Task[None]] = set()
@@ -48,7 +47,7 @@ class ArenaService(ArenaServicer):
     async def HostMatch(self, request: HostMatchRequest, context: Context) -> HostMatchResponse:  # noqa: N802
         """Open a match."""
         try:
-            self._check_organizer(context)
+            self._organizer.check(context)
             return await self._host(request)
         except RefusalError as refusal:
             await context.abort_with_status(encode_refusal(refusal))
@@ -57,21 +56,11 @@ class ArenaService(ArenaServicer):
     async def GetMatch(self, request: GetMatchRequest, context: Context) -> GetMatchResponse:  # noqa: N802
         """Tell how a match stands."""
         try:
-            self._check_organizer(context)
+            self._organizer.check(context)
             return self._get(request.match_id)
         except RefusalError as refusal:
             await context.abort_with_status(encode_refusal(refusal))
             raise
-
-    def _check_organizer(self, context: Context) -> None:
-        if self._organizer_token is None:
-            return
-        metadata = dict(context.invocation_metadata() or ())
-        given = str(metadata.get("authorization", "")).removeprefix("Bearer ")
-        if not hmac.compare_digest(given.encode(), self._organizer_token.encode()):
-            raise RefusalError(
-                grpc.StatusCode.UNAUTHENTICATED, "ORGANIZER_TOKEN", "this call needs the organizer's token"
-            )
 
     async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
         from pydantic import ValidationError

@@ -7,15 +7,15 @@ import secrets
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from wildscav.errors import UserError
 from wildscav.logs import Log
 from wildscav.sdk.transport import tune
-from wildscav.server.addresses import check_free, is_public
+from wildscav.server.addresses import check_free
 from wildscav.server.arena import ArenaService
 from wildscav.server.deadlines import Clock, TimeBank
 from wildscav.server.diary import Diary
 from wildscav.server.entrance import Entrance
 from wildscav.server.meters import ServerMeters
+from wildscav.server.organizer import Organizer
 from wildscav.server.seat import Seat, parse_sensors
 from wildscav.server.service import Place
 from wildscav.server.session import HostedMatch, MatchCancelledError
@@ -53,18 +53,19 @@ class MatchServer:
         self._matches: set[HostedMatch] = set()
         self._entrances: list[Entrance] = []
         self._connections = connections
-        self._arena = ArenaService(self, organizer_token) if arena else None
-        self._guarded = not arena or organizer_token is not None
+        self._organizer = Organizer(organizer_token)
+        self._arena = ArenaService(self, self._organizer) if arena else None
         self.meters = ServerMeters(
             lambda: self._matches, lambda: sum(one.strangers for one in self._entrances)
         )
         self._diary = Diary(log)
 
-    async def start(self, addresses: Sequence[str]) -> list[str]:
+    async def start(self, addresses: Sequence[str], *, arena: bool = True) -> list[str]:
         """Listen; may be called again for more.
 
         Args:
             addresses: ``unix:/path`` or ``host:port``; port 0 takes a free one.
+            arena: Whether the server's arena, if it has one, can be reached there.
 
         Returns:
             The same, with the ports taken: what ``WILDSCAV_ADDRESS`` may be.
@@ -73,18 +74,15 @@ class MatchServer:
             AddressInUseError: An address cannot be had.
             UserError: An address is malformed, or an arena without a token would be open to others.
         """
+        service = self._arena if arena else None
         for address in addresses:
             check_free(address)
-            if not self._guarded and is_public(address):
-                raise UserError(
-                    f"{address} can be reached from other machines: name an organizer token "
-                    "(--organizer-token-file), or listen on 127.0.0.1 or a unix socket",
-                    exit_code=2,
-                )
-        _allow_many_files()
+            if service is not None:
+                self._organizer.check_address(address)
+        allow_many_files()
         new = []
         for address in addresses:
-            new.append(Entrance(address, self._connections, self._places, self._refused, self._arena))
+            new.append(Entrance(address, self._connections, self._places, self._refused, service))
             self._entrances.append(new[-1])
         for entrance in new:
             await entrance.start()
@@ -172,7 +170,7 @@ class MatchServer:
         await asyncio.gather(*(entrance.stop(grace) for entrance in self._entrances))
 
 
-def _allow_many_files() -> None:
+def allow_many_files() -> None:
     """Raise the limit of open files as far as it goes: each connection is one."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != hard:

@@ -4,7 +4,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from wildscav.proto import PROTOCOL_VERSION
-from wildscav.proto.match_pb2 import ClientMessage, Join, Ready, SeatConduct, SeatResult, ServerMessage
+from wildscav.proto.match_pb2 import (
+    ClientMessage,
+    HostMatchResponse,
+    Join,
+    Ready,
+    SeatConduct,
+    SeatResult,
+    ServerMessage,
+)
 from wildscav.proto.match_pb2 import MatchInfo as MatchInfoMessage
 from wildscav.proto.match_pb2 import SupplyWave as SupplyWaveMessage
 from wildscav.proto.match_pb2 import Vector as VectorMessage
@@ -90,3 +98,16 @@ def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
         values: The fields of the message by name.
     """
     return SeatConduct(**values)
+
+
+def decode_seat_address(hosted: HostMatchResponse, called: str) -> str:
+    """Return the address at which the seats of a hosted match are joined.
+
+    Args:
+        hosted: The server's answer.
+        called: The address that it was asked at.
+    """
+    told = hosted.seat_address
+    if told.startswith(":"):
+        return called.rpartition(":")[0] + told
+    return told or called

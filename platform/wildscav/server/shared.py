@@ -1,0 +1,113 @@
+"""A server that many share: a front desk for organizers, and worker processes that play the matches.
+
+One event loop keeps one processor core busy, so there is a worker a core. A match is one worker's from its
+start to its end; its seats are joined there, at an address of the worker's own.
+"""
+
+import asyncio
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wildscav.logs import open_log
+from wildscav.sdk.transport import tune
+from wildscav.server.addresses import UNIX, check_free, split
+from wildscav.server.desk import FrontDesk
+from wildscav.server.diary import Diary
+from wildscav.server.entrance import Entrance
+from wildscav.server.organizer import Organizer
+from wildscav.server.server import CONNECTIONS, allow_many_files
+from wildscav.server.worker import Orders
+from wildscav.server.workforce import Worker
+
+if TYPE_CHECKING:
+    from wildscav.logs import LogFormat
+
+
+class SharedServer:
+    """Hosts matches in several processes. Make it inside an event loop.
+
+    Args:
+        workers: How many processes, at least 1.
+        organizer_token: The secret that opening a match asks for; needed on addresses that others can reach.
+        log_format: Of the lines on stderr for what happens; none if None.
+        metrics_port: Of the first worker's metrics, on this machine alone; the others' follow. 0 takes free
+            ones; None: none are served.
+    """
+
+    def __init__(
+        self,
+        workers: int,
+        *,
+        organizer_token: str | None = None,
+        log_format: "LogFormat | None" = None,
+        metrics_port: int | None = None,
+    ) -> None:
+        tune()
+        self._organizer = Organizer(organizer_token)
+        self._count, self._log_format, self._metrics_port = workers, log_format, metrics_port
+        self._folder = tempfile.TemporaryDirectory(prefix="wildscav-serve-")
+        self._log = open_log(log_format)
+        self._diary = Diary(self._log)
+        self._entrances: list[Entrance] = []
+        self.workers: list[Worker] = []
+
+    async def start(self, addresses: Sequence[str]) -> list[str]:
+        """Start the workers and listen.
+
+        Args:
+            addresses: ``unix:/path`` or ``host:port`` for organizers; port 0 takes a free one. Worker ``n``
+                listens for seats at ``unix:/path.n`` or at ``port + n``.
+
+        Returns:
+            The same, with the ports taken.
+
+        Raises:
+            AddressInUseError: An address cannot be had.
+            UserError: An address is malformed or open to others without a token, or a worker cannot start.
+        """
+        for address in addresses:
+            check_free(address)
+            self._organizer.check_address(address)
+        allow_many_files()
+        self.workers = [
+            Worker(self._orders(number, addresses), self._log) for number in range(1, self._count + 1)
+        ]
+        started = await asyncio.gather(*(worker.start() for worker in self.workers), return_exceptions=True)
+        for failure in filter(None, started):
+            await self.stop()
+            raise failure
+        for place, address in enumerate(addresses):
+            desk = FrontDesk(self.workers, place, self._organizer)
+            entrance = Entrance(address, CONNECTIONS, {}, self._diary.refused, desk)
+            await entrance.start()
+            self._entrances.append(entrance)
+        return [entrance.address for entrance in self._entrances]
+
+    def _orders(self, number: int, addresses: Sequence[str]) -> Orders:
+        first = self._metrics_port
+        return Orders(
+            seats=[beside(address, number) for address in addresses],
+            arena=f"{UNIX}{Path(self._folder.name) / str(number)}",
+            number=number,
+            log_format=self._log_format,
+            metrics_port=first + number - 1 if first else first,
+        )
+
+    async def stop(self) -> None:
+        """End the workers, their matches with them, and close all connections."""
+        for entrance in self._entrances:
+            await entrance.announce_end()
+        await asyncio.gather(*(worker.stop() for worker in self.workers))
+        await asyncio.gather(*(entrance.stop(1.0) for entrance in self._entrances))
+        self._folder.cleanup()
+
+
+def beside(address: str, number: int) -> str:
+    """Return the address of a worker's seats that goes with an organizers' address."""
+    if address.startswith(UNIX):
+        return f"{address}.{number}"
+    host, port = split(address)
+    shown = f"[{host}]" if ":" in host else host
+    return f"{shown}:{port + number if port else 0}"

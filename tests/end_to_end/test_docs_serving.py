@@ -1,0 +1,68 @@
+"""What the page of the shared server says is true: its commands and its code run as they stand."""
+
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from prometheus_client.core import CounterMetricFamily
+from tests.end_to_end.test_docs import blocks
+
+from wildscav.server.meters import ServerMeters
+from wildscav.server.warm import warm
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "serving.md"
+
+
+def free_ports(count: int) -> int:
+    """Return the first of some ports in a row that nobody has."""
+    while True:
+        with socket.create_server(("127.0.0.1", 0)) as first:
+            port: int = first.getsockname()[1]
+        try:
+            for number in range(count):
+                socket.create_server(("127.0.0.1", port + number)).close()
+        except (OSError, OverflowError):
+            continue
+        return port
+
+
+@pytest.mark.slow
+def test_the_commands_and_the_code_of_the_page_play_a_match(tmp_path: Path) -> None:
+    warm()
+    port = str(free_ports(3))
+    (console,), (code,) = (
+        [block.replace("50051", port) for block in blocks(PAGE, kind)] for kind in ("console", "python")
+    )
+    make_token, serve = console.strip().splitlines()
+    shutil.copytree(ROOT / "submissions" / "homing", tmp_path / "submissions" / "homing")
+    subprocess.run(make_token.replace("python", sys.executable, 1), shell=True, cwd=tmp_path, check=True)  # noqa: S602
+    command = [sys.executable, "-m", "wildscav.cli.main", *serve.split()[1:]]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        lines = [server.stdout.readline() for _ in range(3)]
+        assert [line.split()[0] for line in lines] == ["listening", "worker", "worker"]
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        server.terminate()
+        assert server.wait(20) == 0
+
+    assert done.returncode == 0, done.stderr
+    assert "success" in done.stdout or "score" in done.stdout, done.stdout
+    verify = [sys.executable, "-m", "wildscav.cli.main", "verify", "match.wsrec"]
+    assert subprocess.run(verify, cwd=tmp_path, capture_output=True, check=False).returncode == 0
+
+
+def test_every_metric_of_the_server_is_told() -> None:
+    families = ServerMeters(list, lambda: 0).collect()
+    names = {
+        f"{family.name}_total" if isinstance(family, CounterMetricFamily) else family.name
+        for family in families
+    }
+
+    assert set(re.findall(r"`(wildscav_server_\w+)`", PAGE.read_text("utf-8"))) == names
