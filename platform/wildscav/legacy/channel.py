@@ -75,6 +75,11 @@ class Client:
         call: Any = error  # every error of a call is one, too
         if call.code() is grpc.StatusCode.UNAVAILABLE:
             return f"the client on {self.address} has gone"
+        if call.code() is grpc.StatusCode.RESOURCE_EXHAUSTED:
+            return (
+                f"the client on {self.address} takes no message this large, "
+                f"so it has to ask for fewer agents or supplies: {call.details()}"
+            )
         return f"the client on {self.address} failed: {call.code().name}: {call.details()}"
 
     def close(self) -> None:

@@ -6,7 +6,7 @@ import pytest
 from tests.platform.legacy.commands import command, face_to_face, setup
 from tests.platform.legacy.competitor import Competitor
 
-from wildscav.legacy.commander_pb2 import GameMode, GMCommand
+from wildscav.legacy.commander_pb2 import EnemyInfo, GameMode, GMCommand, Observation, Vector3
 
 SHOOT = {0: {"shoot_gun": True}}
 
@@ -115,10 +115,15 @@ def test_ten_agents_are_told_of_all_others(competitor: Competitor) -> None:
     competitor.begin(command(GameMode.SUP_BATTLE_MODE, agents=[setup(agent) for agent in range(10)]))
     competitor.act({agent: {"walk_dir": 36 * agent, "walk_speed": 5} for agent in range(10)}, times=10)
     assert len(competitor.latest.agent_obs_list) == 10
-    places = {one.id: one.location for one in competitor.latest.agent_obs_list}
+    motions = {one.id: motion_of(one) for one in competitor.latest.agent_obs_list}
+    assert max(speed for _, _, speed in motions.values()) > 4
     for seen in competitor.latest.agent_obs_list:
-        others = {enemy.enemy_id: enemy.location for enemy in seen.enemy_info_list}
-        assert others == {agent: place for agent, place in places.items() if agent != seen.id}
+        others = {enemy.enemy_id: motion_of(enemy) for enemy in seen.enemy_info_list}
+        assert others == {agent: motion for agent, motion in motions.items() if agent != seen.id}
+
+
+def motion_of(one: Observation | EnemyInfo) -> tuple[Vector3, Vector3, float]:
+    return one.location, one.move_dir, one.move_speed
 
 
 def test_agents_are_called_what_the_client_calls_them(competitor: Competitor) -> None:

@@ -108,6 +108,26 @@ def test_a_refresh_is_told_with_its_place_and_its_boxes(competitor: Competitor) 
     assert told.count == len(competitor.seen_by(0).supply_info_list) > 0
 
 
+def test_the_settlement_counts_kills_and_deaths(competitor: Competitor) -> None:
+    competitor.begin(duel({"attack_power": 100}, is_Open_Event=True, timeout=1))
+    competitor.act(SHOOT, times=100)
+    players = competitor.latest.event_info.event_system.event_settle.event_player_infos
+    assert [(player.kill_count, player.dead_count) for player in players] == [(1, 0), (0, 1)]
+
+
+def test_who_carries_more_has_the_better_rank(competitor: Competitor) -> None:
+    begin_at_a_box(competitor, duel(is_Open_Event=True))
+    competitor.act({0: {"collect": True}})
+    (event, *_) = events_of(competitor, "event_get_supply_success")
+    assert (event.player_id, event.supply_num_rank) == (0, 1)
+    for _ in range(20):
+        competitor.act(SHOOT)
+        for hit in events_of(competitor, "event_agent_beHited"):
+            assert (hit.player_id, hit.supply_num_rank) == (1, 2)
+            return
+    raise AssertionError("no hit in 20 steps")
+
+
 def test_the_settlement_ends_it(competitor: Competitor) -> None:
     asked = command(
         GameMode.SUP_GATHER_MODE,

@@ -93,6 +93,25 @@ def test_refreshes_bring_boxes_at_their_second(competitor: Competitor) -> None:
     assert len(competitor.seen_by(0).supply_info_list) > 20
 
 
+def test_a_refresh_has_a_heat_map_and_a_richness_of_its_own(competitor: Competitor) -> None:
+    refresh = SupplyRefreshData(
+        supply_heatmap_center=vector((20, 0, -20)),
+        supply_heatmap_radius=8,
+        supply_refresh_time=1,
+        supply_create_percent=50,
+        supply_house_create_percent=0,
+    )
+    asked = gathering(supply_create_percent=0, supply_grid_length=1)
+    asked.supply_refresh_datas.append(refresh)
+    known = {box.supply_id for box in boxes_of(competitor, asked)}
+    competitor.act(times=10)
+    new = [box for box in competitor.seen_by(0).supply_info_list if box.supply_id not in known]
+    assert len(known) > 0
+    assert len(new) >= 3
+    for x, _, z in map(place_of, new):
+        assert (x - 20) ** 2 + (z + 20) ** 2 < 30**2
+
+
 def test_shots_are_no_part_of_gathering(competitor: Competitor) -> None:
     competitor.begin(gathering(agents=[setup()]))
     competitor.act({0: {"shoot_gun": True}})

@@ -4,7 +4,7 @@ import pytest
 from tests.platform.legacy.commands import command, open_way, setup
 from tests.platform.legacy.competitor import Competitor
 
-from wildscav.legacy.commander_pb2 import GameState
+from wildscav.legacy.commander_pb2 import AgentSetup, GameState
 from wildscav_engine.maps import load_map
 from wildscav_engine.record import read_record
 
@@ -25,6 +25,7 @@ def test_an_episode_opens_with_what_the_agent_starts_with(competitor: Competitor
     assert (seen.yaw, seen.pitch, seen.move_speed) == (0, 0, 0)
     assert seen.on_ground
     assert not any((seen.is_fire, seen.is_reload, seen.is_waiting_respawn, seen.is_invincible))
+    assert not seen.HasField("image")
 
 
 def test_to_walk_north_at_5_metres_a_second_for_2_seconds_leads_10_metres_north(
@@ -82,6 +83,21 @@ def test_episodes_follow_each_other_on_any_maps_even_where_one_is_broken_off(com
     assert (request.game_state, request.time_step, len(request.agent_obs_list)) == (GameState.UPDATE, 0, 2)
 
 
+@pytest.mark.parametrize("map_id", [103, 104])
+def test_an_agent_without_a_start_is_at_a_location_of_the_episodes_map(
+    competitor: Competitor, map_id: int
+) -> None:
+    competitor.begin(command(agents=[AgentSetup(id=0)], map_id=map_id))
+    place = competitor.seen_by(0).location
+    ways = load_map(map_id).world.spawns - (place.x, place.y, place.z)
+    assert abs(ways).sum(axis=1).min() < 0.01
+
+
+def test_agents_that_are_counted_but_not_described_play_too(competitor: Competitor) -> None:
+    competitor.begin(command(agents=[setup(1)], num_agents=3))
+    assert sorted(one.id for one in competitor.latest.agent_obs_list) == [0, 1, 2]
+
+
 def test_who_goes_on_after_the_end_is_told_the_end_again(competitor: Competitor) -> None:
     competitor.begin(command(timeout=1))
     last = competitor.act(times=10)
@@ -92,11 +108,13 @@ def test_who_goes_on_after_the_end_is_told_the_end_again(competitor: Competitor)
 
 
 def test_a_record_is_there_before_the_client_hears_of_the_end(competitor: Competitor) -> None:
-    competitor.begin(command(timeout=1, is_record=True, replay_suffix="/../odd name"))
+    agents = [setup(0), AgentSetup(id=5, agent_name="fox")]
+    competitor.begin(command(agents=agents, timeout=1, is_record=True, replay_suffix="/../odd name"))
     competitor.act(times=10)
     (path,) = competitor.records.glob("*.wsr")
     assert path.stem.endswith("_.._odd_name")
-    assert read_record(path).steps == 10
+    record = read_record(path)
+    assert (record.steps, record.names) == (10, ("agent_0", "fox"))
 
 
 def test_an_episode_that_is_broken_off_leaves_no_record(competitor: Competitor) -> None:

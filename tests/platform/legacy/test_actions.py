@@ -1,0 +1,92 @@
+"""What each field of an ``AgentCommand`` does."""
+
+import math
+
+import pytest
+from tests.platform.legacy.commands import MAP, command, open_way, setup
+from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.test_navigation import far_target
+
+from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand
+from wildscav_engine.geometry.terrain import ground_at, water_at
+from wildscav_engine.maps import load_map
+
+
+def walk_from(start: list[float], **fields: float) -> GMCommand:
+    return command(agents=[setup(start=start)], target=far_target(), **fields)
+
+
+@pytest.mark.parametrize(
+    ("direction", "x", "z"), [(0, 0, 3), (90, 3, 0), (180, 0, -3), (-90, -3, 0), (450, 3, 0)]
+)
+def test_walk_dir_is_a_compass_direction_wherever_the_agent_looks(
+    competitor: Competitor, direction: float, x: float, z: float
+) -> None:
+    start = open_way(4, direction % 360)
+    competitor.begin(walk_from(start))
+    competitor.act({0: {"turn_left_right_delta": 10}}, times=1)
+    competitor.act({0: {"walk_dir": direction, "walk_speed": 5}}, times=6)
+    place = competitor.seen_by(0).location
+    assert (place.x - start[0], place.z - start[2]) == pytest.approx((x, z), abs=0.01)
+
+
+def test_a_jump_leaves_the_ground_and_ends_on_it(competitor: Competitor) -> None:
+    start = open_way(12)
+    competitor.begin(walk_from(start))
+    competitor.act({0: {"jump": True}}, times=3)
+    assert competitor.seen_by(0).location.y > start[1] + 0.8
+    assert not competitor.seen_by(0).on_ground
+    competitor.act(times=15)
+    assert competitor.seen_by(0).location.y == pytest.approx(start[1], abs=0.01)
+    assert competitor.seen_by(0).on_ground
+
+
+def in_water() -> list[float]:
+    """A place in a lake, with water for 3 m northwards."""
+    world = load_map(MAP).world
+    for x in range(-45, 46):
+        for z in range(-45, 42):
+            grounds = [ground_at(world, float(x), z + metres).height for metres in (0.0, 1.0, 2.0, 3.0)]
+            depths = [
+                water_at(world, float(x), z + metres) - ground
+                for metres, ground in zip((0.0, 1.0, 2.0, 3.0), grounds, strict=True)
+            ]
+            if min(depths) > 0.3 and max(depths) < 1.0:
+                return [x, grounds[0], z]
+    raise AssertionError("no lake on the map")
+
+
+@pytest.mark.parametrize(("decay", "speed"), [(0.5, 4.0), (0.25, 2.0), (1.0, 8.0)])
+def test_water_slows_down_by_its_factor(competitor: Competitor, decay: float, speed: float) -> None:
+    start = in_water()
+    competitor.begin(walk_from(start, water_speed_decay=decay))
+    competitor.act({0: {"walk_dir": 0, "walk_speed": 8}}, times=3)
+    place = competitor.seen_by(0).location
+    assert place.z - start[2] == pytest.approx(0.3 * speed, abs=0.05)
+
+
+@pytest.mark.parametrize("field", ["walk_dir", "walk_speed", "turn_left_right_delta", "look_up_down_delta"])
+def test_an_action_that_is_not_finite_does_nothing(competitor: Competitor, field: str) -> None:
+    competitor.begin(walk_from(open_way(12)))
+    competitor.act()
+    before = competitor.seen_by(0)
+    fields = {"walk_dir": 0.0, "walk_speed": 5.0, "turn_left_right_delta": 1.0, field: math.nan}
+    competitor.act({0: fields})
+    after = competitor.seen_by(0)
+    assert (after.location, after.yaw, after.pitch) == (before.location, before.yaw, before.pitch)
+
+
+def test_nobody_shoots_in_navigation(competitor: Competitor) -> None:
+    competitor.begin(walk_from(open_way(12)))
+    competitor.act({0: {"shoot_gun": True, "collect": True}})
+    seen = competitor.seen_by(0)
+    assert (seen.num_gun_ammo, seen.is_fire, seen.can_pickup, seen.num_supply) == (15, False, False, 0)
+
+
+def test_who_is_not_in_the_commands_stands_still_and_of_two_the_last_counts(competitor: Competitor) -> None:
+    start = open_way(12)
+    competitor.begin(command(agents=[setup(4, start), setup(9, start)], target=far_target()))
+    orders = [AgentCommand(id=4, walk_speed=5), AgentCommand(id=4, walk_speed=0)]
+    competitor.reply(GameState.UPDATE, agent_cmd_list=orders)
+    competitor.wait()
+    assert [competitor.seen_by(agent).move_speed for agent in (4, 9)] == [0, 0]
