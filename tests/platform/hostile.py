@@ -60,6 +60,7 @@ class Attacker:
 
     def __init__(self, seat: HandPlayed, hosted: HostedMatch, address: str) -> None:
         self._seat, self._hosted, self._address = seat, hosted, address
+        self._ears = Listener(seat)
         self._asked = 0  # step of the last observation
         self._last = ClientMessage()
 
@@ -71,7 +72,7 @@ class Attacker:
                     await self._make(move)
                 await self._seat.call.done_writing()
             async with asyncio.timeout(END):
-                await self._seat.read_out()
+                await self._ears.hear_out()
         except grpc.aio.AioRpcError as error:
             return reason_of(error) or untyped(error)
         except asyncio.CancelledError:
@@ -120,29 +121,45 @@ class Attacker:
         await self._seat.send(message)
 
     async def _read(self) -> None:
-        message = await heard(self._seat)
+        message = await self._ears.hear()
         if message is not None and message.HasField("observation"):
             self._asked = message.observation.step
 
     async def _join_again(self) -> None:
         async with connected(self._address) as thief:
             await thief.send(join(self._hosted.tokens[0]))
-            await heard(thief)
+            await Listener(thief).hear()
 
 
 def join(token: str, **fields: Any) -> ClientMessage:
     return ClientMessage(join=Join(**{"token": token, "protocol_version": 1, **fields}))
 
 
-async def heard(seat: HandPlayed) -> Any:
-    """Return the next message of a stream, None if none comes soon or ever."""
-    # A read that is given up would end the stream, so it goes on by itself.
-    reading = asyncio.ensure_future(seat.call.read())
-    reading.add_done_callback(lambda done: done.cancelled() or done.exception())
-    done, _ = await asyncio.wait([reading], timeout=PATIENCE)
-    if not done or reading.cancelled() or reading.exception() or reading.result() is grpc.aio.EOF:
-        return None
-    return reading.result()
+class Listener:
+    """Reads a stream, one message at a time and no longer than it has patience for.
+
+    A read that is given up goes on by itself: to cancel it would end the stream, and gRPC answers a second
+    one beside it with the end of a stream whose status then never comes.
+    """
+
+    def __init__(self, seat: HandPlayed) -> None:
+        self._seat = seat
+        self._reading: asyncio.Future[Any] | None = None  # the read that was given up
+
+    async def hear(self) -> Any:
+        """Return the next message, None if none comes soon or ever."""
+        reading = self._reading or asyncio.ensure_future(self._seat.call.read())
+        reading.add_done_callback(lambda done: done.cancelled() or done.exception())
+        done, _ = await asyncio.wait([reading], timeout=PATIENCE)
+        self._reading = None if done else reading
+        if not done or reading.cancelled() or reading.exception() or reading.result() is grpc.aio.EOF:
+            return None
+        return reading.result()
+
+    async def hear_out(self) -> None:
+        """Read to the end of the stream."""
+        if self._reading is None or await self._reading is not grpc.aio.EOF:
+            await self._seat.read_out()
 
 
 def untyped(error: grpc.aio.AioRpcError) -> str:
