@@ -169,26 +169,30 @@ class Lockstep:
 
     def _settle(self) -> None:
         """After one seat less is waited for: close the step if nobody else has time left."""
-        if not self._pending or self._loop.time() > self._opened + self._clock.step_budget:
-            self._close_or_wait()
-
-    def _close_or_wait(self) -> None:
-        """Close the step if all have answered or their time is up; else wait for the one with most time."""
         now = self._loop.time()
+        if not self._pending:
+            self._close(now)
+        elif now > self._opened + self._clock.step_budget:
+            self._close_or_wait(now)
+
+    def _close_or_wait(self, now: float) -> None:
+        """Close the step if the time of all is up; else wait for the one with most of it."""
         free = self._opened + self._clock.step_budget
         asked = max((self._asked_at(seat) + seat.bank.allowed for seat in self._pending), default=now)
         deadline = min(asked, free + self._patience)
-        if self._pending and now < deadline:
+        if now < deadline:
             self._arm(deadline)
             return
-        self._patience = max(0.0, self._patience - max(0.0, now - free))
         for seat in self._pending:
             self._charge(seat, now)
             seat.conduct.late_steps += 1
-        self._close()
+        self._close(now)
 
-    def _close(self) -> None:
+    def _close(self, now: float) -> None:
         """Play the step that is open, and open the next."""
+        over = now - self._opened - self._clock.step_budget
+        if over > 0.0:
+            self._patience = max(0.0, self._patience - over)
         self._snapshot = None
         self._pending.clear()
         try:
@@ -229,8 +233,9 @@ class Lockstep:
             self._timer = None
 
     def _time_is_up(self) -> None:
-        self._give_back(self._loop.time() - self._due)
-        self._close_or_wait()
+        now = self._loop.time()
+        self._give_back(now - self._due)
+        self._close_or_wait(now)
 
     def _give_back(self, lag: float) -> None:
         """Give the agents back, once a step, what the server is late with looking at the clock.
