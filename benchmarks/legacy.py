@@ -7,7 +7,9 @@ import subprocess
 import sys
 import tempfile
 import venv
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 import typer
 from report import Figure, JsonFile, publish
@@ -46,12 +48,12 @@ def idle_engine(folder: Path) -> Path:
     return folder
 
 
-def rates(python: Path, folder: Path, engine: Path) -> list[float]:
-    """Return actions a second in each mode: calls of ``make_action``, each after ``get_state_all``."""
+def rates(python: Path, folder: Path, engine: Path, titles: Sequence[str]) -> list[float]:
+    """Return actions a second in some modes: calls of ``make_action``, each after ``get_state_all``."""
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         port = one.getsockname()[1]
-    modes = [",".join(map(str, mode)) for mode in MODES.values()]
+    modes = [",".join(map(str, MODES[title])) for title in titles]
     arguments = [python, HERE / "legacy_player.py", folder, engine, port, *modes]
     done = subprocess.run(
         [str(argument) for argument in arguments], check=True, capture_output=True, text=True
@@ -60,26 +62,39 @@ def rates(python: Path, folder: Path, engine: Path) -> list[float]:
     return [float(value) for start, name, value in lines if name and not start]
 
 
-def main(json: JsonFile = None) -> None:
+def figures_of(title: str, pairs: Sequence[tuple[float, float]]) -> list[Figure]:
+    """Return the figures of a mode from its rates with our engine and with the one that does nothing."""
+    real, idle = (statistics.median(column) for column in zip(*pairs, strict=True))
+    agents = MODES[title][1]
+    who = f"{agents} agent{'s' if agents > 1 else ''}"
+    return [
+        Figure(title, real, "actions/s", f"{who}{NEEDED_RATES.get(title, '')}"),
+        Figure(f"{title}, an engine that does nothing", idle, "actions/s", who),
+        Figure(f"{title} over that", real / idle, "", f"median of {len(pairs)}; needed: {NEEDED}"),
+    ]
+
+
+def main(
+    json: JsonFile = None,
+    mode: Annotated[list[str] | None, typer.Option(help=f"Of {', '.join(MODES)}; all by default.")] = None,
+    rounds: Annotated[int, typer.Option(min=1, help="Rounds; each takes 10 to 15 s a mode.")] = REPEATS,
+) -> None:
     """Measure the drop-in for the original's engine."""
+    titles = mode or list(MODES)
+    if unknown := set(titles) - set(MODES):
+        raise typer.BadParameter(f"{', '.join(unknown)}: must be of {', '.join(MODES)}")
     python = client_environment(cache_root().parent / "inspirai-fps-0.0.3")
     warm(())
-    figures = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         ours, idle = install_engine(folder / "engine").parent, idle_engine(folder / "idle")
         list(install_maps(missing_maps([1], folder / "maps"), folder / "maps", 1))
         # Taken in turns, so that both see the same machine.
-        runs = [[rates(python, folder, engine) for engine in (ours, idle)] for _ in range(REPEATS)]
-        for number, (title, mode) in enumerate(MODES.items()):
-            pairs = [(with_ours[number], with_idle[number]) for with_ours, with_idle in runs]
-            real, empty = (statistics.median(column) for column in zip(*pairs, strict=True))
-            who = f"{mode[1]} agent{'s' if mode[1] > 1 else ''}"
-            figures += [
-                Figure(title, real, "actions/s", f"{who}{NEEDED_RATES.get(title, '')}"),
-                Figure(f"{title}, an engine that does nothing", empty, "actions/s", who),
-                Figure(f"{title} over that", real / empty, "", f"median of {REPEATS}; needed: {NEEDED}"),
-            ]
+        runs = [[rates(python, folder, engine, titles) for engine in (ours, idle)] for _ in range(rounds)]
+    figures = []
+    for number, title in enumerate(titles):
+        pairs = [(with_ours[number], with_idle[number]) for with_ours, with_idle in runs]
+        figures += figures_of(title, pairs)
     publish("The original's client", figures, json)
 
 
