@@ -45,7 +45,7 @@ def install(
 
     ids = read_ids(maps)
     program = install_engine(folder / "engine")
-    with error_console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
+    with error_console.status("preparing the engine (the first run compiles it, which takes a few minutes)"):
         warm(())
     missing = missing_maps(ids, folder / "maps")
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()

@@ -12,6 +12,7 @@ from wildscav.errors import WildscavError
 from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, SupplyRefreshData, Vector3
 
 if TYPE_CHECKING:
+    from wildscav_engine.rules import Rules
     from wildscav_engine.spec import Equipment, MatchSpec, Place, SupplyConfig, SupplyWave
 
 _Source = GMCommand | SupplyRefreshData | AgentSetup
@@ -124,18 +125,10 @@ def _setups(command: GMCommand) -> list[AgentSetup]:
 
 def _spec(command: GMCommand, setups: Sequence[AgentSetup]) -> "MatchSpec":
     from wildscav_engine.maps import map_spec
-    from wildscav_engine.rules import Rules
     from wildscav_engine.spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS as ENGINE_TRACKS
 
     track = TRACKS[_value(command, "game_mode")]
-    rules = Rules(
-        water_speed_factor=_value(command, "water_speed_decay"),
-        respawn_time=max(SHORTEST_TIME, _value(command, "respawn_time")),
-        invincible_time=_value(command, "invincible_time"),
-        supply_loss=_value(command, "supply_loss_percent_when_dead") / 100,
-        target_distance=_value(command, "trigger_range"),
-    )
     has_supplies, has_target = ENGINE_TRACKS[track].has_supplies, ENGINE_TRACKS[track].has_target
     return MatchSpec(
         track=track,
@@ -149,7 +142,19 @@ def _spec(command: GMCommand, setups: Sequence[AgentSetup]) -> "MatchSpec":
         supplies=_supplies(command) if has_supplies else None,
         equipment=tuple(map(_equipment, setups)),
         respawn_at="random" if _returns_anywhere(command) else "start",
-        rules=rules,
+        rules=_rules(command),
+    )
+
+
+def _rules(command: GMCommand) -> "Rules":
+    from wildscav_engine.rules import Rules
+
+    return Rules(
+        water_speed_factor=_value(command, "water_speed_decay"),
+        respawn_time=max(SHORTEST_TIME, _value(command, "respawn_time")),
+        invincible_time=_value(command, "invincible_time"),
+        supply_loss=_value(command, "supply_loss_percent_when_dead") / 100,
+        target_distance=_value(command, "trigger_range"),
     )
 
 

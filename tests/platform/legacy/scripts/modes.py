@@ -3,8 +3,27 @@
 import json
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 from inspirai_fps import ActionVariable, Game
+
+
+class Action(NamedTuple):
+    walk_dir: float
+    walk_speed: float
+    pickup: bool
+    attack: bool
+
+
+class Gatherer:
+    """An agent as submissions had it."""
+
+    def __init__(self, episode_info):
+        self.episode_info = episode_info
+
+    def act(self, frame, state):
+        return Action(90 * (frame // 15 % 4), 5, pickup=True, attack=False)
+
 
 folder, port = Path(sys.argv[1]), int(sys.argv[2])
 here, there = json.loads(sys.argv[3])
@@ -32,8 +51,9 @@ game.set_supply_heatmap_center([int(here[0]), int(here[2])])
 game.set_supply_outdoor_richness(50)
 game.new_episode()
 told["boxes"] = len(game.get_state().supply_states)
+agent = Gatherer({"start_location": game.get_start_location()})
 while not game.is_episode_finished():
-    game.make_action({0: [90 * (game.get_frame_count() // 15 % 4), 5, True, False]})
+    game.make_action({0: agent.act(game.get_frame_count(), game.get_state())})
 told["frames"] = game.get_frame_count()
 told["gathered"] = game.get_state().num_supply
 
