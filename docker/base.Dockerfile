@@ -1,5 +1,5 @@
 # The base of agents' images: Python and the SDK, nothing else. `wildscav build` makes it when it is missing;
-# by hand, in the repository: docker build -f docker/base.Dockerfile -t localhost/wildscav/agent-base .
+# WILDSCAV_PYTHON_IMAGE names another Python for it than that of PYTHON below.
 ARG PYTHON=docker.io/library/python:3.11-slim
 FROM ${PYTHON} AS wheel
 RUN python3 -m venv /build

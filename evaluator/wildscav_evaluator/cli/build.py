@@ -17,7 +17,11 @@ def build(
     ],
     base: Annotated[
         str | None,
-        typer.Option(help="Image to build on. Default: Python with the SDK.", show_default=False),
+        typer.Option(
+            help="Image to build on. Default: the SDK on python:3.11-slim, or on what WILDSCAV_PYTHON_IMAGE "
+            "names; made when it is not there.",
+            show_default=False,
+        ),
     ] = None,
     dockerfile: Annotated[
         Path | None,

@@ -3,6 +3,7 @@
 import functools
 import hashlib
 import io
+import os
 import shutil
 import tarfile
 import tempfile
@@ -26,24 +27,30 @@ from wildscav_evaluator.submissions.submission import (
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
 REQUIREMENTS = "requirements.txt"
 BASE = "localhost/wildscav/agent-base"
+PYTHON = "WILDSCAV_PYTHON_IMAGE"  # the variable that names the image with Python to make the base of
 DOCKERFILES = Path(__file__).parents[3] / "docker"
 LARGEST_MANIFEST = 100_000  # bytes
 
 
 @functools.cache
-def base_name() -> str:
-    """Return what the image with the SDK is called: another SDK has another name."""
+def sdk_digest() -> str:
+    """Return the digest of the SDK that images get."""
     package = Path(wildscav.__file__).parent
     digest = hashlib.blake2b(digest_size=4)
     for path in sorted(package.rglob("*.py")):
         digest.update(str(path.relative_to(package)).encode() + path.read_bytes())
-    return f"{BASE}:{wildscav.__version__}-{digest.hexdigest()}"
+    return digest.hexdigest()
+
+
+def base_name(python: str) -> str:
+    """Return what the image with the SDK is called: another SDK, or on another Python, has another name."""
+    suffix = f"-{hashlib.blake2b(python.encode(), digest_size=4).hexdigest()}" if python else ""
+    return f"{BASE}:{wildscav.__version__}-{sdk_digest()}{suffix}"
 
 
 def built_name(submission: Submission) -> str:
     """Return what the image of a submission is called: another content, or another SDK, has another name."""
-    sdk = base_name().rpartition("-")[2]
-    return f"localhost/wildscav/{submission.name}:{submission.digest[:16]}-{sdk}"
+    return f"localhost/wildscav/{submission.name}:{submission.digest[:16]}-{sdk_digest()}"
 
 
 def build_image(
@@ -66,9 +73,11 @@ def build_image(
     """
     engine = find_engine()
     if base is None:
-        base = base_name()
+        python = os.environ.get(PYTHON, "")
+        base = base_name(python)
         if not _exists(engine, base):
-            _build(engine, base, DOCKERFILES.parent, _dockerfile("base.Dockerfile"), options)
+            own = ["--build-arg", f"PYTHON={python}"] if python else []
+            _build(engine, base, DOCKERFILES.parent, _dockerfile("base.Dockerfile"), [*own, *options])
     name = built_name(submission)
     with tempfile.TemporaryDirectory(prefix="wildscav-build-") as folder:
         # Exactly what its digest is of, for every user to read.

@@ -13,10 +13,10 @@ from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.engine import Engine, call, find_engine
 from wildscav_evaluator.submissions import images
-from wildscav_evaluator.submissions.images import build_image, with_images
+from wildscav_evaluator.submissions.images import base_name, build_image, with_images
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("python")]
 Submit = Callable[..., Submission]
 SUBMISSION = "localhost/wildscav/builds-and-walks"
 BODY = """
@@ -27,15 +27,14 @@ BODY = """
 
 
 @pytest.fixture
-def python(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+def python(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """An image to build on; it and the base go afterwards."""
     if missing("oci"):
         pytest.skip(missing("oci"))
-    base = "localhost/wildscav/test-base:0-test"
-    monkeypatch.setattr(images, "base_name", lambda: base)
     engine = find_engine()
-    yield python_image(engine)
-    for image in (*built(engine), base, NAME):
+    monkeypatch.setenv(images.PYTHON, python_image(engine))
+    yield
+    for image in (*built(engine), base_name(NAME), NAME):
         call(engine, "rmi", "-f", image)
 
 
@@ -43,14 +42,12 @@ def built(engine: Engine) -> list[str]:
     return call(engine, "images", "-q", SUBMISSION).stdout.decode().split()
 
 
-def test_a_match_is_played_in_an_image_of_our_own_dockerfiles(
-    submit: Submit, tmp_path: Path, python: str
-) -> None:
+def test_a_match_is_played_in_an_image_of_our_own_dockerfiles(submit: Submit, tmp_path: Path) -> None:
     """The base with the SDK, on it the submission with its packages, and a match in it, without a network."""
     folder = submit(SUBMISSION.rpartition("/")[2], BODY).folder
     (folder / "requirements.txt").write_text("colorama\n")
     walker = load_submission(folder)
-    build_image(walker, options=["--network=host", "--layers=false", "--build-arg", f"PYTHON={python}"])
+    build_image(walker, options=["--network=host", "--layers=false"])
     spec = MatchSpec(
         track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3), time_limit=2.0
     )
