@@ -1,10 +1,12 @@
 """The folder that a script of the original's client is pointed at: its engine and its maps."""
 
+import os
 import shlex
 import sys
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 
 from wildscav.legacy.maps import is_written, write_map
@@ -74,7 +76,7 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
     if not ids:
         return
     # New processes, not copies of this one, in which kernels may have run.
-    with ProcessPoolExecutor(min(workers, len(ids)), mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(min(workers, len(ids)), get_context("spawn"), end_with_parent) as pool:
         jobs = {pool.submit(write_map, map_id, folder): map_id for map_id in ids}
         try:
             for job in as_completed(jobs):
@@ -83,3 +85,18 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def end_with_parent() -> None:
+    """Let this process end as soon as the one that started it has, however that ended.
+
+    A worker that waits for work hears nothing of a killed parent, since its siblings hold the pipe open.
+    """
+    threading.Thread(target=_wait_for_parent, daemon=True).start()
+
+
+def _wait_for_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
