@@ -51,11 +51,16 @@ def submit(tmp_path: Path) -> Submit:
     """Write a submission whose agent has the given body of a class, or whose file has the given code."""
 
     def write(
-        name: str, body: str = "", *, code: str | None = None, tracks: str = '["navigation"]'
+        name: str,
+        body: str = "",
+        *,
+        code: str | None = None,
+        tracks: str = '["navigation"]',
+        more: str = "",
     ) -> Submission:
         folder = tmp_path / "submissions" / name
         folder.mkdir(parents=True)
-        (folder / "submission.toml").write_text(MANIFEST.format(name=name, tracks=tracks))
+        (folder / "submission.toml").write_text(MANIFEST.format(name=name, tracks=tracks) + more)
         (folder / "agent.py").write_text(HEAD + body if code is None else code)
         return load_submission(folder)
 

@@ -169,6 +169,7 @@ async def play_once(
                 },
                 clock=clock or Clock(),
                 addresses=dict(zip(seating.seats, addresses, strict=True)),
+                starting=True,
             )
             if started is not None:
                 started(hosted)
@@ -188,6 +189,7 @@ async def _play_hosted(
             launch = launch_for(submission, address, hosted.tokens[seat], log, seating.limits)
             agents.append(await sandbox.start(launch))
             watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[-1]))
+            hosted.launched(seat)
         outcome = await _outcome(hosted, watchers)
         await asyncio.wait(watchers.values(), timeout=FAREWELL)
         endings = _endings(watchers)

@@ -128,7 +128,7 @@ class SeatTiming(Part):
     """How one seat used its time, measured at the engine."""
 
     seat: int
-    start_up: float | None  # s from the opening of the match until it was ready; none if it never was
+    start_up: float | None  # s from its agent's start until it was ready; none if it never was
     steps: int  # that it was asked for
     late_steps: int  # of those, the timeouts: no answer in time, played with no action
     dropped_actions: int = 0  # answers to steps that were over

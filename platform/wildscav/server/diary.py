@@ -63,6 +63,11 @@ class Diary:
                 time_bank=round(report.time_bank, 3),
             )
 
+    def broke(self, address: str, error: Exception) -> None:
+        """Write that something of ours failed with a stream of which nobody knows yet whose it is."""
+        if self._log is not None:
+            self._log.warning("stream_failed", address=address, fault="platform", error=repr(error))
+
     def refused(self, refusal: RefusalError) -> None:
         """Write that a stream was refused or put out."""
         if self._log is None:

@@ -35,6 +35,7 @@ class Entrance:
         connections: How many may be open at one time; more are closed at once.
         places: What each token stands for.
         refused: Told of every refusal.
+        broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
         arena: Opens matches over the wire; nobody does if none.
 
     Raises:
@@ -47,6 +48,7 @@ class Entrance:
         connections: int,
         places: Mapping[str, Place],
         refused: Callable[[RefusalError], None],
+        broke: Callable[[str, Exception], None],
         arena: ArenaServicer | None,
     ) -> None:
         limit = ("grpc.max_allowed_incoming_connections", connections)
@@ -56,7 +58,7 @@ class Entrance:
         except RuntimeError as error:
             raise AddressInUseError(address, str(error)) from None
         self.address = with_port(address, port)
-        self._service = MatchService(places, refused, self.address)
+        self._service = MatchService(places, refused, broke, self.address)
         self._grpc.add_generic_rpc_handlers((self._service.handler(),))
         self._health = health.aio.HealthServicer()  # type: ignore[attr-defined]
         health_pb2_grpc.add_HealthServicer_to_server(self._health, self._grpc)

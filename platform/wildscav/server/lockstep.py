@@ -224,8 +224,11 @@ class Lockstep:
             return
         if self._loop.time() < self._due:
             self._set_timer()
-        else:
+            return
+        try:
             self._time_is_up()
+        except Exception as error:  # noqa: BLE001 - nobody else would hear of it, and wait for ever
+            self.fail(error)
 
     def _disarm(self) -> None:
         if self._timer is not None:

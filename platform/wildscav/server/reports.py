@@ -85,7 +85,7 @@ class SeatReport:
     ignored_fields: int = 0  # set outside the track's action set, in all actions together
     think_time: ThinkTime = NO_TIME
     time_bank: float = 0.0  # s left of it
-    start_up: float | None = None  # s from the opening of the match until it was ready; none if it never was
+    start_up: float | None = None  # s from its start until it was ready; none if it never was
 
 
 @dataclass(frozen=True, slots=True)

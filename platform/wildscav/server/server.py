@@ -82,7 +82,9 @@ class MatchServer:
         allow_many_files()
         new = []
         for address in addresses:
-            new.append(Entrance(address, self._connections, self._places, self._refused, service))
+            new.append(
+                Entrance(address, self._connections, self._places, self._refused, self._broke, service)
+            )
             self._entrances.append(new[-1])
         for entrance in new:
             await entrance.start()
@@ -96,6 +98,7 @@ class MatchServer:
         sensors: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
         clock: Clock | None = None,
         addresses: Mapping[int, str] | None = None,
+        starting: bool = False,
     ) -> HostedMatch:
         """Open a match; its submission seats can be joined from now on.
 
@@ -106,6 +109,8 @@ class MatchServer:
             clock: The limits of the seats' time.
             addresses: Of seats that can be joined over one address alone, which ``start`` returned; at any
                 other, their tokens are of no use.
+            starting: Whether agents are yet to be started, by whoever hosts the match: the time to join then
+                begins once each seat was ``launched``, and not now.
 
         Raises:
             MatchSetupError: The spec cannot be played.
@@ -128,7 +133,7 @@ class MatchServer:
             seats.append(Seat(number, secrets.token_urlsafe(24), TimeBank(clock), wanted))
         # In a thread, so that other matches play on while the map is made.
         match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats])
-        hosted = HostedMatch(match, names, seats, clock)
+        hosted = HostedMatch(match, names, seats, clock, starting=starting)
         self._matches.add(hosted)
         self._places.update({seat.token: Place(hosted, seat, own.get(seat.number)) for seat in seats})
         hosted.task.add_done_callback(lambda _: self._forget(hosted))
@@ -146,6 +151,12 @@ class MatchServer:
     def _refused(self, refusal: RefusalError) -> None:
         self.meters.refused(refusal.reason)
         self._diary.refused(refusal)
+
+    def _broke(self, address: str, error: Exception) -> None:
+        """Give up the matches that have a seat at an address where something of ours failed."""
+        self._diary.broke(address, error)
+        for match in {place.match for place in self._places.values() if place.address == address}:
+            match.fail(error)
 
     def _forget(self, hosted: HostedMatch) -> None:
         self._matches.discard(hosted)

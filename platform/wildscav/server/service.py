@@ -46,13 +46,18 @@ class MatchService:
     Args:
         places: What each token stands for; the server adds and removes.
         refused: Told of every refusal.
+        broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
         address: The address.
     """
 
     def __init__(
-        self, places: Mapping[str, Place], refused: Callable[[RefusalError], None], address: str
+        self,
+        places: Mapping[str, Place],
+        refused: Callable[[RefusalError], None],
+        broke: Callable[[str, Exception], None],
+        address: str,
     ) -> None:
-        self._places, self._refused, self._address = places, refused, address
+        self._places, self._refused, self._broke, self._address = places, refused, broke, address
         self.strangers = Strangers()
 
     def handler(self) -> grpc.GenericRpcHandler:
@@ -65,13 +70,15 @@ class MatchService:
         """Serve one seat from joining to the end of its match."""
         try:
             place, gets_ready = await self._welcome(context)
-            place.match.join(place.seat, _this_task(), gets_ready=gets_ready)
-            await _serve(place, context)
+            await _take_and_serve(place, context, gets_ready=gets_ready)
         except RefusalError as refusal:
             self._refused(refusal)
             await _refuse(context, refusal)
         except StreamLostError:
             pass  # nobody is there to hear anything
+        except Exception as error:  # noqa: BLE001 - whoever came is not to blame
+            self._broke(self._address, error)
+            await _refuse(context, _platform_failed())
 
     async def _welcome(self, context: Context) -> tuple[Place, bool]:
         """Find out who has come, and whether it will get ready. Whoever is refused here waits for it."""
@@ -111,6 +118,22 @@ def _this_task() -> "asyncio.Task[None]":
     return task
 
 
+def _platform_failed() -> RefusalError:
+    return RefusalError(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", "the platform failed")
+
+
+async def _take_and_serve(place: Place, context: Context, *, gets_ready: bool) -> None:
+    """Take a seat for this stream, and speak the protocol with it."""
+    try:
+        place.match.join(place.seat, _this_task(), gets_ready=gets_ready)
+    except RefusalError:
+        raise
+    except Exception as error:
+        place.match.fail(error)
+        raise _platform_failed() from error
+    await _serve(place, context)
+
+
 async def _serve(place: Place, context: Context) -> None:
     """Speak the protocol with a seat that has been taken."""
     match, seat = place.match, place.seat
@@ -138,7 +161,7 @@ async def _serve(place: Place, context: Context) -> None:
         raise
     except Exception as error:
         match.fail(error)
-        raise RefusalError(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", "the platform failed") from error
+        raise _platform_failed() from error
     finally:
         # Whatever else ended the stream, cancellation by a lost connection included.
         match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)

@@ -37,16 +37,28 @@ class HostedMatch:
         names: Display name of every seat.
         seats: Those that agent processes fill.
         clock: The limits of their time.
+        starting: Whether the time to join begins only once every seat was ``launched``.
     """
 
-    def __init__(self, match: "Match", names: Sequence[str], seats: Sequence[Seat], clock: Clock) -> None:
+    def __init__(
+        self,
+        match: "Match",
+        names: Sequence[str],
+        seats: Sequence[Seat],
+        clock: Clock,
+        *,
+        starting: bool = False,
+    ) -> None:
         self.match = match
         self.id = secrets.token_hex(8)  # in logs
         self.names = tuple(names)
         self._seats = {seat.number: seat for seat in seats}
         self._clock = clock
         self._lockstep = Lockstep(match, seats, clock)
-        self._opened = time.perf_counter()
+        self._launched = dict.fromkeys(() if starting else self._seats, time.perf_counter())  # when, s
+        self._all_launched = asyncio.Event()
+        if len(self._launched) == len(self._seats):
+            self._all_launched.set()
         self._joined = asyncio.Event()  # nobody is waited for any more
         self._playing = False
         self._goodbyes: dict[int, ServerMessage] = {}
@@ -78,6 +90,12 @@ class HostedMatch:
     def task(self) -> asyncio.Task[MatchOutcome]:
         """Plays the match."""
         return self._task
+
+    def launched(self, seat: int) -> None:
+        """Say that a seat's agent has been started: from now on its time to start up runs."""
+        self._launched[seat] = time.perf_counter()
+        if len(self._launched) == len(self._seats):
+            self._all_launched.set()
 
     def give_up(self, seat: int, reason: str, status: SeatStatus = SeatStatus.CRASHED) -> None:
         """Play a seat with no action from now on: its launcher knows that nobody is there any more.
@@ -135,12 +153,15 @@ class HostedMatch:
 
     def ready(self, seat: Seat) -> None:
         """Wait no longer for a seat to get ready."""
-        seat.ready, seat.start_up = True, time.perf_counter() - self._opened
+        now = time.perf_counter()
+        # Who is quick may be ready before its launcher says that it was started.
+        seat.ready, seat.start_up = True, now - self._launched.get(seat.number, now)
         self._check_joined()
 
     def fail(self, error: Exception) -> None:
         """Give the match up: the platform failed."""
         self._lockstep.fail(error)
+        self._all_launched.set()
         self._joined.set()
 
     async def next_message(self, seat: Seat) -> ServerMessage:
@@ -184,6 +205,8 @@ class HostedMatch:
 
     async def _wait_for_seats(self) -> None:
         self._check_joined()
+        # What a launcher takes to start them all is not the agents' time. Should it fail, it will cancel.
+        await self._all_launched.wait()
         loop = asyncio.get_running_loop()
         due = loop.time() + self._clock.join_timeout
         with contextlib.suppress(TimeoutError):

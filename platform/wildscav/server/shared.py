@@ -80,7 +80,7 @@ class SharedServer:
             raise failure
         for place, address in enumerate(addresses):
             desk = FrontDesk(self.workers, place, self._organizer)
-            entrance = Entrance(address, CONNECTIONS, {}, self._diary.refused, desk)
+            entrance = Entrance(address, CONNECTIONS, {}, self._diary.refused, self._diary.broke, desk)
             await entrance.start()
             self._entrances.append(entrance)
         return [entrance.address for entrance in self._entrances]

@@ -157,26 +157,6 @@ def test_what_the_platform_breaks_is_played_again_from_the_start(
     assert (tmp_path / "0.log").read_text().count("step 0\n") == 1  # nothing of the first try is left
 
 
-def test_an_engine_that_fails_under_a_match_is_no_fault_of_its_agents(
-    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    steps, step = 0, Match.step
-
-    def fails_once(self: Match, rows: object) -> None:
-        nonlocal steps
-        steps += 1
-        if steps == 10:
-            raise FloatingPointError("a number of ours went wrong")
-        step(self, rows)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(Match, "step", fails_once)
-
-    played = play(submit("walker", TALKER), tmp_path=tmp_path)
-
-    assert played.seats[0].status == SeatStatus.FINISHED
-    assert played.platform_faults == ("FloatingPointError: a number of ours went wrong",)
-
-
 def test_a_platform_that_fails_again_and_again_gives_the_match_up(submit: Submit, tmp_path: Path) -> None:
     sandbox = Failing(*[BlockingIOError(11, "Resource temporarily unavailable")] * 5)
 
