@@ -13,6 +13,8 @@ from wildscav.cli.pictures import format_of, save
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
+    from PIL.Image import Image
+
     from wildscav_engine.geometry.world import World
     from wildscav_engine.maps import GameMap
     from wildscav_engine.maps.viewpoints import Viewpoint
@@ -69,10 +71,6 @@ def look(
     ] = None,
 ) -> None:
     """Look at a map with a sensor: a picture of what it sees."""
-    from wildscav.console import console, error_console
-    from wildscav_engine.rendering.placed import placed_things
-    from wildscav_engine.sensors.legend import draw_reading
-
     if output is not None:
         format_of(output)
     agents = [_read("agent", text, "X,Z,YAW") for text in agent or ()]
@@ -82,18 +80,45 @@ def look(
     place = None if position is None else _read("position", position, "X,Z")
     _check_angles(yaw, pitch)
     choice = choose()
-    game_map = choice.game_map
+    view = _viewpoint(choice.game_map, place, yaw, pitch)
+    picture = _picture(looking, choice.game_map, view, agents, boxes, legend=legend)
+    path = output or Path(f"{choice.slug}-{sensor}.png")
+    save(picture, path)
+    _say(path, picture, view)
+
+
+def _picture(
+    looking: "OpticalSensor",
+    game_map: "GameMap",
+    view: "Viewpoint",
+    agents: Sequence[Wanted],
+    boxes: Sequence[Wanted],
+    *,
+    legend: bool,
+) -> "Image":
+    """Return what a sensor sees of a map on which agents and boxes have been put.
+
+    Raises:
+        UserError: One of them is to be outside the map.
+    """
+    from wildscav.console import error_console
+    from wildscav_engine.rendering.placed import placed_things
+    from wildscav_engine.sensors.legend import draw_reading
+
     things = placed_things(
         [(_place(game_map, wanted), wanted.numbers[-1]) for wanted in agents],
         [_place(game_map, wanted) for wanted in boxes],
     )
-    view = _viewpoint(game_map, place, yaw, pitch)
     moving = things if getattr(looking, "moving", True) else None
     with error_console.status("looking"):
         reading = looking.render(game_map, [view.eye], [view.yaw], [view.pitch], moving=moving)[0]
-        picture = draw_reading(looking, reading, legend=legend)
-    path = output or Path(f"{choice.slug}-{sensor}.png")
-    save(picture, path)
+        return draw_reading(looking, reading, legend=legend)
+
+
+def _say(path: Path, picture: "Image", view: "Viewpoint") -> None:
+    """Say what was written, and how to look from there again."""
+    from wildscav.console import console
+
     x, y, z = view.eye
     console.print(
         f"{path}: {picture.width} × {picture.height} pixels, seen with "
