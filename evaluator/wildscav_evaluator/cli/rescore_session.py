@@ -11,6 +11,7 @@ from wildscav_engine import ENGINE_VERSION
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import LEGEND, track_table
 from wildscav_evaluator.cli.time_table import conditions
+from wildscav_evaluator.output.identity import Identity, read_identity
 from wildscav_evaluator.output.opening import expected_matches
 from wildscav_evaluator.output.results import RESULTS_FILE, Results, Timings, read_results
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, record_paths, replay_all
@@ -27,7 +28,7 @@ def run_rescore(out: Path, jobs: int) -> None:
     paths = record_paths(out)
     told = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
     replayed = _replay(paths, jobs)
-    _show(recomputed(replayed, told))
+    _show(recomputed(replayed, told, read_identity(out)))
     complaints = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
     everything = counted(len(replayed), "record")
     if told is None:
@@ -44,17 +45,26 @@ def run_rescore(out: Path, jobs: int) -> None:
         console.print("That these are the suite's matches can be checked once its secret is opened.")
 
 
-def recomputed(replayed: Sequence[Replayed], told: Results | None) -> Results:
-    """Return results made anew from records; what no record says is taken from the results told."""
+def recomputed(
+    replayed: Sequence[Replayed], told: Results | None, identity: Identity | None = None
+) -> Results:
+    """Return results made anew from records.
+
+    Args:
+        replayed: The records, played again.
+        told: What the evaluation said; what no record says is taken from it.
+        identity: Which evaluation it is, where it has not come to results yet.
+    """
     evaluations = tuple(recompute(replayed, told))
     if told is not None:
         return told.model_copy(update={"evaluations": evaluations})
     nothing = Timings(started="", wall=0.0, jobs=0, matches=())
     return Results(
         engine_version=ENGINE_VERSION,
-        suite="unknown",
-        seed=0,
-        sandbox="unknown",
+        suite="unknown" if identity is None else identity.suite,
+        seed=int(identity.seed) if identity is not None and identity.seed.isdecimal() else None,
+        sandbox="unknown" if identity is None else identity.sandbox,
+        limits={} if identity is None else identity.limits,
         evaluations=evaluations,
         timings=nothing,
     )

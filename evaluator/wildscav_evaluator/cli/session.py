@@ -18,7 +18,7 @@ from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResu
 from wildscav_evaluator.matches.workers import WorkerDiedError, Workers
 from wildscav_evaluator.output.folder import SUITE_FILE, check_out, keep_only, output_folder
 from wildscav_evaluator.output.lock import Lock
-from wildscav_evaluator.output.results import Evaluation, Results, write_results
+from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, Results, write_results
 from wildscav_evaluator.output.sinks import ResultSink, sinks
 from wildscav_evaluator.scores.conduct import evaluation_remark
 from wildscav_evaluator.watch.watch import Watch, Watching
@@ -38,13 +38,12 @@ def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None
     for sink in kept_by:
         sink.check()
     with evaluating(plan, watching) as results:
-        for track in results.tracks:
-            console.print()
-            console.print(track_table(results, track))
-        console.print(f"\n{LEGEND}\n", style="dim")
-        console.print(time_table(results))
-        _remark(results)
-        complaints = list(_keep(results, plan, kept_by, database))
+        # Before anything is shown: whoever closes the terminal has them all the same.
+        complaints = list(_written(results, plan.out))
+        _show(results)
+        if not complaints:
+            _say("results", str(plan.out / RESULTS_FILE))
+        complaints += _keep(results, plan, kept_by, database)
         complaints += [
             all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
         ]
@@ -118,15 +117,29 @@ def _remark(results: Results) -> None:
         console.print(Text.assemble(("note: ", "yellow"), line))
 
 
-def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
-    """Write the results and hand them to the sinks; say where all is, and yield what went wrong."""
+def _written(results: Results, out: Path) -> Iterator[str]:
+    """Write the results, and yield what went wrong."""
+    try:
+        write_results(results, out)
+    except OSError as error:
+        yield f"the results could not be kept: {describe(error)}"
+
+
+def _show(results: Results) -> None:
+    """Show the tables, what agents should have done otherwise, and what they ran in."""
+    for track in results.tracks:
+        console.print()
+        console.print(track_table(results, track))
+    console.print(f"\n{LEGEND}\n", style="dim")
+    console.print(time_table(results))
+    _remark(results)
     console.print()
     for position, line in enumerate(conditions(results.sandbox, results.limits)):
         _say("" if position else "sandbox", line)
-    try:
-        _say("results", str(write_results(results, plan.out)))
-    except OSError as error:
-        yield f"the results could not be kept: {describe(error)}"
+
+
+def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
+    """Hand the results to the sinks, say where all the rest is, and yield what went wrong."""
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = sum(row.record is not None for row in rows)
     _say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")

@@ -86,7 +86,7 @@ def limits_in_words(limits: KeptLimits) -> str:
     if limits.output is not None:
         words.append(f"{_size(limits.output)} of output")
     if limits.wall_clock is not None:
-        words.append(f"{limits.wall_clock:,g} s")
+        words.append(f"{limits.wall_clock:,g} s in all")
     return ", ".join(words)
 
 

@@ -1,8 +1,11 @@
 """A job: one match of an evaluation, from its agent's start to its record and replay on disk."""
 
 import asyncio
+import signal
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -195,16 +198,36 @@ async def _play_telling(
         telling.append(asyncio.create_task(beat(hosted)))
 
     try:
-        return await play_match(
-            seating,
-            sandbox=sandbox,
-            started=begin,
-            faults=faults,
-            broken=lambda reason: tell(Broken(reason)),
-        )
+        with _cancelled_by_signal():
+            return await play_match(
+                seating,
+                sandbox=sandbox,
+                started=begin,
+                faults=faults,
+                broken=lambda reason: tell(Broken(reason)),
+            )
     finally:
         for task in telling:
             task.cancel()
+
+
+@contextmanager
+def _cancelled_by_signal() -> Iterator[None]:
+    """Have SIGTERM cancel this task, which ends all that it started (in the main thread).
+
+    A handler that raises would do so in whatever task just runs, and keep the others from ending in order.
+    """
+    task, loop = asyncio.current_task(), asyncio.get_running_loop()
+    if task is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.getsignal(signal.SIGTERM)
+    loop.add_signal_handler(signal.SIGTERM, task.cancel)
+    try:
+        yield
+    finally:
+        loop.remove_signal_handler(signal.SIGTERM)
+        signal.signal(signal.SIGTERM, before)
 
 
 def failed(job: Job, reason: str) -> JobResult:

@@ -213,7 +213,10 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
             else:
                 # Only a match has agents to be stopped; elsewhere a worker may end on the spot.
                 signal.signal(signal.SIGTERM, _leave)
-                result = run_job(runner, message, partial(_tell, connection))
+                try:
+                    result = run_job(runner, message, partial(_tell, connection))
+                except asyncio.CancelledError:
+                    raise SystemExit(128 + signal.SIGTERM) from None
                 signal.signal(signal.SIGTERM, signal.SIG_DFL)
                 connection.send(result)
 

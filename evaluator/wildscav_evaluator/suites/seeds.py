@@ -31,7 +31,9 @@ class SuiteSeed:
 
 def label(seed: int | None, commitment: str | None) -> str:
     """Return what may be shown of a seed: itself, or the beginning of its commitment."""
-    return str(seed) if commitment is None else f"hidden:{commitment[:12]}"
+    if commitment is not None:
+        return f"hidden:{commitment[:12]}"
+    return "unknown" if seed is None else str(seed)
 
 
 def read_secret(path: Path) -> SuiteSeed:

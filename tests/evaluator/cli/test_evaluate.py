@@ -80,7 +80,7 @@ def check_table(output: str) -> None:
     assert "walker 1.0.0" in output
     assert "success" in output
     said = " ".join(output.split())
-    assert "sandbox process; each agent: 1 MB of output, 7,200 s" in said
+    assert "sandbox process; each agent: 1 MB of output, 7,200 s in all" in said
     assert "time of the agents, measured at the engine" in said
     assert "results.json" in output
     assert "verify" in output

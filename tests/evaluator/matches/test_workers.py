@@ -147,6 +147,7 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Sub
     sleeper = submit("sleeper", SLEEPER)
     only = job(sleeper, 0, out)
     log = out / only.log(0)
+    before = set(Path(tempfile.gettempdir()).glob("wildscav-*"))
 
     with Workers(2) as workers:
         results = workers.run([only, job(submit("walker", WALKER), 0, out)])
@@ -157,6 +158,7 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Sub
         assert agent.exists()
 
     assert not agent.exists()
+    assert set(Path(tempfile.gettempdir()).glob("wildscav-*")) <= before, "sockets were left behind"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of a parent's end")

@@ -178,6 +178,24 @@ def test_the_command_shows_the_tables_and_says_whether_all_agree(
         run_rescore(copy, jobs=1)
 
 
+def test_records_of_an_evaluation_that_came_to_no_results_yet_are_played_again_all_the_same(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = tmp_path / "out"
+    shutil.copytree(out, copy)
+    (copy / "results.json").unlink()
+
+    run_rescore(copy, jobs=1)
+    said = " ".join(capsys.readouterr().out.split())
+    assert "navigation · suite quick · seed 0" in said
+    assert "played in process; each agent: " in said
+    assert "there is no" in said
+
+    (copy / "evaluation.json").unlink()
+    run_rescore(copy, jobs=1)
+    assert "navigation · suite unknown · seed unknown" in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_folder_without_records_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there are no records in"):
         run_rescore(tmp_path, jobs=1)
