@@ -100,7 +100,7 @@ class GroupHold:
         """Kill the group. See ``Hold.kill``."""
         await asyncio.to_thread(self.group.kill)
 
-    async def out_of_memory(self) -> bool:
+    async def out_of_memory(self, code: int) -> bool:  # noqa: ARG002
         """Return whether the kernel ended a process. See ``Hold.out_of_memory``."""
         return self.group.out_of_memory()
 

@@ -12,6 +12,7 @@ import json
 import os
 import resource
 import shutil
+import signal
 import sys
 import tempfile
 from pathlib import Path
@@ -20,7 +21,7 @@ from wildscav_evaluator.sandbox import runtime
 from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, SandboxError
 from wildscav_evaluator.sandbox.engine import Engine, bare_image, find_engine, old_groups, owner
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
+from wildscav_evaluator.sandbox.running import SIGNALLED, AgentProcess, agent_variables, start_process
 from wildscav_evaluator.sandbox.seccomp import container_profile
 from wildscav_evaluator.sandbox.staging import readable_copy
 from wildscav_evaluator.sandbox.users import agent_user
@@ -32,6 +33,8 @@ ENGINE_FAILED = (
     126,
     127,
 )  # exit codes of engines whose container did not start; agents may have them, too
+# Asking the engine takes longer than all else of an end, so it is asked where it could tell something new.
+ASKED_ABOUT = (*ENGINE_FAILED, SIGNALLED + signal.SIGKILL)
 NEVER = "0001-01-01"  # when a container started that did not
 MOUNT_POINTS = (
     *("/proc", "/dev", "/sys", "/tmp", "/etc", "/run"),  # noqa: S108
@@ -93,8 +96,10 @@ class ContainerHold:
                 await self.engine.run("rm", "-f", *time, self.container)
                 self._removed = True
 
-    async def out_of_memory(self) -> bool:
+    async def out_of_memory(self, code: int) -> bool:
         """Return whether a SIGKILL was for want of memory. See ``Hold.out_of_memory``."""
+        if code not in ASKED_ABOUT:
+            return False
         with contextlib.suppress(SandboxError, ValueError):
             state = json.loads(
                 await self.engine.run("inspect", "--format", "{{json .State}}", self.container)

@@ -42,8 +42,8 @@ class Hold(Protocol):
         """Kill every process of the agent. May be called often."""
         ...
 
-    async def out_of_memory(self) -> bool:
-        """Return whether a process of the agent was ended for want of memory."""
+    async def out_of_memory(self, code: int) -> bool:
+        """Return whether an agent that ended with an exit code was ended for want of memory."""
         ...
 
     async def release(self) -> None:
@@ -77,7 +77,7 @@ class AgentProcess:
     async def ended(self) -> Ending:
         """Wait for the process to end. See ``RunningAgent.ended``."""
         code = await self._process.wait()
-        out_of_memory = await self._hold.out_of_memory()
+        out_of_memory = await self._hold.out_of_memory(code)
         # Whatever it left behind ends with it, and so does its output.
         await self._hold.kill()
         await self._finish_log()
