@@ -6,7 +6,9 @@ observation until it does; then it gets the one of the step that is open. So not
 and a stalled one holds up no buffer.
 
 Whoever brings the last answer closes the step: it is played and the next one opened right there, in that
-stream's task, because each turn of the event loop in between costs as much as the step itself.
+stream's task, because each turn of the event loop in between costs as much as the step itself. Observations
+are made by the streams of those that get them, one after the other, so that the first agents think while those
+of the others are made.
 """
 
 import asyncio
@@ -89,7 +91,10 @@ class Lockstep:
         """Return the open step's observation for a seat that has not had it yet; None: it must wait."""
         if self._snapshot is None or seat not in self._pending or seat.asked == self._snapshot.step:
             return None
-        return self._observe(seat, self._snapshot)
+        message = self._observe(seat, self._snapshot)
+        if seat.called:
+            seat.called, self._opened = False, seat.asked_at  # nobody pays for what others' observations take
+        return message
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
@@ -145,13 +150,8 @@ class Lockstep:
         self._rows.fill(0.0)
         self._pending = set(present)
         self._opened = self._loop.time()
-        waiting = [seat for seat in present if seat.waits]
-        messages = [self._observe(seat, self._snapshot) for seat in waiting]
-        # Nobody pays for the time that the others' observations take to make.
-        self._opened = self._loop.time()
-        for seat, message in zip(waiting, messages, strict=True):
-            seat.asked_at = self._opened
-            seat.hand_over(message)
+        for seat in present:
+            seat.call()
         self._excused = False
         # Until the budget is used up, nobody's time is.
         self._arm(self._opened + self._clock.step_budget)

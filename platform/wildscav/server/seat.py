@@ -1,4 +1,4 @@
-"""One submission seat of a hosted match: its rights, its mailbox and its conduct."""
+"""One submission seat of a hosted match: its rights, its bell and its conduct."""
 
 import asyncio
 from array import array
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from wildscav.errors import SensorError
-from wildscav.proto.match_pb2 import SeatConduct, ServerMessage
+from wildscav.proto.match_pb2 import SeatConduct
 from wildscav.server.deadlines import TimeBank
 from wildscav.server.reports import Conduct, SeatReport, SeatStatus, ThinkTime
 from wildscav.wire.errors import RefusalError
@@ -45,30 +45,27 @@ class Seat:
         self.asked_at = 0.0  # when it was sent, by the loop's clock
         self.conduct = Conduct()
         self.times = array("d")  # s, of each step
-        self._waiter: asyncio.Future[ServerMessage] | None = None  # done when its next message is there
+        self.called = False  # whether its stream is about to fetch an observation
+        self._waiter: asyncio.Future[None] | None = None  # done when it is called
 
     @property
     def present(self) -> bool:
         """Whether it has joined and not gone."""
         return self.stream is not None and not self.gone
 
-    @property
-    def waits(self) -> bool:
-        """Whether its stream waits for a message; if not, it owes an answer."""
-        return self._waiter is not None and not self._waiter.done()
-
-    async def message(self) -> ServerMessage:
-        """Wait for the message that ``hand_over`` brings."""
+    async def its_turn(self) -> None:
+        """Wait until there is something to be sent to it."""
         self._waiter = asyncio.get_running_loop().create_future()
         try:
-            return await self._waiter
+            await self._waiter
         finally:
             self._waiter = None
 
-    def hand_over(self, message: ServerMessage) -> None:
-        """Give a message to the stream that waits for it."""
-        if self._waiter is not None:
-            self._waiter.set_result(message)
+    def call(self) -> None:
+        """Say that there is something to be sent to it; does nothing if it owes an answer."""
+        if self._waiter is not None and not self._waiter.done():
+            self.called = True
+            self._waiter.set_result(None)
 
     def dismiss(self, refusal: RefusalError) -> None:
         """End the seat's stream, if it has one, whatever it is doing."""

@@ -166,9 +166,12 @@ class HostedMatch:
 
     async def next_message(self, seat: Seat) -> ServerMessage:
         """Wait for what a seat that owes no answer is to be sent next: an observation, or the end."""
-        if seat.number in self._goodbyes:
-            return self._goodbyes[seat.number]
-        return self._lockstep.observation_for(seat) or await seat.message()
+        while seat.number not in self._goodbyes:
+            observation = self._lockstep.observation_for(seat)
+            if observation is not None:
+                return observation
+            await seat.its_turn()
+        return self._goodbyes[seat.number]
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
@@ -250,8 +253,7 @@ class HostedMatch:
             own = encode_seat_result(result.seats[number].model_dump(), self.names[number])
             over = MatchOver(result=own, steps=result.steps, frames=result.frames, conduct=conduct)
             self._goodbyes[number] = ServerMessage(match_over=over)
-            if seat.waits:
-                seat.hand_over(self._goodbyes[number])
+            seat.call()
         streams = {seat.stream for seat in self._seats.values() if seat.stream is not None and seat.present}
         if streams:
             _, unheard = await asyncio.wait(streams, timeout=CLOSING_TIME)
