@@ -72,6 +72,14 @@ def test_the_worst_of_all_matches_is_shown_beside_their_median() -> None:
     assert " ".join(row) == "navigation homing 3.0 ms 90 ms 1.5 s 3.0 s 0 28.6 s 3.0 s"
 
 
+def test_nothing_is_cut_in_a_narrow_terminal() -> None:
+    worst = seat(latency_p50=0.5, latency_p99=0.999, latency_max=30.1, time_used=999.9, late_steps=100)
+
+    row = cells(worst.model_copy(update={"start_up": 29.9}))
+
+    assert " ".join(row) == "navigation homing 500 ms 999 ms 30.1 s 999.9 s 100.0% 30.0 s 29.9 s"
+
+
 def test_late_steps_are_a_share_of_those_that_were_asked_for() -> None:
     assert "5.0%" in cells(seat(late_steps=10), seat())
 
