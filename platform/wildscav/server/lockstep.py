@@ -7,8 +7,8 @@ and a stalled one holds up no buffer.
 
 Whoever brings the last answer closes the step: it is played and the next one opened right there, in that
 stream's task, because each turn of the event loop in between costs as much as the step itself. Observations
-are made by the streams of those that get them, one after the other, so that the first agents think while those
-of the others are made.
+are made by the streams of those that get them, one after the other, so that the first agents think while the
+others' are made.
 """
 
 import asyncio
