@@ -54,6 +54,8 @@ def _started(folder: Path) -> Iterator[str]:
     finally:
         daemon.terminate()  # it ends what it has started, too
         daemon.wait(PATIENCE)
+        for mount in (folder / "exec" / "netns").glob("*"):  # which it may leave behind
+            subprocess.run(["umount", str(mount)], capture_output=True, check=False)
 
 
 def _answers(address: str) -> bool:

@@ -100,6 +100,10 @@ socket.socket(socket.AF_UNIX).connect(os.environ["WILDSCAV_ADDRESS"].removeprefi
 print(os.environ["WILDSCAV_TOKEN"], os.environ["OMP_NUM_THREADS"], os.path.expanduser("~"))
 import multiprocessing
 print(multiprocessing.Lock().acquire())
+import threading
+thread = threading.Thread(target=lambda: print("a thread"))
+thread.start()
+thread.join()
 os._exit(0)
 """
     submission = submit("modest", code=code)
@@ -108,7 +112,7 @@ os._exit(0)
 
     ending, log, _ = run(real, submission, tmp_path)
 
-    assert log == "/submission of its own\nof the seat 1 /tmp\nTrue\n"
+    assert log == "/submission of its own\nof the seat 1 /tmp\nTrue\na thread\n"
     assert ending.exit_code == 0
 
 
