@@ -10,6 +10,7 @@ import shlex
 import shutil
 import subprocess
 import tarfile
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -185,12 +186,18 @@ def _digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 
+def folder_prefix(process: int) -> str:
+    """Return what the names of the folders begin with that a process makes for its containers."""
+    return f"wildscav-oci-{process}-"
+
+
 @functools.cache
 def owner(engine: Engine, process: int) -> str:
     """Return the label of the containers of a process, and see to it that they end when it does.
 
     Containers belong to the engine: they would outlive a process that was killed. So another waits for its
-    end and then removes them. That one must be in a session of its own, or it would be killed with it.
+    end and then removes them and their folders. That one must be in a session of its own, or it would be
+    killed with it.
 
     Args:
         engine: Which runs the containers.
@@ -198,7 +205,9 @@ def owner(engine: Engine, process: int) -> str:
     """
     label = f"{OWNER}={process}"
     command = shlex.join(engine.command)
-    script = f"cat; cd /; {command} ps -aq --filter label={label} | xargs -r {command} rm -f"
+    containers = f"{command} ps -aq --filter label={label} | xargs -r {command} rm -f"
+    folders = f"rm -rf {shlex.quote(f'{tempfile.gettempdir()}/{folder_prefix(process)}')}*"
+    script = f"cat; cd /; {containers}; {folders}"
     reading, _ = os.pipe()  # the other end stays open as long as this process lives
     quiet = [(os.POSIX_SPAWN_OPEN, output, os.devnull, os.O_WRONLY, 0) for output in (1, 2)]
     files = [(os.POSIX_SPAWN_DUP2, reading, 0), *quiet]

@@ -19,7 +19,14 @@ from pathlib import Path
 
 from wildscav_evaluator.sandbox import runtime
 from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, SandboxError
-from wildscav_evaluator.sandbox.engine import Engine, bare_image, find_engine, old_groups, owner
+from wildscav_evaluator.sandbox.engine import (
+    Engine,
+    bare_image,
+    find_engine,
+    folder_prefix,
+    old_groups,
+    owner,
+)
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.running import SIGNALLED, AgentProcess, agent_variables, start_process
 from wildscav_evaluator.sandbox.seccomp import container_profile
@@ -83,7 +90,7 @@ class ContainerHold:
 
     def __init__(self, engine: Engine, container: str) -> None:
         self.engine, self.container = engine, container
-        self.folder = Path(tempfile.mkdtemp(prefix="wildscav-oci-"))  # for what the engine reads
+        self.folder = Path(tempfile.mkdtemp(prefix=folder_prefix(os.getpid())))  # for the engine
         self._removed = False
         self._out_of_memory = False
         self.never_started = False

@@ -4,6 +4,7 @@ import asyncio
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -137,6 +138,7 @@ time.sleep(60)
         starter.wait()
 
         wait_until(lambda: not processes_with(marker))
+        wait_until(lambda: not list(Path(tempfile.gettempdir()).glob(f"wildscav-*-{starter.pid}-*")))
 
 
 STARTER = """
