@@ -24,7 +24,7 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path) -> None:
     Raises:
         UserError: Something failed that a judge would not pass over.
     """
-    with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
+    with console.status("preparing the engine (the first run compiles it, which takes a minute or two)"):
         warm([submission.manifest.sensors])
     findings = []
     with console.status("playing") as status:

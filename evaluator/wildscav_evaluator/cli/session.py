@@ -86,7 +86,7 @@ def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, watching: Watching) -> li
     if waiting:
         with Workers(min(plan.jobs, len(waiting)), lock) as workers:
             with console.status(
-                "preparing the engine (the first run compiles it, which takes about a minute)"
+                "preparing the engine (the first run compiles it, which takes a minute or two)"
             ):
                 workers.warm(sensors_read(waiting))
             with watch.shown():

@@ -123,7 +123,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
 
 def _play(seating: Seating, sandbox: Sandbox) -> Played:
     try:
-        with console.status("preparing the engine (the first run compiles it, which takes about a minute)"):
+        with console.status("preparing the engine (the first run compiles it, which takes a minute or two)"):
             warm([submission.manifest.sensors for submission in seating.submissions])
         return asyncio.run(_play_with_progress(seating, sandbox))
     except KeyboardInterrupt:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 SHORTEST_TOKEN = 16  # characters
 MOST_WORKERS = 64
-PREPARING = "preparing the engine (the first run compiles it, which takes about a minute)"
+PREPARING = "preparing the engine (the first run compiles it, which takes a minute or two)"
 
 
 class Serving(NamedTuple):
@@ -82,6 +82,9 @@ def _read_token(path: Path) -> str:
 
 
 async def _serve(how: Serving, workers: int) -> None:
+    from wildscav.logs import open_log
+
+    open_log(how.log_format).info("preparing_engine", workers=workers)  # it may take a minute or two
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
