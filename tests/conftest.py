@@ -1,11 +1,16 @@
 """What all tests share."""
 
 import os
+import signal
 
 from hypothesis import settings
 
 # The sandboxes have tests of their own; elsewhere agents are our own, and start quicker without.
 os.environ.setdefault("WILDSCAV_SANDBOX", "process")
+
+# A shell's background jobs ignore Ctrl-C, and whatever they start does, too; some tests press it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # The first call of a kernel may compile it, so no single example has a deadline. The same examples are
 # drawn each time, so that a run tells about the code and not about luck.
