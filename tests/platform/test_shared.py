@@ -115,6 +115,7 @@ def test_a_worker_that_dies_fails_its_matches_alone_and_comes_back(tmp_path: Pat
     shared(f"unix:{tmp_path}/match.sock", play)
 
 
+@pytest.mark.slow
 def test_the_desk_refuses_as_the_workers_do_and_seats_nobody(tmp_path: Path) -> None:
     token = (("authorization", "Bearer correct horse"),)
 
@@ -135,6 +136,7 @@ def test_the_desk_refuses_as_the_workers_do_and_seats_nobody(tmp_path: Path) -> 
     shared(f"unix:{tmp_path}/match.sock", play, organizer_token="correct horse")  # noqa: S106
 
 
+@pytest.mark.slow
 def test_an_address_that_a_worker_cannot_have_is_named_and_nothing_stays(tmp_path: Path) -> None:
     async def start() -> None:
         server = SharedServer(2)

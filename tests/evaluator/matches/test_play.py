@@ -117,6 +117,7 @@ def test_an_agent_that_fails_is_named_with_its_last_words(
     assert played.seats[1].steps_played == STEPS
 
 
+@pytest.mark.slow
 def test_an_agent_that_thinks_for_ever_uses_up_its_own_time_alone(submit: Submit, tmp_path: Path) -> None:
     thinker = submit("thinker", "    def act(self, observation): time.sleep(600)")
     seating = battle(thinker, submit("other", WALKER), tmp_path=tmp_path)

@@ -35,14 +35,24 @@ def test_a_match_leaves_what_was_asked_for_and_no_more(
     ("arguments", "says"),
     [
         (["--robots", "5000", "--track", "battle"], "999"),
-        (["--robots", "999", "--track", "battle", "{walker}"], "at most 1,000 seats in all"),
+        pytest.param(
+            ["--robots", "999", "--track", "battle", "{walker}"],
+            "at most 1,000 seats in all",
+            marks=pytest.mark.slow,
+        ),
         (["--time-limit", "1e9"], "--time-limit"),
-        (["--time-limit", "nan"], "--time-limit"),
-        (["--record", "{folder}"], "is a folder: name a file in it"),
+        pytest.param(["--time-limit", "nan"], "--time-limit", marks=pytest.mark.slow),
+        pytest.param(["--record", "{folder}"], "is a folder: name a file in it", marks=pytest.mark.slow),
         (["--replay", "{folder}"], "is a folder: name a file in it"),
         (["--record", "/dev/null/match.wsr"], "--record /dev/null/match.wsr cannot be written: "),
-        (["--replay", "/dev/null"], "--replay /dev/null is not a plain file"),
-        (["--record", "same", "--replay", "./same"], "--record and --replay name the same file"),
+        pytest.param(
+            ["--replay", "/dev/null"], "--replay /dev/null is not a plain file", marks=pytest.mark.slow
+        ),
+        pytest.param(
+            ["--record", "same", "--replay", "./same"],
+            "--record and --replay name the same file",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_what_cannot_be_played_or_written_is_refused_before_the_match(

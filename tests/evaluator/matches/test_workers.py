@@ -161,6 +161,7 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Sub
     assert set(Path(tempfile.gettempdir()).glob("wildscav-*")) <= before, "sockets were left behind"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of a parent's end")
 def test_a_worker_whose_parent_is_gone_before_it_began_ends_at_once() -> None:
     code = "import os; from wildscav_evaluator.matches.workers import end_with_parent; end_with_parent({})"
