@@ -10,7 +10,7 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from tests.platform.seats import HandPlayed, connected, ended, host, serving, small_spec, start_agent
 
 from wildscav.errors import AddressInUseError, SensorError, UserError
-from wildscav.proto.match_pb2 import ClientMessage, Ready
+from wildscav.proto.match_pb2 import ClientMessage, Join, Ready
 from wildscav.server import Clock, MatchServer, SeatStatus
 from wildscav.server.strangers import Strangers
 from wildscav.wire.errors import reason_of
@@ -283,5 +283,19 @@ def test_the_health_service_answers(tmp_path: Path) -> None:
             for service in ("", "wildscav.match.v1.Match"):
                 answer = await stub.Check(health_pb2.HealthCheckRequest(service=service))
                 assert answer.status == health_pb2.HealthCheckResponse.SERVING
+
+    serving(tmp_path, play)
+
+
+def test_a_seat_that_is_closed_while_its_first_message_is_under_way_hears_why(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        async with connected(address) as seat:
+            await seat.send(ClientMessage(join=Join(token=hosted.tokens[0], protocol_version=1)))
+            while hosted.seats[0].stream is None:  # noqa: ASYNC110 - then it is about to write
+                await asyncio.sleep(0)
+            hosted.give_up(0, "its process ended")
+            async with asyncio.timeout(5):
+                assert (await refused(seat))[1] == "SEAT_CLOSED"
 
     serving(tmp_path, play)

@@ -70,6 +70,7 @@ class MatchService:
         """Serve one seat from joining to the end of its match."""
         try:
             place, gets_ready = await self._welcome(context)
+            await _begin(context)
             await _take_and_serve(place, context, gets_ready=gets_ready)
         except RefusalError as refusal:
             self._refused(refusal)
@@ -223,6 +224,18 @@ async def _read(context: Context) -> ClientMessage:
         return ClientMessage.FromString(content)
     except DecodeError:
         raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are no ClientMessage") from None
+
+
+async def _begin(context: Context) -> None:
+    """Send the head of a stream, while nobody can end it.
+
+    It would go out with the first message. If the stream is ended while that is under way, gRPC takes the
+    head for unsent, sends it with the status once more, fails, and the client never hears of its end.
+    """
+    try:
+        await context.send_initial_metadata(())
+    except grpc.aio.BaseError as error:
+        raise StreamLostError from error
 
 
 async def _write(context: Context, message: ServerMessage) -> None:
