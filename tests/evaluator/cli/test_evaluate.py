@@ -216,9 +216,9 @@ def test_what_cannot_be_kept_in_the_database_is_not_played(
 
 
 def run_with_file_limit(arguments: list[object]) -> "subprocess.CompletedProcess[str]":
-    """Run a command that cannot write a file beyond 512 or 1024 bytes: as on a full disk, writes fail."""
+    """Run a command that cannot write a file beyond 1.5 or 3 kB: as on a full disk, writes fail."""
     program = Path(sys.executable).parent / "wildscav"
-    command = ["sh", "-c", 'ulimit -f 1 && exec "$@"', "sh", str(program), *map(str, arguments)]
+    command = ["sh", "-c", 'ulimit -f 3 && exec "$@"', "sh", str(program), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
 
 
