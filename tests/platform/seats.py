@@ -16,6 +16,8 @@ from wildscav.server import HostedMatch, MatchServer
 from wildscav.server.warm import warm
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 
+# Else all channels of a process share one, and the streams of those that leave without reading crowd it.
+OWN_CONNECTION = [("grpc.use_local_subchannel_pool", 1)]
 AGENTS = Path(__file__).parent / "agents"
 Result = TypeVar("Result")
 
@@ -103,8 +105,8 @@ class HandPlayed:
 
 @asynccontextmanager
 async def connected(address: str) -> AsyncIterator[HandPlayed]:
-    """Open a stream that says nothing yet."""
-    async with grpc.aio.insecure_channel(address) as channel:
+    """Open a stream that says nothing yet, on a connection of its own, as other processes have it."""
+    async with grpc.aio.insecure_channel(address, options=OWN_CONNECTION) as channel:
         play = channel.stream_stream(
             "/wildscav.match.v1.Match/Play", response_deserializer=ServerMessage.FromString
         )
