@@ -20,6 +20,9 @@ from wildscav.server.warm import warm
 
 FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
 GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep
+# Bytes of an attack that gRPC keeps at the attackers' end, which is in this process, too: of calls that they
+# cancel with messages unread. 8,500 were seen; of matches that are hosted and played to their end, none.
+KEPT = 16e3
 
 
 def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
@@ -61,7 +64,7 @@ def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
     )
     assert late == 0
     assert honest.steps_played > 10
-    assert memories[-1] - settled < GROWTH
+    assert memories[-1] - settled < GROWTH + KEPT * rounds * at_once / 2
 
 
 def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
