@@ -9,6 +9,8 @@ from rich.console import Console
 console = Console()
 error_console = Console(stderr=True)
 
+PREPARING = "preparing the engine (the first run compiles it, which takes a minute or two)"
+
 
 def printable(text: str) -> str:
     """Return a text that cannot steer a terminal: whatever is no plain character stands as its escape."""

@@ -6,7 +6,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.console import console, counted
+from wildscav.console import PREPARING, console, counted
 from wildscav.errors import UserError
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import run_checks
@@ -24,7 +24,7 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path) -> None:
     Raises:
         UserError: Something failed that a judge would not pass over.
     """
-    with console.status("preparing the engine (the first run compiles it, which takes a minute or two)"):
+    with console.status(PREPARING):
         warm([submission.manifest.sensors])
     findings = []
     with console.status("playing") as status:

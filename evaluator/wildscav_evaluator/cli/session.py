@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.console import command, console, counted
+from wildscav.console import PREPARING, command, console, counted
 from wildscav.errors import UserError, describe
 from wildscav_engine.files import write_whole
 from wildscav_engine.record import SUFFIX
@@ -85,9 +85,7 @@ def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, watching: Watching) -> li
     waiting = [job for job in jobs if job.stem not in complete]
     if waiting:
         with Workers(min(plan.jobs, len(waiting)), lock) as workers:
-            with console.status(
-                "preparing the engine (the first run compiles it, which takes a minute or two)"
-            ):
+            with console.status(PREPARING):
                 workers.warm(sensors_read(waiting))
             with watch.shown():
                 for result in workers.run(waiting, watch.start, watch.tell):

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.console import command, console
+from wildscav.console import PREPARING, command, console
 from wildscav.errors import UserError, describe
 from wildscav.server import HostedMatch
 from wildscav_engine.actions import Field
@@ -123,7 +123,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
 
 def _play(seating: Seating, sandbox: Sandbox) -> Played:
     try:
-        with console.status("preparing the engine (the first run compiles it, which takes a minute or two)"):
+        with console.status(PREPARING):
             warm([submission.manifest.sensors for submission in seating.submissions])
         return asyncio.run(_play_with_progress(seating, sandbox))
     except KeyboardInterrupt:

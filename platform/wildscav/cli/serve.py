@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 SHORTEST_TOKEN = 16  # characters
 MOST_WORKERS = 64
-PREPARING = "preparing the engine (the first run compiles it, which takes a minute or two)"
 
 
 class Serving(NamedTuple):
@@ -94,7 +93,7 @@ async def _serve(how: Serving, workers: int) -> None:
 
 async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     """Serve in this process."""
-    from wildscav.console import console
+    from wildscav.console import PREPARING, console
     from wildscav.logs import open_log
     from wildscav.metrics import serving_metrics
     from wildscav.server import MatchServer
@@ -115,7 +114,7 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
 
 async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> None:
     """Serve with several processes."""
-    from wildscav.console import console
+    from wildscav.console import PREPARING, console
     from wildscav.server.shared import SharedServer
 
     server = SharedServer(

@@ -17,7 +17,7 @@ from wildscav.server.deadlines import Clock
 from wildscav.server.organizer import Context, Organizer
 from wildscav.server.reports import MatchOutcome
 from wildscav.server.session import HostedMatch, MatchCancelledError
-from wildscav.wire.errors import RefusalError, encode_refusal
+from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_seat_result
 
 if TYPE_CHECKING:
@@ -46,21 +46,11 @@ class ArenaService(ArenaServicer):
 
     async def HostMatch(self, request: HostMatchRequest, context: Context) -> HostMatchResponse:  # noqa: N802
         """Open a match."""
-        try:
-            self._organizer.check(context)
-            return await self._host(request)
-        except RefusalError as refusal:
-            await context.abort_with_status(encode_refusal(refusal))
-            raise
+        return await self._organizer.answer(context, lambda: self._host(request))
 
     async def GetMatch(self, request: GetMatchRequest, context: Context) -> GetMatchResponse:  # noqa: N802
         """Tell how a match stands."""
-        try:
-            self._organizer.check(context)
-            return self._get(request.match_id)
-        except RefusalError as refusal:
-            await context.abort_with_status(encode_refusal(refusal))
-            raise
+        return await self._organizer.answer(context, lambda: self._get(request.match_id))
 
     async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
         from pydantic import ValidationError
@@ -112,7 +102,7 @@ class ArenaService(ArenaServicer):
         if len(self._closed) > KEPT_LIMIT:
             self._closed.popitem(last=False)
 
-    def _get(self, match_id: str) -> GetMatchResponse:
+    async def _get(self, match_id: str) -> GetMatchResponse:
         if match_id in self._closed:
             return self._closed[match_id]
         hosted = self._open.get(match_id)

@@ -1,6 +1,6 @@
 """The front desk of a shared server: it opens matches at the workers and asks them how they stand."""
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Sequence
 from itertools import count
 from typing import TypeVar
 
@@ -8,10 +8,10 @@ import grpc
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.proto.match_pb2_grpc import ArenaServicer
-from wildscav.server.addresses import UNIX
 from wildscav.server.organizer import Context, Organizer
 from wildscav.server.workforce import Worker, WorkerLostError
-from wildscav.wire.errors import RefusalError, encode_refusal, reason_of
+from wildscav.wire.errors import RefusalError, reason_of
+from wildscav.wire.matches import encode_seat_address
 
 Answer = TypeVar("Answer")
 State = GetMatchResponse.State
@@ -34,23 +34,11 @@ class FrontDesk(ArenaServicer):
 
     async def HostMatch(self, request: HostMatchRequest, context: Context) -> HostMatchResponse:  # noqa: N802
         """Open a match at the worker whose turn it is, or at the next one that has room."""
-        return await self._answer(context, lambda: self._host(request))
+        return await self._organizer.answer(context, lambda: _refused(self._host(request)))
 
     async def GetMatch(self, request: GetMatchRequest, context: Context) -> GetMatchResponse:  # noqa: N802
         """Tell how a match stands."""
-        return await self._answer(context, lambda: self._get(request.match_id))
-
-    async def _answer(self, context: Context, call: Callable[[], Awaitable[Answer]]) -> Answer:
-        """Answer a call; what a worker refuses is refused in its words."""
-        try:
-            self._organizer.check(context)
-            return await call()
-        except RefusalError as error:
-            refusal = error
-        except grpc.aio.AioRpcError as error:
-            refusal = RefusalError(error.code(), reason_of(error), error.details() or "the worker refused")
-        await context.abort_with_status(encode_refusal(refusal))
-        raise refusal
+        return await self._organizer.answer(context, lambda: _refused(self._get(request.match_id)))
 
     async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
         full: Exception | None = None
@@ -64,7 +52,7 @@ class FrontDesk(ArenaServicer):
                 full = error
                 continue
             hosted.match_id = f"{worker.number}.{worker.generation}-{hosted.match_id}"
-            hosted.seat_address = as_told(worker.seats[self._place])
+            hosted.seat_address = encode_seat_address(worker.seats[self._place])
             return hosted
         raise RefusalError(
             grpc.StatusCode.RESOURCE_EXHAUSTED,
@@ -96,13 +84,16 @@ class FrontDesk(ArenaServicer):
         )
 
 
+async def _refused(call: Awaitable[Answer]) -> Answer:
+    """Wait for a worker's answer; what it refuses is refused in its words."""
+    try:
+        return await call
+    except grpc.aio.AioRpcError as error:
+        raise RefusalError(error.code(), reason_of(error), error.details() or "the worker refused") from error
+
+
 def _is_elsewhere_possible(error: Exception) -> bool:
     """Return whether another worker might take a match that one did not."""
     if isinstance(error, grpc.aio.AioRpcError):
         return error.code() == grpc.StatusCode.UNAVAILABLE or reason_of(error) == "ARENA_FULL"
     return True
-
-
-def as_told(address: str) -> str:
-    """Return an address as organizers are told it: they know the host better than the server."""
-    return address if address.startswith(UNIX) else f":{address.rpartition(':')[2]}"

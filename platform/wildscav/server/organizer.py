@@ -1,14 +1,16 @@
 """Who may open matches on a shared server: whoever has its secret, or everyone where there is none."""
 
 import hmac
-from typing import Any, TypeAlias
+from collections.abc import Awaitable, Callable
+from typing import Any, TypeAlias, TypeVar
 
 import grpc
 
 from wildscav.errors import UserError
 from wildscav.server.addresses import is_public
-from wildscav.wire.errors import RefusalError
+from wildscav.wire.errors import RefusalError, encode_refusal
 
+Answer = TypeVar("Answer")
 Context: TypeAlias = grpc.aio.ServicerContext[Any, Any]
 
 
@@ -36,6 +38,15 @@ class Organizer:
             raise RefusalError(
                 grpc.StatusCode.UNAUTHENTICATED, "ORGANIZER_TOKEN", "this call needs the organizer's token"
             )
+
+    async def answer(self, context: Context, call: Callable[[], Awaitable[Answer]]) -> Answer:
+        """Answer an organizer's call; whatever is refused ends it with that status."""
+        try:
+            self.check(context)
+            return await call()
+        except RefusalError as refusal:
+            await context.abort_with_status(encode_refusal(refusal))
+            raise
 
     def check_address(self, address: str) -> None:
         """Let a server listen for organizers at an address.

@@ -100,6 +100,14 @@ def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
     return SeatConduct(**values)
 
 
+def encode_seat_address(address: str) -> str:
+    """Return the address of a worker's seats as its server tells it: of a port the number alone.
+
+    Who asked knows better than the server by what name its host is reached.
+    """
+    return address if address.startswith("unix:") else f":{address.rpartition(':')[2]}"
+
+
 def decode_seat_address(hosted: HostMatchResponse, called: str) -> str:
     """Return the address at which the seats of a hosted match are joined.
 
