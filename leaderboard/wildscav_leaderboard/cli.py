@@ -39,7 +39,7 @@ def leaderboard(
 def _table(one: "Standings") -> Table:
     from wildscav_evaluator.cli import tables
 
-    table = tables.new_table(
+    table = tables.ranking_table(
         f"{one.track} · suite {one.suite} · seed {one.seed} · engine {one.engine_version}"
     )
     # Rows without a score come last, so the first row knows the metrics if any row does.

@@ -16,7 +16,8 @@ from wildscav_evaluator.output import results
 from wildscav_evaluator.output.folder import SUITE_FILE
 from wildscav_evaluator.output.identity import IDENTITY_FILE
 from wildscav_evaluator.output.journal import MATCHES
-from wildscav_evaluator.output.results import RESULTS_FILE, Part
+from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.results import RESULTS_FILE
 from wildscav_evaluator.scores.compare import FEWEST
 from wildscav_evaluator.scores.score import RESAMPLES
 from wildscav_evaluator.suites.own_suite import read_suite

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
@@ -10,6 +9,7 @@ from wildscav.console import PREPARING, console, counted
 from wildscav.errors import UserError
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import run_checks
+from wildscav_evaluator.cli.tables import plain_table
 from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.submissions.submission import Submission
@@ -42,7 +42,7 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path) -> None:
 
 def _table(submission: Submission, findings: list[Finding]) -> Table:
     title = f"{submission.name} {submission.manifest.version}"
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, show_edge=False)
+    table = plain_table(title)
     table.add_column("check", no_wrap=True)
     table.add_column("")
     table.add_column("seen", overflow="fold")

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
@@ -11,7 +10,7 @@ from wildscav.console import console, counted
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.session import all_failed, evaluating
-from wildscav_evaluator.cli.tables import add_columns, heading, number
+from wildscav_evaluator.cli.tables import add_columns, heading, number, plain_table
 from wildscav_evaluator.cli.time_table import conditions
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.output.results import write_results
@@ -58,14 +57,7 @@ def told_apart(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
 
 def comparison_table(one: Comparison) -> Table:
     """Return the table of two submissions on one track: every metric, and how far they are apart in it."""
-    table = Table(
-        title=f"{one.track} · {counted(one.pairs, 'match')} that both played",
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        show_edge=False,
-    )
+    table = plain_table(f"{one.track} · {counted(one.pairs, 'match')} that both played")
     table.add_column("", vertical="bottom")
     add_columns(table, one.first, one.second, "difference", "95 %\ninterval")
     for difference in one.differences:

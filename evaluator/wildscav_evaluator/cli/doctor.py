@@ -42,12 +42,11 @@ def _engine(sandbox: str) -> str:
 
 
 def _table(name: str, promises: "tuple[Promise, ...]") -> "Table":
-    from rich import box
-    from rich.table import Table
+    from wildscav_evaluator.cli.tables import plain_table
 
     kept = sum(promise.kept for promise in promises)
     title = f"{name}: {kept} of {len(promises)} promises kept"
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    table = plain_table(title)
     for heading in ("promise", "", "found", "what to do"):
         table.add_column(heading)
     for promise in promises:

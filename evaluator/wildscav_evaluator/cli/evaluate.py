@@ -13,7 +13,11 @@ from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
 
 Submissions = Annotated[
     list[Path],
-    typer.Argument(help="Folders with a submission.toml.", metavar="SUBMISSION", show_default=False),
+    typer.Argument(
+        help="Folders with a submission.toml, archives of such, or image:NAME.",
+        metavar="SUBMISSION",
+        show_default=False,
+    ),
 ]
 
 SuiteOption = Annotated[
@@ -127,14 +131,14 @@ def play(
     sandbox: InSandbox = None,
 ) -> None:
     """Play one match, each agent in a sandbox of its own."""
+    from wildscav_evaluator.cli.play_session import make_spec, run_match
     from wildscav_evaluator.cli.selection import check_plays, load_submissions, tracks_played
-    from wildscav_evaluator.matches import single
 
     loaded = load_submissions(submissions)
     chosen = tracks_played(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
     for submission in loaded:
         check_plays(submission, chosen)
-    spec = single.make_spec(
+    spec = make_spec(
         chosen,
         submissions=len(loaded),
         robots=robots,
@@ -145,6 +149,6 @@ def play(
     )
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     try:
-        single.play_single(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in)
+        run_match(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in)
     except OSError as error:
         raise UserError(describe(error)) from error

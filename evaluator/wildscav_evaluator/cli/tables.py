@@ -16,7 +16,7 @@ LEGEND = "↓ less is better, ↑ more is better. The first figure ranks."
 def track_table(results: Results, track: str) -> Table:
     """Return the table of one track: the submissions from best to worst."""
     evaluations = [one for one in results.evaluations if one.track == track]
-    table = new_table(f"{track} · suite {results.suite} · seed {results.seed_label}")
+    table = ranking_table(f"{track} · suite {results.suite} · seed {results.seed_label}")
     add_metrics(table, evaluations[0].metrics)
     add_columns(table, "matches\nfailed")
     for rank, one in ranked(evaluations):
@@ -29,9 +29,9 @@ def track_table(results: Results, track: str) -> Table:
     return table
 
 
-def new_table(title: str) -> Table:
-    """Return a table with the columns that every table of standings begins with."""
-    table = Table(
+def plain_table(title: str) -> Table:
+    """Return a table without columns, in the looks of all tables of results."""
+    return Table(
         title=title,
         title_justify="left",
         title_style="bold",
@@ -39,6 +39,11 @@ def new_table(title: str) -> Table:
         padding=(0, 1, 0, 0),
         show_edge=False,
     )
+
+
+def ranking_table(title: str) -> Table:
+    """Return a table with the columns that every table of standings begins with."""
+    table = plain_table(title)
     add_columns(table, "#")
     table.add_column("submission", vertical="bottom", overflow="fold", min_width=12)
     return table

@@ -3,10 +3,9 @@
 import statistics
 from collections.abc import Iterator, Mapping
 
-from rich import box
 from rich.table import Table
 
-from wildscav_evaluator.cli.tables import NOTHING, add_columns
+from wildscav_evaluator.cli.tables import NOTHING, add_columns, plain_table
 from wildscav_evaluator.output.results import KeptLimits, Results, SeatTiming
 
 UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
@@ -14,14 +13,7 @@ UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
 
 def time_table(results: Results) -> Table:
     """Return how each submission used its time on each track, over all its matches and seats."""
-    table = Table(
-        title="time of the agents, measured at the engine",
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        show_edge=False,
-    )
+    table = plain_table("time of the agents, measured at the engine")
     table.add_column("track", vertical="bottom", no_wrap=True)
     table.add_column("agent", vertical="bottom", overflow="fold", min_width=7)
     add_columns(table, "answer\nmedian", "worst\np99", "longest", "used in\na match")

@@ -7,11 +7,9 @@ play that one match again.)
 
 import asyncio
 import contextlib
-import ctypes
 import multiprocessing
 import os
 import signal
-import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -20,6 +18,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
+from wildscav.processes import end_with_parent
 from wildscav_evaluator.matches.jobs import Beat, Broken, Job, JobResult, Told, after_death, run_job
 from wildscav_evaluator.matches.play import remove_sockets
 from wildscav_evaluator.matches.warm import Wanted, warm
@@ -27,7 +26,6 @@ from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
 
 STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
-PR_SET_PDEATHSIG = 1
 REPLAYS_PER_WORKER = 40  # Rerun keeps some idle threads of every recording until its process ends
 
 
@@ -230,15 +228,3 @@ def _tell(connection: Connection, told: Told) -> None:
 def _leave(number: int, _: object) -> None:
     # Leaves through every `finally` on the way, which is where agents are stopped.
     raise SystemExit(128 + number)
-
-
-def end_with_parent(parent: int) -> None:
-    """Have Linux end this process in good order when its parent is gone, however that came about.
-
-    Args:
-        parent: The process that started this one.
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-        if os.getppid() != parent:  # it was gone before Linux was told
-            raise SystemExit(128 + signal.SIGTERM)

@@ -9,10 +9,10 @@ from pydantic import ValidationError
 
 from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
-from wildscav_engine.files import write_whole
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.output.results import KeptLimits, Part
+from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.results import KeptLimits
 
 IDENTITY_FILE = "evaluation.json"
 
@@ -77,7 +77,7 @@ def write_identity(identity: Identity, folder: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    write_whole(folder / IDENTITY_FILE, identity.model_dump_json(indent=1).encode() + b"\n")
+    identity.write(folder / IDENTITY_FILE)
 
 
 def difference(old: Identity, new: Identity) -> str:

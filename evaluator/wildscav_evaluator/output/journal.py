@@ -10,8 +10,8 @@ from typing import Literal
 
 from pydantic import ValidationError
 
-from wildscav_engine.files import write_whole
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, Part
+from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.results import MatchRow, MatchTiming
 
 MATCHES = "matches"  # folder, in the output folder
 
@@ -47,7 +47,7 @@ def write_entry(out: Path, evaluation: str, match: str, row: MatchRow, timing: M
     """
     digest = file_digest(out / str(row.record))
     entry = Entry(evaluation=evaluation, match=match, record=digest, row=row, timing=timing)
-    write_whole(entry_path(out, match), entry.model_dump_json(indent=1).encode() + b"\n")
+    entry.write(entry_path(out, match))
 
 
 def read_entry(out: Path, evaluation: str, match: str) -> Entry | None:

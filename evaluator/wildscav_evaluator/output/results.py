@@ -8,22 +8,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import Field, ValidationError
 
 from wildscav.errors import UserError
-from wildscav_engine.files import write_whole
+from wildscav_evaluator.output.part import Part
 from wildscav_evaluator.suites.seeds import label
 
 RESULTS_FILE = "results.json"
 FORMAT = 1
 
 Fault = Literal["agent", "platform"]
-
-
-class Part(BaseModel):
-    """Base of everything in the file."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class MetricInfo(Part):
@@ -59,7 +53,7 @@ class SeatRow(Part):
     actions: int = 0  # answers of the agent that came in time
     invalid_actions: int = 0  # those with a number out of its range, played as no action
     ignored_fields: int = 0  # set though the track has no such action, in all actions together
-    metrics: dict[str, float] = {}
+    metrics: dict[str, float] = Field(default_factory=dict)
     log: str | None = None  # path in the output folder: what its agent printed
 
 
@@ -183,7 +177,7 @@ class Results(Part):
     commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
     rounds: int = 1  # how often the suite was played, each time with the next seed
     sandbox: str  # in which agents ran
-    limits: dict[str, KeptLimits] = {}  # of each agent in it, by track
+    limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
     evaluations: tuple[Evaluation, ...]
     timings: Timings
 
@@ -218,6 +212,4 @@ def write_results(results: Results, folder: Path) -> Path:
     Raises:
         OSError: It cannot be written.
     """
-    path = folder / RESULTS_FILE
-    write_whole(path, results.model_dump_json(indent=1).encode() + b"\n")
-    return path
+    return results.write(folder / RESULTS_FILE)

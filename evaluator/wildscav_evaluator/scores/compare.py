@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from wildscav_engine.files import write_whole
-from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Part, Results
+from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results
 from wildscav_evaluator.scores.score import interval
 
 COMPARISON_FILE = "comparison.json"
@@ -130,6 +130,4 @@ def write_comparisons(comparisons: Comparisons, folder: Path) -> Path:
     Raises:
         OSError: It cannot be written.
     """
-    path = folder / COMPARISON_FILE
-    write_whole(path, comparisons.model_dump_json(indent=1).encode() + b"\n")
-    return path
+    return comparisons.write(folder / COMPARISON_FILE)

@@ -4,6 +4,7 @@ What agents and files say of themselves counts for nothing here: a record's metr
 the engine plays it now, and it counts only if that is the match recorded, step for step.
 """
 
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -14,6 +15,7 @@ from typing import NamedTuple
 
 from wildscav.console import printable
 from wildscav.errors import UserError, describe
+from wildscav.processes import end_with_parent
 from wildscav_engine.record import SUFFIX, Record, RecordError, read_record, verify_record
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
@@ -79,7 +81,8 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
         paths: The records.
         jobs: How many to play at once, each in a process of its own.
     """
-    with ProcessPoolExecutor(min(jobs, len(paths)), get_context("spawn")) as pool:
+    count, spawn = min(jobs, len(paths)), get_context("spawn")
+    with ProcessPoolExecutor(count, spawn, end_with_parent, (os.getpid(),)) as pool:
         # The first alone, so that the others find compiled whatever it had to compile.
         yield pool.submit(replay_one, paths[0]).result()
         yield from pool.map(replay_one, paths[1:])

@@ -3,13 +3,13 @@
 import os
 import shlex
 import sys
-import threading
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
 from pathlib import Path
 
 from wildscav.legacy.maps import is_written, write_map
+from wildscav.processes import end_with_parent
 
 PROGRAM = "fps.x86_64"
 # A shell script that starts Python with itself: paths of interpreters may be too long for a first line.
@@ -76,7 +76,8 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
     if not ids:
         return
     # New processes, not copies of this one, in which kernels may have run.
-    with ProcessPoolExecutor(min(workers, len(ids)), get_context("spawn"), end_with_parent) as pool:
+    count, spawn = min(workers, len(ids)), get_context("spawn")
+    with ProcessPoolExecutor(count, spawn, end_with_parent, (os.getpid(),)) as pool:
         jobs = {pool.submit(write_map, map_id, folder): map_id for map_id in ids}
         try:
             for job in as_completed(jobs):
@@ -85,18 +86,3 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-
-
-def end_with_parent() -> None:
-    """Let this process end as soon as the one that started it has, however that ended.
-
-    A worker that waits for work hears nothing of a killed parent, since its siblings hold the pipe open.
-    """
-    threading.Thread(target=_wait_for_parent, daemon=True).start()
-
-
-def _wait_for_parent() -> None:
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)

@@ -1,9 +1,6 @@
 """Workers: the match of one that dies is played again, and costs nobody anything."""
 
 import json
-import signal
-import subprocess
-import sys
 import tempfile
 import time
 from dataclasses import replace
@@ -159,15 +156,3 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Sub
 
     assert not agent.exists()
     assert set(Path(tempfile.gettempdir()).glob("wildscav-*")) <= before, "sockets were left behind"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of a parent's end")
-def test_a_worker_whose_parent_is_gone_before_it_began_ends_at_once() -> None:
-    code = "import os; from wildscav_evaluator.matches.workers import end_with_parent; end_with_parent({})"
-
-    with_parent = [sys.executable, "-c", code.format("os.getppid()")]
-    without = [sys.executable, "-c", code.format("os.getppid() + 1")]
-
-    assert subprocess.run(with_parent).returncode == 0
-    assert subprocess.run(without).returncode == 128 + signal.SIGTERM

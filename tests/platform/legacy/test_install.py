@@ -1,7 +1,6 @@
 """``wildscav legacy install``: what it writes, what it leaves alone, what it refuses."""
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -74,29 +73,6 @@ def test_only_what_is_missing_is_made(
     assert paths_of(103, maps)[0].stat().st_mtime_ns == written
     assert (tmp_path / "w" / "engine" / "fps.x86_64").stat().st_mode & 0o111
     assert missing_maps([103, 104], maps) == [104]
-
-
-KILLED = """
-import os
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
-from wildscav.legacy.install import end_with_parent
-
-if __name__ == "__main__":
-    pool = ProcessPoolExecutor(2, get_context("spawn"), end_with_parent)
-    for job in [pool.submit(os.getpid) for _ in range(4)]:
-        print(job.result(), flush=True)
-    os.kill(os.getpid(), 9)
-"""
-
-
-def test_workers_end_with_a_command_that_is_killed(tmp_path: Path) -> None:
-    script = tmp_path / "killed.py"
-    script.write_text(KILLED)
-    # Its output is open for as long as a worker lives.
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=20)
-    assert done.returncode == -9
-    assert len(done.stdout.split()) == 4
 
 
 def test_a_folder_that_cannot_be_is_one_line(

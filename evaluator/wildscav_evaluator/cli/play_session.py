@@ -1,4 +1,4 @@
-"""A single match for ``wildscav play``: its spec, its progress, its table and its files."""
+"""``wildscav play`` as its user sees it: the match's spec, its progress, its table and its files."""
 
 import asyncio
 import contextlib
@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
-from rich import box
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
@@ -24,7 +23,7 @@ from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.session import INTERRUPTED
-from wildscav_evaluator.cli.tables import add_columns, heading, number
+from wildscav_evaluator.cli.tables import add_columns, heading, number, plain_table
 from wildscav_evaluator.cli.targets import check_targets
 from wildscav_evaluator.evaluation import metric_infos
 from wildscav_evaluator.matches.jobs import FINISHED
@@ -78,7 +77,7 @@ def make_spec(
         raise UserError(f"there is no such match: {one_line(error)}", exit_code=2) from error
 
 
-def play_single(
+def run_match(
     spec: MatchSpec,
     submissions: Sequence[Submission],
     *,
@@ -160,7 +159,7 @@ def _table(seating: Seating, played: Played) -> Table:
     metrics = metric_infos(seating.spec.track)
     seconds = result.frames / 50
     title = f"{seating.spec.track} · map {seating.spec.map.seed} · seed {seating.spec.seed} · {seconds:g} s"
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    table = plain_table(title)
     add_columns(table, "seat")
     table.add_column("name", vertical="bottom")
     add_columns(table, *map(heading, metrics))

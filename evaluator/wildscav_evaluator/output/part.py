@@ -1,0 +1,22 @@
+"""What all files of the output folder that hold JSON are made of."""
+
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict
+
+from wildscav_engine.files import write_whole
+
+
+class Part(BaseModel):
+    """Base of everything in such a file, and of the file itself."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def write(self, path: Path) -> Path:
+        """Write this as a file, whole or not at all, and return its path.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        write_whole(path, self.model_dump_json(indent=1).encode() + b"\n")
+        return path

@@ -1,0 +1,66 @@
+"""Worker processes end with who started them."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+KILLED = """
+import os
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from wildscav.processes import end_with_parent
+
+if __name__ == "__main__":
+    pool = ProcessPoolExecutor(2, get_context("spawn"), end_with_parent, (os.getpid(),))
+    for job in [pool.submit(os.getpid) for _ in range(4)]:
+        print(job.result(), flush=True)
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_workers_end_with_a_command_that_is_killed(tmp_path: Path) -> None:
+    script = tmp_path / "killed.py"
+    script.write_text(KILLED)
+    # Its output is open for as long as a worker lives.
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=20)
+    assert done.returncode == -9
+    assert len(done.stdout.split()) == 4
+
+
+HUNG = """
+import os, signal, time
+from multiprocessing import get_context
+from wildscav import processes
+
+def hang(parent, connection):
+    processes.GRACE = 0.5
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    processes.end_with_parent(parent)
+    connection.send("hung")
+    time.sleep(600)
+
+if __name__ == "__main__":
+    ours, theirs = get_context("spawn").Pipe()
+    get_context("spawn").Process(target=hang, args=(os.getpid(), theirs)).start()
+    print(ours.recv(), flush=True)
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_a_worker_that_does_not_end_in_good_order_is_killed(tmp_path: Path) -> None:
+    script = tmp_path / "hung.py"
+    script.write_text(HUNG)
+    # Its output is open for as long as the worker lives.
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=20)
+    assert done.stdout == "hung\n"
+
+
+def test_a_worker_whose_parent_is_gone_before_it_began_ends_at_once() -> None:
+    code = "import os; from wildscav.processes import end_with_parent; end_with_parent({})"
+
+    with_parent = [sys.executable, "-c", code.format("os.getppid()")]
+    without = [sys.executable, "-c", code.format("os.getppid() + 1")]
+
+    assert subprocess.run(with_parent).returncode == 0
+    assert subprocess.run(without).returncode == 128 + signal.SIGTERM
