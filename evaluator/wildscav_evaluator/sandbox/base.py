@@ -2,6 +2,7 @@
 
 import signal
 from dataclasses import dataclass, field
+from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
@@ -24,6 +25,14 @@ class Launch:
     log: Path  # where what the agent prints goes
     limits: Limits = field(default=DEFAULT_LIMITS)
     image: str | None = None  # of a submission that was built or came as an image
+
+
+class MemoryKill(Enum):
+    """For want of whose memory the kernel killed processes of an agent."""
+
+    NONE = "it killed none"
+    OWN = "the agent's: it was at its limit"
+    MACHINES = "the machine's, or of all that is evaluated: the agent was within its limit"
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wildscav_evaluator.sandbox import runtime
-from wildscav_evaluator.sandbox.base import Launch, Promise, SandboxError
+from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.cgroup import AgentGroup, find_version
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
@@ -100,9 +100,9 @@ class GroupHold:
         """Kill the group. See ``Hold.kill``."""
         await asyncio.to_thread(self.group.kill)
 
-    async def out_of_memory(self, code: int) -> bool:  # noqa: ARG002
-        """Return whether the kernel ended a process. See ``Hold.out_of_memory``."""
-        return self.group.out_of_memory()
+    async def memory_kill(self, code: int) -> MemoryKill:  # noqa: ARG002
+        """Return for want of whose memory the kernel killed. See ``Hold.memory_kill``."""
+        return self.group.memory_kill()
 
     async def release(self) -> None:
         """Remove the group, and the copy of the code. See ``Hold.release``."""

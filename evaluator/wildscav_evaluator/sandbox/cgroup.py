@@ -14,13 +14,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.sandbox.base import MemoryKill, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 
 CONTROLLERS = ("cpu", "memory", "pids")
 PERIOD = 100_000  # µs in which an agent gets its share of processor time
 OVERHEAD = 2  # processes of the sandbox itself
 PREFIX = "wildscav-"  # then the process that made the group, and a number
+AT_ONCE = 1 << 20  # bytes; less is what the kernel kills for if it cannot be had (8 pages)
 KILL_TIME = 10.0  # s
 MOUNTS = Path("/proc/self/mountinfo")
 OWN = Path("/proc/self/cgroup")
@@ -49,9 +50,18 @@ class Version1:
             "cpu": {"cpu.cfs_period_us": str(PERIOD), "cpu.cfs_quota_us": str(int(limits.cpus * PERIOD))},
         }
 
-    def memory_kills(self, group: Path) -> int:
-        """Return how many processes were ended for want of memory."""
-        return _counter(group / "memory.oom_control", "oom_kill")
+    def memory_kill(self, group: Path) -> MemoryKill:
+        """Return for want of whose memory the kernel killed processes of a group.
+
+        It counts kills for whatever reason. Whether the group's own limit was it, only the most that it ever
+        used tells: who never came to the limit was killed for others.
+        """
+        if not _counter(group / "memory.oom_control", "oom_kill"):
+            return MemoryKill.NONE
+        limit = _number(group / "memory.limit_in_bytes")
+        # Where swap is accounted for, it has the same limit together with memory.
+        most = max(_number(group / f"{kind}.max_usage_in_bytes") for kind in ("memory", "memory.memsw"))
+        return MemoryKill.OWN if most > limit - AT_ONCE else MemoryKill.MACHINES
 
 
 @dataclass(frozen=True)
@@ -71,9 +81,16 @@ class Version2:
             files["memory.swap.max"] = "0"
         return {"memory": files}
 
-    def memory_kills(self, group: Path) -> int:
-        """Return how many processes were ended for want of memory."""
-        return _counter(group / "memory.events", "oom_kill")
+    def memory_kill(self, group: Path) -> MemoryKill:
+        """Return for want of whose memory the kernel killed processes of a group.
+
+        It counts kills for whatever reason under "oom_kill", and under "oom" that the group's own limit left
+        no room.
+        """
+        events = group / "memory.events"
+        if not _counter(events, "oom_kill"):
+            return MemoryKill.NONE
+        return MemoryKill.OWN if _counter(events, "oom") else MemoryKill.MACHINES
 
 
 class AgentGroup:
@@ -105,9 +122,9 @@ class AgentGroup:
         """The files into which a process writes 0 to belong to the group."""
         return [folder / "cgroup.procs" for folder in self._folders.values()]
 
-    def out_of_memory(self) -> bool:
-        """Return whether a process of the group was ended for want of memory."""
-        return self._version.memory_kills(self._folders["memory"]) > 0
+    def memory_kill(self) -> MemoryKill:
+        """Return for want of whose memory the kernel killed processes of the group."""
+        return self._version.memory_kill(self._folders["memory"])
 
     def kill(self) -> None:
         """Kill every process of the group."""
@@ -222,6 +239,14 @@ def _counter(file: Path, name: str) -> int:
             if line.split()[0] == name:
                 return int(line.split()[1])
     return 0
+
+
+def _number(file: Path) -> int:
+    """Return the number in a file; 0 if it is not there."""
+    try:
+        return int(file.read_text("ascii"))
+    except OSError:
+        return 0
 
 
 def _members(folder: Path) -> list[int]:

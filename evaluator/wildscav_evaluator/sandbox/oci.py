@@ -18,7 +18,7 @@ import tempfile
 from pathlib import Path
 
 from wildscav_evaluator.sandbox import runtime
-from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, SandboxError
+from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.engine import (
     Engine,
     bare_image,
@@ -27,6 +27,7 @@ from wildscav_evaluator.sandbox.engine import (
     old_groups,
     owner,
 )
+from wildscav_evaluator.sandbox.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.running import SIGNALLED, AgentProcess, agent_variables, start_process
 from wildscav_evaluator.sandbox.seccomp import container_profile
@@ -71,7 +72,7 @@ class OciSandbox:
         try:
             environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
             arguments = await asyncio.to_thread(_create_command, launch, hold)
-            await engine.run(*arguments, environment=environment)
+            hold.identity = await engine.run(*arguments, environment=environment)
             process = await start_process(
                 [*engine.command, "start", "--attach", hold.container],
                 launch,
@@ -91,9 +92,9 @@ class ContainerHold:
     def __init__(self, engine: Engine, container: str) -> None:
         self.engine, self.container = engine, container
         self.folder = Path(tempfile.mkdtemp(prefix=folder_prefix(os.getpid())))  # for the engine
-        self._removed = False
-        self._out_of_memory = False
+        self.identity = ""  # that the engine has given to the container
         self.never_started = False
+        self._removed = False
 
     async def kill(self) -> None:
         """Remove the container, and with it every process. See ``Hold.kill``."""
@@ -103,20 +104,26 @@ class ContainerHold:
                 await self.engine.run("rm", "-f", *time, self.container)
                 self._removed = True
 
-    async def out_of_memory(self, code: int) -> bool:
-        """Return whether a SIGKILL was for want of memory. See ``Hold.out_of_memory``."""
-        if code not in ASKED_ABOUT:
-            return False
+    async def memory_kill(self, code: int) -> MemoryKill:
+        """Return for want of whose memory the kernel killed, as it says or as the engine knows it.
+
+        See ``Hold.memory_kill``.
+        """
+        if code == 0:
+            return MemoryKill.NONE
+        logged = await asyncio.to_thread(logged_kill, self.identity)
+        if logged not in (None, MemoryKill.NONE) or code not in ASKED_ABOUT:
+            return logged or MemoryKill.NONE
         with contextlib.suppress(SandboxError, ValueError):
             state = json.loads(
                 await self.engine.run("inspect", "--format", "{{json .State}}", self.container)
             )
+            self.never_started = str(state.get("StartedAt", NEVER)).startswith(NEVER)
             # With control groups of version 1, Podman does not notice. What kills an agent is then memory, or
             # the agent itself: others cannot, and for a limit of ours there is another word.
-            unnoticed = self.engine.name == "podman" and old_groups()
-            self._out_of_memory = bool(state.get("OOMKilled")) or unnoticed
-            self.never_started = str(state.get("StartedAt", NEVER)).startswith(NEVER)
-        return self._out_of_memory
+            unnoticed = self.engine.name == "podman" and old_groups() and logged is None
+            return MemoryKill.OWN if state.get("OOMKilled") or unnoticed else MemoryKill.NONE
+        return MemoryKill.NONE
 
     async def release(self) -> None:
         """Remove what is left. See ``Hold.release``."""

@@ -11,7 +11,7 @@ import signal
 import sys
 from pathlib import Path
 
-from wildscav_evaluator.sandbox.base import Launch, Promise, SandboxError
+from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
 
@@ -79,9 +79,9 @@ class SessionHold:
         if self.session is not None:
             kill_session(self.session)
 
-    async def out_of_memory(self, code: int) -> bool:  # noqa: ARG002
-        """Return False: nobody counts."""
-        return False
+    async def memory_kill(self, code: int) -> MemoryKill:  # noqa: ARG002
+        """Return none: nobody counts."""
+        return MemoryKill.NONE
 
     async def release(self) -> None:
         """Do nothing: there is nothing besides the processes."""

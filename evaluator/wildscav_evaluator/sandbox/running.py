@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
-from wildscav_evaluator.sandbox.base import Ending, Launch, signal_name
+from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, signal_name
 from wildscav_evaluator.sandbox.log import CappedLog
 
 GRACE = 0.5  # s, for an ended agent's output to end; less than a match waits for the agent's last words
+SHORT_OF_MEMORY = "this machine is short of memory: the kernel killed an agent that was within its limit"
 SIGNALLED = 128  # exit codes beyond are signals, by the custom of shells, bubblewrap and containers
 
 # Numerics libraries start a thread a core each; matches run side by side, one a core.
@@ -42,8 +43,8 @@ class Hold(Protocol):
         """Kill every process of the agent. May be called often."""
         ...
 
-    async def out_of_memory(self, code: int) -> bool:
-        """Return whether an agent that ended with an exit code was ended for want of memory."""
+    async def memory_kill(self, code: int) -> MemoryKill:
+        """Return for want of whose memory the kernel killed processes of an agent that ended with a code."""
         ...
 
     async def release(self) -> None:
@@ -77,7 +78,7 @@ class AgentProcess:
     async def ended(self) -> Ending:
         """Wait for the process to end. See ``RunningAgent.ended``."""
         code = await self._process.wait()
-        out_of_memory = await self._hold.out_of_memory(code)
+        kill = await self._hold.memory_kill(code)
         # Whatever it left behind ends with it, and so does its output.
         await self._hold.kill()
         await self._finish_log()
@@ -85,10 +86,11 @@ class AgentProcess:
         return Ending(
             exit_code=None if signalled else code,
             killed_by=signal_name(signalled) if signalled else "",
-            out_of_memory=out_of_memory and signalled == signal.SIGKILL and not self._limit,
+            out_of_memory=kill is MemoryKill.OWN and signalled == signal.SIGKILL and not self._limit,
             limit=self._limit,
             last_words=self._log.last_words(),
             last_lines=self._log.last_lines(),
+            platform_fault=SHORT_OF_MEMORY if kill is MemoryKill.MACHINES and not self._limit else "",
         )
 
     async def stop(self) -> None:

@@ -6,14 +6,16 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.world import LIMITS, listening, processes_with, wait_until
+from tests.evaluator.sandbox.world import GROUPS, LIMITS, listening, processes_with, tight_group, wait_until
 
-from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
-from wildscav_evaluator.sandbox.engine import find_engine, old_groups
+from wildscav_evaluator.sandbox import Ending, Launch, Sandbox, bubblewrap, cgroup, oci
+from wildscav_evaluator.sandbox.engine import call, find_engine, old_groups
+from wildscav_evaluator.sandbox.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.slow
@@ -53,10 +55,52 @@ def test_memory_is_what_an_agent_is_said_to_have_died_of(
     assert str(ending) == "the agent's process ended (out of memory): more"
 
 
+@pytest.fixture
+def short_of_memory(real: Sandbox, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Evaluations have less memory together than one agent may use."""
+    memory = LIMITS.memory // 2
+    if real.name == "bubblewrap":
+        version = cgroup.find_version()
+        with tight_group(version.parents["memory"], memory) as group:
+            tight = replace(version, parents={**version.parents, "memory": group})
+            monkeypatch.setattr(bubblewrap, "find_version", lambda: tight)
+            yield
+        return
+    parent = GROUPS / "memory" if old_groups() else GROUPS
+    if not os.access(parent, os.W_OK) or group_driver() != "cgroupfs":
+        pytest.skip("it takes root, and an engine that makes groups by itself")
+    limits = oci._limits
+    with tight_group(parent, memory) as group:
+        beneath = ["--cgroup-parent", f"/{group.name}"]
+        monkeypatch.setattr(oci, "_limits", lambda *given: [*limits(*given), *beneath])
+        yield
+
+
+def group_driver() -> str:
+    """Return who makes the engine's control groups."""
+    engine = find_engine()
+    driver = ".Host.CgroupManager" if engine.name == "podman" else ".CgroupDriver"
+    return call(engine, "info", "--format", f"{{{{{driver}}}}}").stdout.decode().strip()
+
+
+@pytest.mark.usefixtures("short_of_memory")
+def test_a_machine_short_of_memory_is_the_platforms_fault(
+    real: Sandbox, submit: Submit, tmp_path: Path
+) -> None:
+    within = submit("within", code="print('more', flush=True)\nbytearray(b'x') * (200 * 2**20)")
+
+    ending, _, _ = run(real, within, tmp_path)
+
+    assert ending.killed_by == "SIGKILL"
+    assert not ending.out_of_memory
+    assert ending.platform_fault.startswith("this machine is short of memory")
+
+
 def test_an_agent_that_kills_itself_did_not_die_of_memory(
     real: Sandbox, submit: Submit, tmp_path: Path
 ) -> None:
-    unknown = real.name == "oci" and find_engine().name == "podman" and old_groups()
+    without_a_word = real.name == "oci" and find_engine().name == "podman" and old_groups()
+    unknown = without_a_word and logged_kill("") is None
     code = "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)"
 
     ending, _, _ = run(real, submit("ending", code=code), tmp_path)

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import functools
 import json
 import os
 import shutil
@@ -17,6 +18,7 @@ from typing import Any
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits
 
 MEBIBYTE = 1 << 20
+GROUPS = Path("/sys/fs/cgroup")
 LIMITS = Limits(
     cpus=0.25,
     memory=256 * MEBIBYTE,  # type: ignore[arg-type]
@@ -137,6 +139,35 @@ def world() -> Iterator[tuple[Path, dict[str, object]]]:
             yield folder, orders
         finally:
             shutil.rmtree(folder)
+
+
+@contextlib.contextmanager
+def tight_group(parent: Path, memory: int) -> Iterator[Path]:
+    """Make a control group, in which others may be made, that has less memory than they may use; yield it."""
+    group = parent / f"wildscav-tight-{os.getpid()}"
+    group.mkdir()
+    try:
+        if (group / "memory.max").exists():  # version 2
+            (group / "cgroup.subtree_control").write_text("+cpu +memory +pids")
+            (group / "memory.max").write_text(str(memory))
+        else:
+            (group / "memory.limit_in_bytes").write_text(str(memory))
+        yield group
+    finally:
+        # Podman makes more of the name, and leaves them.
+        for place in {group, *GROUPS.glob(f"*/{group.name}")}:
+            wait_until(functools.partial(_remove_group, place))
+
+
+def _remove_group(group: Path) -> bool:
+    """Remove a group with those in it, and return whether that worked: the dead leave it late."""
+    inner = sorted(entry for entry in group.rglob("*") if entry.is_dir())
+    try:
+        for folder in (*reversed(inner), group):
+            folder.rmdir()
+    except OSError:
+        return not group.exists()
+    return True
 
 
 @contextlib.contextmanager
