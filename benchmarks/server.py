@@ -3,6 +3,10 @@
 Beside them runs a bare stream of the same messages: with gRPC as it comes, and set as the SDK sets it.
 """
 
+import wildscav  # noqa: F401 - before gRPC, which it sets
+
+# isort: split
+
 import asyncio
 import os
 import resource
@@ -19,11 +23,11 @@ from report import Figure, JsonFile, publish
 
 from wildscav.proto.match_pb2 import GetMatchRequest, HostMatchRequest, ServerMessage
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.sdk.transport import EXPERIMENTS, VARIABLE
 from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav.server.shared import SharedServer
 from wildscav.server.snapshot import Senses
 from wildscav.server.warm import warm
+from wildscav.transport import EXPERIMENTS, VARIABLE
 from wildscav.wire.matches import decode_seat_address
 from wildscav.wire.observations import encode_observation
 from wildscav_engine.actions import Field, no_actions

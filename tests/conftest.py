@@ -5,6 +5,8 @@ import signal
 
 from hypothesis import settings
 
+import wildscav  # noqa: F401 - before any test imports gRPC, which it sets, as it does for its users
+
 # The sandboxes have tests of their own; elsewhere agents are our own, and start quicker without.
 os.environ.setdefault("WILDSCAV_SANDBOX", "process")
 

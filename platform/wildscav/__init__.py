@@ -12,6 +12,7 @@ from wildscav.sdk.agent import (
     VisibleAgent,
 )
 from wildscav.sdk.run import run
+from wildscav.transport import tune
 
 __version__ = "0.1.0"
 
@@ -27,3 +28,5 @@ __all__ = [
     "WildscavError",
     "run",
 ]
+
+tune()  # here, because all that imports gRPC lies in this package or imports it first

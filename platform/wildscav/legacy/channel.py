@@ -5,7 +5,6 @@ from typing import Any
 
 from wildscav.errors import WildscavError
 from wildscav.legacy.commander_pb2 import Reply
-from wildscav.sdk.transport import tune
 
 METHOD = "/fps_command.Commander/Request_S2A_UpdateGame"
 PATIENCE = 10.0  # s that a client may take to listen
@@ -31,7 +30,6 @@ class Client:
     """
 
     def __init__(self, address: str, patience: float = PATIENCE) -> None:
-        tune()
         import grpc
 
         self.address = address

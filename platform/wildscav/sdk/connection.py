@@ -13,7 +13,6 @@ import grpc
 from wildscav.errors import ServerUnreachableError
 from wildscav.proto.match_pb2 import ClientMessage, MatchOver, ServerMessage
 from wildscav.sdk.agent import Action, MatchInfo, Observation
-from wildscav.sdk.transport import tune
 from wildscav.wire.actions import encode_action
 from wildscav.wire.errors import decode_error
 from wildscav.wire.matches import decode_match_info, encode_join, encode_ready
@@ -45,7 +44,6 @@ class Connection:
     over: MatchOver  # there once the match has ended
 
     def __init__(self, address: str, token: str, sdk_version: str) -> None:
-        tune()
         self._address = address
         self._join = encode_join(token, "wildscav-python", sdk_version)
 

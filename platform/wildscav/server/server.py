@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from wildscav.logs import Log
-from wildscav.sdk.transport import tune
 from wildscav.server.addresses import check_free
 from wildscav.server.arena import ArenaService
 from wildscav.server.deadlines import Clock, TimeBank
@@ -48,7 +47,6 @@ class MatchServer:
         connections: int = CONNECTIONS,
         log: Log | None = None,
     ) -> None:
-        tune()
         self._places: dict[str, Place] = {}
         self._matches: set[HostedMatch] = set()
         self._entrances: list[Entrance] = []

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wildscav.logs import open_log
-from wildscav.sdk.transport import tune
 from wildscav.server.addresses import UNIX, check_free, split
 from wildscav.server.desk import FrontDesk
 from wildscav.server.diary import Diary
@@ -44,7 +43,6 @@ class SharedServer:
         log_format: "LogFormat | None" = None,
         metrics_port: int | None = None,
     ) -> None:
-        tune()
         self._organizer = Organizer(organizer_token)
         self._count, self._log_format, self._metrics_port = workers, log_format, metrics_port
         self._folder = tempfile.TemporaryDirectory(prefix="wildscav-serve-")
