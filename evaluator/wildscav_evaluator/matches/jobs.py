@@ -103,7 +103,11 @@ class Broken(NamedTuple):
     reason: str  # in a line
 
 
-Told = Beat | Broken  # of a match that is being played
+class Rendering(NamedTuple):
+    """The match was played, and its replay is being rendered."""
+
+
+Told = Beat | Broken | Rendering  # of a job that a worker is at
 
 
 @dataclass(frozen=True)
@@ -129,10 +133,13 @@ def run_job(runner: asyncio.Runner, job: Job, tell: Callable[[Told], None] = lam
     Args:
         runner: Of the loop to play in.
         job: The job.
-        tell: Told now and then how far the match is, and when it is played again.
+        tell: Told now and then how far the match is, when it is played again, and when its replay is begun.
     """
     result = kept(job) or _play(runner, job, tell)
-    return _rendered(result) if result.to_render else result
+    if not result.to_render:
+        return result
+    tell(Rendering())
+    return _rendered(result)
 
 
 def kept(job: Job) -> JobResult | None:

@@ -10,6 +10,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -19,13 +20,15 @@ from multiprocessing.process import BaseProcess
 from typing import cast
 
 from wildscav.processes import end_with_parent
-from wildscav_evaluator.matches.jobs import Beat, Broken, Job, JobResult, Told, after_death, run_job
+from wildscav_evaluator.matches.jobs import Broken, Job, JobResult, Told, after_death, run_job
 from wildscav_evaluator.matches.play import remove_sockets
 from wildscav_evaluator.matches.warm import Wanted, warm
+from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
 
 STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
+COMPILE_TIME = 3600.0  # s to compile the engine, which takes two minutes
 REPLAYS_PER_WORKER = 40  # Rerun keeps some idle threads of every recording until its process ends
 
 
@@ -41,9 +44,14 @@ class WorkerDiedError(Exception):
 
 
 class Worker:
-    """One process, and the job that it is at."""
+    """One process, and the job that it is at.
 
-    def __init__(self, lock: Lock | None) -> None:
+    Args:
+        lock: Of the folder that it writes to.
+        patience: With its jobs.
+    """
+
+    def __init__(self, lock: Lock | None, patience: Patience) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         arguments = (theirs, os.getpid(), lock)
@@ -51,41 +59,61 @@ class Worker:
         self.process.start()
         theirs.close()
         self.job: Job | None = None
+        self._watchdog: Watchdog | None = None
+        self._patience = patience
         self.dead = False
         self.rendered = 0  # replays
 
     def give(self, job: Job) -> None:
         """Set it to a job. If it is gone already, ``take`` will say so."""
-        self.job = job
+        self.job, self._watchdog = job, Watchdog(job, self._patience)
         with contextlib.suppress(OSError):
             self.connection.send(job)
 
+    def wait(self, seconds: float) -> bool:
+        """Note that a while has gone by, and return whether it hangs."""
+        watchdog = cast(Watchdog, self._watchdog)
+        watchdog.wait(seconds)
+        return bool(watchdog.verdict)
+
     def take(self) -> Told | Job | JobResult:
-        """Return what is waiting: how its match goes on, or its result; if it died, what its job comes to."""
-        job = cast(Job, self.job)
+        """Return what is waiting: how its job goes on, or its result; if it died or hangs, what follows."""
+        job, watchdog = cast(Job, self.job), cast(Watchdog, self._watchdog)
         try:
-            told = cast(Told | JobResult, self.connection.recv())
+            told = cast(Told | JobResult, self.connection.recv()) if self.connection.poll() else None
         except (EOFError, OSError):
-            self.dead = True
-            return after_death(job, f"the worker process died ({self._clear_away()})")
+            self.end(STOP_TIME)
+            return after_death(job, f"the worker process died ({self._how_it_ended()})")
         if isinstance(told, JobResult):
             self.rendered += told.row.replay is not None
-        elif isinstance(told, Broken):
+            return told
+        if told is not None:
+            watchdog.hear(told)
+        if told is None or watchdog.verdict:
+            self.end()
+            return after_death(job, watchdog.verdict)
+        if isinstance(told, Broken):
             self.job = replace(job, faults=(*job.faults, told.reason))
         return told
 
-    def _clear_away(self) -> str:
-        """Remove what it left behind, being dead, and return how it ended."""
-        self.process.join()
-        if self.process.pid is not None:
-            remove_sockets(self.process.pid)
+    def _how_it_ended(self) -> str:
         code = self.process.exitcode or 0
         return signal_name(-code) if code < 0 else f"exit code {code}"
 
-    def close(self) -> None:
-        """Let it go while it has nothing to do."""
+    def end(self, grace: float = 0.0) -> None:
+        """Kill it if it is still there, and remove what it may have left behind.
+
+        Args:
+            grace: s that it has to end by itself.
+        """
+        self.dead = True
         self.connection.close()
-        self.process.join(STOP_TIME)
+        self.process.join(grace)
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join(STOP_TIME)  # even a kill must wait for a disk that hangs; we need not
+        if self.process.pid is not None:
+            remove_sockets(self.process.pid)
 
 
 class Workers:
@@ -94,10 +122,11 @@ class Workers:
     Args:
         count: How many.
         lock: Of the folder that they write to; each holds it as long as it lives.
+        patience: With jobs that get no further.
     """
 
-    def __init__(self, count: int, lock: Lock | None = None) -> None:
-        self._count, self._lock = count, lock
+    def __init__(self, count: int, lock: Lock | None = None, patience: Patience | None = None) -> None:
+        self._count, self._lock, self._patience = count, lock, patience or Patience()
         self._workers: list[Worker] = []
 
     def __enter__(self) -> "Workers":
@@ -108,11 +137,9 @@ class Workers:
         for worker in self._workers:
             worker.connection.close()
             worker.process.terminate()
+        until = time.monotonic() + STOP_TIME
         for worker in self._workers:
-            worker.process.join(STOP_TIME)
-            if worker.process.is_alive():
-                worker.process.kill()
-                worker.process.join()
+            worker.end(max(0.0, until - time.monotonic()))
 
     def warm(self, sensors: Iterable[Wanted] = ()) -> None:
         """Compile the engine once, in the first worker, so that the others find it done.
@@ -126,6 +153,8 @@ class Workers:
         worker = self._start()
         try:
             worker.connection.send(Warming(tuple(sensors)))
+            if not worker.connection.poll(COMPILE_TIME):
+                raise WorkerDiedError(f"the engine was not compiled within {COMPILE_TIME / 60:g} minutes")
             worker.connection.recv()
         except (EOFError, OSError) as error:
             worker.process.join()
@@ -141,7 +170,7 @@ class Workers:
     ) -> Iterator[JobResult]:
         """Run all jobs and yield their results as they come.
 
-        If a worker dies, another one plays its match from the start, up to ``TRIES`` in all.
+        If a worker dies or hangs, another one plays its match from the start, up to ``TRIES`` in all.
 
         Args:
             jobs: What to play, in this order.
@@ -155,31 +184,40 @@ class Workers:
         for worker in self._workers:
             _next_job(worker, waiting, busy, started)
         while busy:
-            for connection in wait(list(busy)):
-                worker = busy[cast(Connection, connection)]
+            for worker in _heard_of(busy):
                 told = worker.take()
-                if isinstance(told, Beat | Broken):
+                if not isinstance(told, Job | JobResult):
                     tell(cast(Job, worker.job), told)
                     continue
                 del busy[worker.connection]
                 if isinstance(told, Job):
                     tell(told, Broken(told.faults[-1]))
                     waiting.appendleft(told)
-                if worker.dead or worker.rendered >= REPLAYS_PER_WORKER:
-                    worker = self._replace(worker)
-                _next_job(worker, waiting, busy, started)
+                _next_job(self._fit(worker), waiting, busy, started)
                 if isinstance(told, JobResult):
                     yield told
 
-    def _replace(self, worker: Worker) -> Worker:
+    def _fit(self, worker: Worker) -> Worker:
+        """Return a worker, or a new one in its place if it can do no more."""
+        if not worker.dead and worker.rendered < REPLAYS_PER_WORKER:
+            return worker
         self._workers.remove(worker)
-        worker.close()
+        worker.end(STOP_TIME)
         return self._start()
 
     def _start(self) -> Worker:
-        worker = Worker(self._lock)
+        worker = Worker(self._lock, self._patience)
         self._workers.append(worker)
         return worker
+
+
+def _heard_of(busy: dict[Connection, Worker]) -> list[Worker]:
+    """Wait a moment; return the workers that have something to say, have ended or hang."""
+    before = time.monotonic()
+    speaking = wait(list(busy), LOOK)
+    waited = time.monotonic() - before
+    hanging = [worker for worker in busy.values() if worker.wait(waited)]
+    return [worker for connection, worker in busy.items() if connection in speaking or worker in hanging]
 
 
 def _next_job(

@@ -8,7 +8,7 @@ from typing import Any
 from wildscav.console import console
 from wildscav.logs import LogFormat, open_log
 from wildscav.metrics import serving_metrics
-from wildscav_evaluator.matches.jobs import Beat, Job, JobResult, Told
+from wildscav_evaluator.matches.jobs import Beat, Broken, Job, JobResult, Told
 from wildscav_evaluator.watch.metrics import EvaluationMetrics
 from wildscav_evaluator.watch.progress import EvaluationProgress
 from wildscav_evaluator.watch.tally import Tally
@@ -60,10 +60,10 @@ class Watch:
         """A match is so far, or the platform broke it and it is played again."""
         if isinstance(told, Beat):
             self.tally.beat(job, told)
-            return
-        self.tally.note_broken(job)
-        self._log.warning("match_broken", match=job.stem, fault="platform", detail=told.reason)
-        self._progress.note_broken(job, told.reason)
+        elif isinstance(told, Broken):
+            self.tally.note_broken(job)
+            self._log.warning("match_broken", match=job.stem, fault="platform", detail=told.reason)
+            self._progress.note_broken(job, told.reason)
 
     def keep(self, result: JobResult) -> None:
         """A match was played in an earlier sitting."""

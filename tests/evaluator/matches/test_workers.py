@@ -1,8 +1,10 @@
 """Workers: the match of one that dies is played again, and costs nobody anything."""
 
+import itertools
 import json
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +14,8 @@ from tests.evaluator.players import SLEEPER, WALKER, Submit
 from wildscav_engine.record import read_record, verify_record
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, after_death
+from wildscav_evaluator.matches.play import Seating
+from wildscav_evaluator.matches.watchdog import Patience
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.journal import MATCHES
 from wildscav_evaluator.submissions.submission import Submission
@@ -33,7 +37,18 @@ KILLS_ITS_FIRST_WORKER = """
             time.sleep(600)
         return Action(walk_speed=5.0)
 """
+# Stops the worker, as if the worker hung, when its match is played for the first time.
+STOPS_ITS_FIRST_WORKER = """
+    def act(self, observation):
+        if observation.step == 7 and not os.path.exists("was_here"):
+            open("was_here", "w").close()
+            time.sleep(1.0)  # in which the worker says how far it is
+            os.kill(os.getppid(), signal.SIGSTOP)
+        return Action(walk_speed=5.0)
+"""
+STOPS_EVERY_WORKER = STOPS_ITS_FIRST_WORKER.replace('not os.path.exists("was_here")', "True")
 STEPS = 20
+IMPATIENT = Patience(set_up=60.0, step=2.0)  # beside the two seconds that agents have
 
 
 @pytest.fixture
@@ -43,15 +58,27 @@ def out(tmp_path: Path) -> Path:
     return tmp_path / "out"
 
 
+@pytest.fixture
+def sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Where workers have their sockets: a path that is short enough for them."""
+    with tempfile.TemporaryDirectory() as folder:
+        monkeypatch.setenv("TMPDIR", folder)
+        monkeypatch.setattr(tempfile, "tempdir", None)
+        yield Path(folder)
+        monkeypatch.undo()
+
+
 def job(submission: Submission, index: int, out: Path) -> Job:
     small = MapSpec(config=MapConfig(size=40, houses=0))
     spec = MatchSpec(track="navigation", map=small, seed=index, time_limit=STEPS / 10)
     return Job(submission, "navigation", index, spec, out, replay=False)
 
 
-def run(jobs: list[Job], count: int, watch: Watch | None = None) -> dict[tuple[str, int], JobResult]:
+def run(
+    jobs: list[Job], count: int, watch: Watch | None = None, patience: Patience | None = None
+) -> dict[tuple[str, int], JobResult]:
     watch = watch or Watch(jobs, count, "suite", Watching("json", None))
-    with Workers(count) as workers:
+    with Workers(count, patience=patience) as workers:
         workers.warm()
         for result in workers.run(jobs, watch.start, watch.tell):
             watch.add(result)
@@ -60,12 +87,11 @@ def run(jobs: list[Job], count: int, watch: Watch | None = None) -> dict[tuple[s
 
 @pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_match_whose_worker_is_killed_is_played_again_in_another(
-    submit: Submit, out: Path, capsys: pytest.CaptureFixture[str], count: int
+    submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str], count: int
 ) -> None:
     walker, unlucky = submit("walker", WALKER), submit("unlucky", KILLS_ITS_FIRST_WORKER)
     jobs = [job(walker, 0, out), job(unlucky, 0, out), job(walker, 1, out), job(walker, 2, out)]
     watch = Watch(jobs, count, "suite", Watching("json", None))
-    before = set(Path(tempfile.gettempdir()).glob("wildscav-*"))
 
     results = run(jobs, count, watch)
 
@@ -78,7 +104,7 @@ def test_a_match_whose_worker_is_killed_is_played_again_in_another(
     assert (out / again.job.log(0)).read_text().splitlines() == [f"step {step}" for step in range(STEPS)]
     assert verify_record(read_record(out / again.job.record)).holds
     check_told(watch, capsys.readouterr().err)
-    assert set(Path(tempfile.gettempdir()).glob("wildscav-*")) <= before, "sockets were left behind"
+    assert list(sockets.iterdir()) == []
 
 
 def check_told(watch: Watch, log: str) -> None:
@@ -140,11 +166,12 @@ def test_a_record_that_cannot_be_written_costs_its_match_alone(submit: Submit, o
 
 
 @pytest.mark.slow
-def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Submit, out: Path) -> None:
+def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(
+    submit: Submit, out: Path, sockets: Path
+) -> None:
     sleeper = submit("sleeper", SLEEPER)
     only = job(sleeper, 0, out)
     log = out / only.log(0)
-    before = set(Path(tempfile.gettempdir()).glob("wildscav-*"))
 
     with Workers(2) as workers:
         results = workers.run([only, job(submit("walker", WALKER), 0, out)])
@@ -155,4 +182,76 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(submit: Sub
         assert agent.exists()
 
     assert not agent.exists()
-    assert set(Path(tempfile.gettempdir()).glob("wildscav-*")) <= before, "sockets were left behind"
+    assert list(sockets.iterdir()) == []
+
+
+class Spins(Job):
+    """A job that gets lost, holding Python's lock, as soon as it has begun for the first time."""
+
+    @property
+    def seating(self) -> Seating:
+        if not self.faults:
+            sum(itertools.repeat(0))
+        return super().seating
+
+
+def test_a_worker_that_hangs_is_killed_and_its_match_played_again(
+    submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stopper, walker = submit("stopper", STOPS_ITS_FIRST_WORKER), submit("walker", WALKER)
+    jobs = [job(stopper, 0, out), job(walker, 0, out)]
+
+    results = run(jobs, 1, patience=IMPATIENT)
+
+    assert {result.row.status for result in results.values()} == {"finished"}
+    again = results["stopper", 0].timing
+    assert again is not None
+    (fault,) = again.platform_faults
+    assert fault.startswith("the worker process hung: no progress in")
+    assert fault in capsys.readouterr().err
+    assert list(sockets.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_worker_that_spins_in_compiled_code_is_killed_too(submit: Submit, out: Path) -> None:
+    spins = Spins(**vars(job(submit("walker", WALKER), 0, out)))
+
+    results = run([spins], 1, patience=Patience(set_up=8.0, seat=0.0))
+
+    (result,) = results.values()
+    assert result.row.status == "finished"
+    assert result.timing is not None
+    assert result.timing.platform_faults == (
+        "the worker process hung: no progress in 8 s before the first step",
+    )
+
+
+@pytest.mark.slow
+def test_a_match_that_hangs_every_worker_is_given_up_as_the_platforms_fault(
+    submit: Submit, out: Path
+) -> None:
+    stopper, walker = submit("stopper", STOPS_EVERY_WORKER), submit("walker", WALKER)
+
+    results = run([job(stopper, 0, out), job(walker, 0, out)], 2, patience=IMPATIENT)
+
+    row = results["stopper", 0].row
+    assert (row.status, row.fault, row.metrics) == ("failed", "platform", None)
+    assert row.detail.startswith("the platform failed 3 times: the worker process hung: no progress in")
+    assert results["walker", 0].row.status == "finished"
+
+
+@pytest.mark.slow
+def test_a_worker_that_hangs_when_all_is_broken_off_is_killed(
+    submit: Submit, out: Path, sockets: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wildscav_evaluator.matches.workers.STOP_TIME", 1.0)
+    stopper, walker = submit("stopper", STOPS_EVERY_WORKER), submit("walker", WALKER)
+
+    with Workers(2) as workers:
+        next(workers.run([job(stopper, 0, out), job(walker, 0, out)]))
+        processes = [worker.process for worker in workers._workers]
+        while not (stopper.folder / "was_here").exists():
+            time.sleep(0.05)
+
+    assert [process.is_alive() for process in processes] == [False, False]
+    assert list(sockets.iterdir()) == []
