@@ -26,13 +26,13 @@ def leaderboard(
     from wildscav_leaderboard.standings import standings
 
     with reading(db) as session:
-        tables = [_table(one) for one in standings(session, track, suite)]
+        tables = [(_table(one), _conditions(one)) for one in standings(session, track, suite)]
     if not tables:
         wanted = "".join(f" of {what} {name}" for what, name in (("track", track), ("suite", suite)) if name)
         raise UserError(f"there are no evaluations{wanted} in {db}: `wildscav evaluate` puts them there")
-    for table in tables:
+    for table, conditions in tables:
         console.print(table)
-        console.print()
+        console.print(f"played in {conditions}\n", soft_wrap=True, highlight=False)
     console.print(LEGEND, style="dim")
 
 
@@ -56,6 +56,16 @@ def _table(one: "Standings") -> Table:
             f"{evaluation.started:%Y-%m-%d}",
         )
     return table
+
+
+def _conditions(one: "Standings") -> str:
+    """Return what agents ran in, in a line."""
+    from wildscav_evaluator.cli.time_table import conditions
+    from wildscav_evaluator.output.results import KeptLimits
+
+    limits = KeptLimits.model_validate_json(one.limits)
+    kept = {one.track: limits} if limits != KeptLimits() else {}
+    return "".join(conditions(one.sandbox, kept))
 
 
 def _metric(score: "Score") -> "MetricInfo":

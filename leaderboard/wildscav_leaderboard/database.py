@@ -10,7 +10,7 @@ from sqlalchemy.exc import DatabaseError, OperationalError
 from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError
-from wildscav_leaderboard.models import Base
+from wildscav_leaderboard.schema import bring_up_to_date, is_current, is_newer, is_ours
 
 
 def check_writable(path: Path) -> None:
@@ -48,7 +48,10 @@ def writing(path: Path) -> Iterator[Session]:
 
 @contextmanager
 def _opened_to_write(path: Path) -> Iterator[Connection]:
-    """Yield a connection in a transaction in which our tables are made; it is lost unless committed."""
+    """Yield a connection in a transaction with our tables, made or brought up to date.
+
+    All that is lost unless committed.
+    """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -56,14 +59,16 @@ def _opened_to_write(path: Path) -> Iterator[Connection]:
     with _nothing_half_made(path), _one_line(path), _engine(path) as engine, engine.connect() as connection:
         # Takes the database at once, so that making tables is part of the transaction.
         connection.exec_driver_sql("BEGIN IMMEDIATE")
-        _check_ours(path, connection, may_be_empty=True)
-        Base.metadata.create_all(connection)
+        if inspect(connection).get_table_names():
+            _check_ours(path, connection)
+        if not is_current(connection):
+            bring_up_to_date(connection)
         yield connection
 
 
 @contextmanager
 def reading(path: Path) -> Iterator[Session]:
-    """Open a database to read.
+    """Open a database to read. One of an older version is brought up to date first.
 
     Raises:
         UserError: It is missing, or not a leaderboard's.
@@ -72,19 +77,23 @@ def reading(path: Path) -> Iterator[Session]:
         raise UserError(
             f"there is no database {path}: `wildscav evaluate` makes it, or name another with --db", 2
         )
-    with _one_line(path), _engine(path) as engine, engine.connect() as connection:
-        _check_ours(path, connection, may_be_empty=False)
-        with Session(connection) as session:
+    with _one_line(path), _engine(path) as engine:
+        with engine.connect() as connection:
+            _check_ours(path, connection)
+            old = not is_current(connection)
+        if old:
+            with writing(path):
+                pass
+        with engine.connect() as connection, Session(connection) as session:
             yield session
 
 
-def _check_ours(path: Path, connection: Connection, *, may_be_empty: bool) -> None:
-    """Refuse a database that has not all of our tables: it is somebody else's."""
-    tables = set(inspect(connection).get_table_names())
-    if may_be_empty and not tables:
-        return
-    if set(Base.metadata.tables) - tables:
+def _check_ours(path: Path, connection: Connection) -> None:
+    """Refuse a database that has not all of our tables, or is of a version that is still to come."""
+    if not is_ours(connection):
         raise UserError(f"{path} is a database, but not a leaderboard's: name another with --db", 2)
+    if is_newer(connection):
+        raise UserError(f"{path} was written by a newer version of Wildscav: name another with --db", 2)
 
 
 @contextmanager

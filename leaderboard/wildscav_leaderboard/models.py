@@ -6,6 +6,10 @@ from typing import Any
 from sqlalchemy import JSON, ForeignKey, UniqueConstraint
 from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, mapped_column, relationship
 
+UNKNOWN = "unknown"  # sandbox of evaluations that were stored before it was
+# What an evaluation depends on besides its submission; only those that agree in all of it can be compared.
+CONDITIONS = ("track", "suite", "seed", "engine_version", "sandbox", "limits")
+
 
 class Base(MappedAsDataclass, DeclarativeBase, kw_only=True):
     """Base of all tables."""
@@ -28,10 +32,10 @@ class Submission(Base):
 
 
 class Evaluation(Base):
-    """One submission on one suite of one track. Evaluating it again replaces this."""
+    """One submission on one suite of one track, in one sandbox. Evaluating it again replaces this."""
 
     __tablename__ = "evaluations"
-    __table_args__ = (UniqueConstraint("submission_id", "track", "suite", "seed", "engine_version"),)
+    __table_args__ = (UniqueConstraint("submission_id", *CONDITIONS, name="one_result"),)
 
     id: Mapped[int] = mapped_column(primary_key=True, init=False)
     submission_id: Mapped[int] = mapped_column(ForeignKey("submissions.id"), init=False)
@@ -40,6 +44,8 @@ class Evaluation(Base):
     suite: Mapped[str]
     seed: Mapped[str]  # decimal, wider than any integer column; of a hidden one, its commitment's beginning
     engine_version: Mapped[str]
+    sandbox: Mapped[str] = mapped_column(server_default=UNKNOWN)  # in which agents ran
+    limits: Mapped[str] = mapped_column(server_default="{}")  # that it kept, as JSON; of older ones, nothing
     started: Mapped[datetime]  # UTC
     faults: Mapped[int]  # matches in which something went wrong
 

@@ -40,26 +40,15 @@ class DatabaseSink:
 
 
 def _store(session: Session, whole: results.Results, evaluation: results.Evaluation) -> None:
-    submission = _submission(session, evaluation)
-    old = session.scalars(
-        select(Evaluation).where(
-            Evaluation.submission == submission,
-            Evaluation.track == evaluation.track,
-            Evaluation.suite == whole.suite,
-            Evaluation.seed == whole.seed_label,
-            Evaluation.engine_version == whole.engine_version,
-        )
-    ).one_or_none()
+    submission, conditions = _submission(session, evaluation), _conditions(whole, evaluation.track)
+    old = session.scalars(select(Evaluation).filter_by(submission=submission, **conditions)).one_or_none()
     if old is not None:
         session.delete(old)
         session.flush()
     session.add(
         Evaluation(
             submission=submission,
-            track=evaluation.track,
-            suite=whole.suite,
-            seed=whole.seed_label,
-            engine_version=whole.engine_version,
+            **conditions,
             started=datetime.fromisoformat(whole.timings.started),
             faults=evaluation.faults,
             scores=_scores(evaluation),
@@ -67,6 +56,19 @@ def _store(session: Session, whole: results.Results, evaluation: results.Evaluat
         )
     )
     session.flush()
+
+
+def _conditions(whole: results.Results, track: str) -> dict[str, str]:
+    """Return all that an evaluation depends on besides its submission."""
+    limits = whole.limits.get(track, results.KeptLimits())
+    return {
+        "track": track,
+        "suite": whole.suite,
+        "seed": whole.seed_label,
+        "engine_version": whole.engine_version,
+        "sandbox": whole.sandbox,
+        "limits": limits.model_dump_json(exclude_none=True),
+    }
 
 
 def _submission(session: Session, evaluation: results.Evaluation) -> Submission:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload, selectinload
 
-from wildscav_leaderboard.models import Evaluation
+from wildscav_leaderboard.models import CONDITIONS, Evaluation
 
 
 class Row(NamedTuple):
@@ -18,20 +18,23 @@ class Row(NamedTuple):
 
 
 class Standings(NamedTuple):
-    """The order on one suite of one track.
+    """The order on one suite of one track, of evaluations that can be compared.
 
-    Only evaluations of one seed on one version of the engine played the same matches.
+    Only those of one seed on one version of the engine played the same matches, and only in one sandbox with
+    one set of limits had their agents the same means.
     """
 
     track: str
     suite: str
     seed: str
     engine_version: str
+    sandbox: str
+    limits: str  # that it kept, as JSON
     rows: tuple[Row, ...]
 
 
 def standings(session: Session, track: str | None = None, suite: str | None = None) -> Iterator[Standings]:
-    """Yield the standings of every track, suite, seed and engine in the database, or of those asked for.
+    """Yield the standings of every track, suite, seed, engine and sandbox, or of those asked for.
 
     A submission stands there once, under its name, with its latest evaluation: a newer version replaces an
     older one even if it is worse, since it is the one that its author stands by.
@@ -48,14 +51,14 @@ def standings(session: Session, track: str | None = None, suite: str | None = No
     # Sorting is stable: within a key the latest evaluation stays the last.
     for key, group in groupby(sorted(session.scalars(wanted), key=_place_of), _key):
         latest = {evaluation.submission.name: evaluation for evaluation in group}
-        yield Standings(*key, tuple(rank(latest.values())))
+        yield Standings(rows=tuple(rank(latest.values())), **dict(zip(CONDITIONS, key, strict=True)))
 
 
-def _key(one: Evaluation) -> tuple[str, str, str, str]:
-    return one.track, one.suite, one.seed, one.engine_version
+def _key(one: Evaluation) -> tuple[str, ...]:
+    return tuple(getattr(one, name) for name in CONDITIONS)
 
 
-def _place_of(one: Evaluation) -> tuple[int, tuple[str, str, str, str]]:
+def _place_of(one: Evaluation) -> tuple[int, tuple[str, ...]]:
     """Return what the standings are ordered by: the tracks as the engine lists them."""
     from wildscav_engine.tracks import TRACKS
 

@@ -4,7 +4,15 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Summary, Timings
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    KeptLimits,
+    MatchRow,
+    MetricInfo,
+    Results,
+    Summary,
+    Timings,
+)
 
 METRICS = {
     "navigation": MetricInfo(name="time", title="used + punish time", unit="s", lower_is_better=True),
@@ -22,6 +30,8 @@ def make_results() -> Callable[..., Results]:
         version: str = "1.0.0",
         seed: int = 0,
         started: str = "2030-01-01T00:00:00+00:00",
+        sandbox: str = "process",
+        memory: int | None = None,
     ) -> Results:
         evaluations = tuple(
             evaluation(name, track, values, version) for (name, track), values in scores.items()
@@ -31,7 +41,8 @@ def make_results() -> Callable[..., Results]:
             engine_version="0.1.0",
             suite="quick",
             seed=seed,
-            sandbox="process",
+            sandbox=sandbox,
+            limits={track: KeptLimits(memory=memory) for _, track in scores},
             evaluations=evaluations,
             timings=timings,
         )

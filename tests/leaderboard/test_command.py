@@ -43,6 +43,19 @@ def test_it_prints_a_table_for_every_track(make_results: Make, tmp_path: Path) -
     assert "hunter" in leaderboard("--db", path, "--track", "gathering").stdout
 
 
+def test_it_says_what_the_agents_of_each_table_ran_in(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    sink, scores = DatabaseSink(str(path)), {("homing", "gathering"): [12.0]}
+    sink.store(make_results(scores))
+    sink.store(make_results(scores, sandbox="bubblewrap", memory=2**31))
+
+    said = leaderboard("--db", path).stdout
+
+    assert said.count("gathering · suite quick · seed 0") == 2
+    assert "played in process\n" in said
+    assert "played in bubblewrap; each agent: 2 GiB of memory\n" in said
+
+
 def empty(path: Path) -> None:
     sqlite3.connect(path).close()
     path.touch()

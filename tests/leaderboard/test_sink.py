@@ -56,6 +56,19 @@ def test_other_seeds_versions_and_tracks_are_other_evaluations(make_results: Mak
     assert count(path, Evaluation) == 4
 
 
+def test_another_sandbox_or_limit_makes_another_evaluation(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    sink, scores = DatabaseSink(str(path)), {("homing", "navigation"): [1.0]}
+
+    for conditions in ({}, {"sandbox": "oci"}, {"sandbox": "oci", "memory": 2**30}, {"sandbox": "oci"}):
+        sink.store(make_results(scores, **conditions))
+
+    with reading(path) as session:
+        found = {(one.sandbox, one.limits) for one in session.scalars(select(Evaluation))}
+    assert found == {("process", "{}"), ("oci", "{}"), ("oci", '{"memory":1073741824}')}
+    assert (count(path, Submission), count(path, Evaluation)) == (1, 3)
+
+
 def test_a_match_that_came_to_nothing_is_kept_with_its_reason(make_results: Make, tmp_path: Path) -> None:
     path = tmp_path / "wildscav.db"
 

@@ -69,6 +69,20 @@ def test_matches_of_other_seeds_are_not_compared(make_results: Make, path: Path)
     assert ranks(path) == {("gathering", "0"): [(1, "a")], ("gathering", "1"): [(1, "b")]}
 
 
+def test_agents_in_other_sandboxes_are_not_compared(make_results: Make, path: Path) -> None:
+    sink = DatabaseSink(str(path))
+    sink.store(make_results({("a", "gathering"): [9.0], ("b", "gathering"): [5.0]}, sandbox="bubblewrap"))
+    # Developed without a sandbox, where all of the machine is an agent's, and later than it was judged.
+    later = "2030-01-02T00:00:00+00:00"
+    sink.store(make_results({("b", "gathering"): [99.0]}, sandbox="process", started=later))
+
+    with reading(path) as session:
+        found = {
+            one.sandbox: [row.evaluation.submission.name for row in one.rows] for one in standings(session)
+        }
+    assert found == {"bubblewrap": ["a", "b"], "process": ["b"]}
+
+
 def test_a_track_or_a_suite_can_be_asked_for_alone(make_results: Make, path: Path) -> None:
     scores = {("a", "gathering"): [1.0], ("a", "navigation"): [1.0]}
     DatabaseSink(str(path)).store(make_results(scores))
