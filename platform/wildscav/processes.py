@@ -1,4 +1,4 @@
-"""Worker processes that never outlive who started them."""
+"""Worker processes: Ctrl-C is not for them, and they never outlive who started them."""
 
 import ctypes
 import os
@@ -6,10 +6,37 @@ import signal
 import sys
 import threading
 import time
-from multiprocessing import parent_process
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import parent_process, resource_tracker
 
 PR_SET_PDEATHSIG = 1
 GRACE = 20.0  # s that an orphan has to end in good order
+
+
+@contextmanager
+def starting_workers() -> Iterator[None]:
+    """Keep Ctrl-C, which a terminal sends to all, from processes that are started in this block.
+
+    Each keeps it off until it calls ``be_worker``: one that it met while it imports would say so at length.
+    """
+    resource_tracker.ensure_running()  # which the first worker would start, and let Ctrl-C through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def be_worker(parent: int) -> None:
+    """Leave Ctrl-C to the process that started this one, and end with it.
+
+    Args:
+        parent: That process.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    end_with_parent(parent)
 
 
 def end_with_parent(parent: int) -> None:

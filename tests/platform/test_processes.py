@@ -64,3 +64,34 @@ def test_a_worker_whose_parent_is_gone_before_it_began_ends_at_once() -> None:
 
     assert subprocess.run(with_parent).returncode == 0
     assert subprocess.run(without).returncode == 128 + signal.SIGTERM
+
+
+INTERRUPTED = """
+import os, signal, sys, time
+from multiprocessing import get_context
+from wildscav.processes import be_worker, starting_workers
+
+def work(parent, connection):
+    be_worker(parent)
+    connection.send("ready")
+    time.sleep(0.5)  # in which Ctrl-C would end it
+    connection.send("done")
+
+if __name__ == "__main__":
+    ours, theirs = get_context("spawn").Pipe()
+    with starting_workers():
+        get_context("spawn").Process(target=work, args=(os.getpid(), theirs)).start()
+    signal.signal(signal.SIGINT, lambda *_: None)
+    for wait in (lambda: None, ours.recv):  # at once, while it imports; and when it is at work
+        wait()
+        os.killpg(0, signal.SIGINT)
+    print(ours.recv())
+"""
+
+
+def test_ctrl_c_reaches_no_worker_at_any_moment(tmp_path: Path) -> None:
+    script = tmp_path / "interrupted.py"
+    script.write_text(INTERRUPTED)
+    command = [sys.executable, script]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=20, start_new_session=True)
+    assert (done.stdout, done.stderr) == ("done\n", "")

@@ -94,13 +94,13 @@ def evaluate(
     from wildscav_evaluator.watch.watch import Watching
 
     loaded, chosen = load_submissions(submissions), find_suite(suite)
-    tracks = suite_tracks(loaded, track or [], chosen)
+    tracks, first = suite_tracks(loaded, track or [], chosen), suite_seed(seed, secret)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     plan = Plan(
         submissions=loaded,
         tracks=tracks,
         suite=chosen,
-        seed=suite_seed(seed, secret),
+        seed=first,
         replays=replays,
         jobs=jobs or cores(),
         out=out,

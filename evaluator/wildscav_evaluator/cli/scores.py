@@ -62,12 +62,13 @@ def compare(
     ]
     if not tracks:
         raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
+    first_seed = suite_seed(seed, secret)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     plan = Plan(
         submissions=loaded,
         tracks=tuple(tracks),
         suite=chosen,
-        seed=suite_seed(seed, secret),
+        seed=first_seed,
         replays="none",
         jobs=jobs or cores(),
         out=out,

@@ -173,8 +173,10 @@ def _replay_to_show(results: Results) -> str | None:
 
 
 def all_failed(evaluation: Evaluation, out: Path) -> str:
-    """Say that a submission failed in every match of a track, and why."""
+    """Say that a submission failed in every match of a track, or the platform did, and why."""
     first = evaluation.matches[0]
+    if all(row.fault == "platform" for row in evaluation.matches):
+        return f"no match of {evaluation.track} could be played for {evaluation.submission}: {first.detail}"
     # The log of the seat that failed, which may not be its first.
     log = next((seat.log for seat in first.seats if seat.fault is not None), None)
     see = f" (its log: {out / log})" if log else ""

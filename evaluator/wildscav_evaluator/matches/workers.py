@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
-from wildscav.processes import end_with_parent
+from wildscav.processes import be_worker, starting_workers
 from wildscav_evaluator.matches.jobs import Broken, Job, JobResult, Told, after_death, run_job
 from wildscav_evaluator.matches.play import remove_sockets
 from wildscav_evaluator.matches.warm import Wanted, warm
@@ -56,7 +56,8 @@ class Worker:
         self.connection, theirs = context.Pipe()
         arguments = (theirs, os.getpid(), lock)
         self.process: BaseProcess = context.Process(target=_work, args=arguments, daemon=True)
-        self.process.start()
+        with starting_workers():
+            self.process.start()
         theirs.close()
         self.job: Job | None = None
         self._watchdog: Watchdog | None = None
@@ -238,8 +239,7 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
         parent: The process that started this one.
         _lock: Is held until this process ends, however it ends.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the evaluation, which then ends us
-    end_with_parent(parent)
+    be_worker(parent)
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
         while True:
             message = connection.recv()

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from wildscav.console import printable
 from wildscav.errors import UserError, describe
-from wildscav.processes import end_with_parent
+from wildscav.processes import be_worker, starting_workers
 from wildscav_engine.record import SUFFIX, Record, RecordError, read_record, verify_record
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
@@ -82,10 +82,14 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
         jobs: How many to play at once, each in a process of its own.
     """
     count, spawn = min(jobs, len(paths)), get_context("spawn")
-    with ProcessPoolExecutor(count, spawn, end_with_parent, (os.getpid(),)) as pool:
+    with ProcessPoolExecutor(count, spawn, be_worker, (os.getpid(),)) as pool:
         # The first alone, so that the others find compiled whatever it had to compile.
-        yield pool.submit(replay_one, paths[0]).result()
-        yield from pool.map(replay_one, paths[1:])
+        with starting_workers():
+            first = pool.submit(replay_one, paths[0])
+        yield first.result()
+        with starting_workers():
+            others = pool.map(replay_one, paths[1:])
+        yield from others
 
 
 def parse_name(path: Path) -> RecordName | None:

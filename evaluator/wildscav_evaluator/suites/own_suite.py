@@ -7,10 +7,11 @@ and lists of values of which each draws one.
 import tomllib
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, field_validator
 
 from wildscav.errors import UserError, describe
 from wildscav_engine.maps import MapError
@@ -28,6 +29,10 @@ SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that its file may n
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
 Count = Annotated[int, Field(ge=1, le=10_000)]
+Maps = Annotated[
+    Annotated[Count, Tag("count")] | Annotated[list[int], Field(min_length=1), Tag("numbers")],
+    Discriminator(lambda given: "numbers" if isinstance(given, list) else "count"),
+]
 Fields = dict[str, Any]
 Choices = dict[str, Annotated[list[Any], Field(min_length=1)]]  # by the field's path, with dots
 
@@ -48,7 +53,7 @@ class MapPart(Part):
 class TrackPart(Part):
     """What is played on one track."""
 
-    maps: Count | Annotated[list[int], Field(min_length=1)]  # how many to draw, or the numbers of known ones
+    maps: Maps  # how many to draw, or the numbers of known ones
     episodes: Count = 1  # on each map
     shuffle: bool = True  # whether the seats are dealt anew for each match
     match: Fields = {}
@@ -181,10 +186,17 @@ def _made(kind: type[AnySpec], fields: Fields, chosen: Fields, where: str) -> An
     try:
         spec = kind.model_validate(whole)
     except ValidationError as error:
-        raise ValueError(f"{where}: {one_line(error)}") from error
+        raise ValueError(f"{where}: {one_line(error)}{_allowed(kind, error)}") from error
     if isinstance(spec, MatchSpec) and SUBMISSION not in spec.seats:
         raise ValueError(f"{where}: no seat is filled by {SUBMISSION!r}")
     return spec
+
+
+def _allowed(kind: type[AnySpec], error: ValidationError) -> str:
+    """Return which fields there are, if one was given that there is not."""
+    if not any(fault["type"] == "extra_forbidden" and len(fault["loc"]) == 1 for fault in error.errors()):
+        return ""
+    return f"; its fields are {', '.join(name for name in kind.model_fields if name not in SET_BY_SUITE)}"
 
 
 def _put(fields: Fields, path: str, value: Any, where: str) -> None:
@@ -193,11 +205,14 @@ def _put(fields: Fields, path: str, value: Any, where: str) -> None:
     Raises:
         ValueError: There is no such place.
     """
-    *parents, last = path.split(".")
+    last = path.rpartition(".")[2]
     place: Any = fields
     try:
-        for name in parents:
-            place = place[int(name)] if isinstance(place, list) else place.setdefault(name, {})
+        for name, following in pairwise(path.split(".")):
+            missing: Any = (
+                [] if following.isdecimal() else {}
+            )  # in a list that is not given, nothing is found
+            place = place[int(name)] if isinstance(place, list) else place.setdefault(name, missing)
         place[int(last) if isinstance(place, list) else last] = value
     except (IndexError, ValueError, TypeError, AttributeError) as error:
         raise ValueError(f"{where}.choose: there is no {path!r} among the fields that are given") from error

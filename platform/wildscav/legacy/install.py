@@ -9,7 +9,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from wildscav.legacy.maps import is_written, write_map
-from wildscav.processes import end_with_parent
+from wildscav.processes import be_worker, starting_workers
 
 PROGRAM = "fps.x86_64"
 # A shell script that starts Python with itself: paths of interpreters may be too long for a first line.
@@ -77,8 +77,9 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
         return
     # New processes, not copies of this one, in which kernels may have run.
     count, spawn = min(workers, len(ids)), get_context("spawn")
-    with ProcessPoolExecutor(count, spawn, end_with_parent, (os.getpid(),)) as pool:
-        jobs = {pool.submit(write_map, map_id, folder): map_id for map_id in ids}
+    with ProcessPoolExecutor(count, spawn, be_worker, (os.getpid(),)) as pool:
+        with starting_workers():
+            jobs = {pool.submit(write_map, map_id, folder): map_id for map_id in ids}
         try:
             for job in as_completed(jobs):
                 job.result()

@@ -197,7 +197,7 @@ def test_a_full_disk_is_one_clear_line_a_file_after_the_tables(submit: Submit, t
     results, database, matches = complaints(done)
     assert f"the results could not be kept: {out / 'results.json'}: " in results
     assert f"the database {out / 'db'} cannot be used: " in database
-    assert "walker failed in every match of navigation: " in matches
+    assert "no match of navigation could be played for walker: " in matches
     assert "navigation · suite quick" in done.stdout
     assert not list(out.rglob("results.json*")), "no half-written file is left"
 

@@ -113,7 +113,7 @@ def test_a_suite_is_a_function_of_its_file_and_seed(write: Callable[[str], Path]
         ('name = "spring"', 'name = "quick"', "name: 'quick' is a suite of Wildscav: choose another name"),
         ('name = "spring"', "", "name: Field required"),
         ("size = 80", "size = 81", "map: size: Input should be a multiple of 2, not 81"),
-        ("size = 80", "sise = 80", "map: sise: Extra inputs are not permitted"),
+        ("size = 80", "sise = 80", "map: sise: Extra inputs are not permitted; its fields are size, "),
         (
             "relief = [0.5, 1.0]",
             "relief = [0.5, 9.0]",
@@ -121,7 +121,12 @@ def test_a_suite_is_a_function_of_its_file_and_seed(write: Callable[[str], Path]
         ),
         ("relief = [0.5, 1.0]", "relief = []", "map.choose.relief: List should have at least 1 item"),
         ("[tracks.battle]", "[tracks.fishing]", "there is no track 'fishing'; the tracks are navigation,"),
-        ("maps = 6", "maps = 0", "tracks.navigation.maps"),
+        (
+            "maps = 6",
+            "maps = 0",
+            "tracks.navigation.maps.count: Input should be greater than or equal to 1, not 0",
+        ),
+        ("maps = 6", "maps = []", "tracks.navigation.maps.numbers: List should have at least 1 item"),
         ("maps = [14, 101]", "maps = [14, 1000]", "id is 1000; maps have the ids 1 to 999"),
         ("time_limit = 30", "seed = 3", "tracks.navigation.match: seed is set by the suite itself"),
         (
@@ -130,6 +135,7 @@ def test_a_suite_is_a_function_of_its_file_and_seed(write: Callable[[str], Path]
             "tracks.navigation: time_limit: Input should be greater than 0",
         ),
         ("time_limit = 30", "supplies = {}", "supplies is given, but navigation has no supplies"),
+        ('"supplies.waves.0', '"zone.phases.0', "no 'zone.phases.0.radius' among the fields"),
         ('"supplies.waves.0', '"supplies.waves.7', "no 'supplies.waves.7.radius' among the fields"),
         ('"fighter-easy"', '"knight"', "seat 1 is filled by 'knight'; allowed are submission"),
         ('"submission", ', "", "tracks.battle: no seat is filled by 'submission'"),
