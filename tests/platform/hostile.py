@@ -1,19 +1,16 @@
-"""A hostile client, move by move, and the server that has to bear it."""
+"""A hostile client, move by move."""
 
 import asyncio
 import contextlib
 import math
-import os
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import grpc
 from hypothesis import strategies as some
-from tests.platform.seats import HandPlayed, connected, host, small_spec, start_agent
+from tests.platform.seats import HandPlayed, connected
 
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join, Ready
-from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav.wire.errors import reason_of
 
 REASONS = frozenset(
@@ -23,13 +20,8 @@ REASONS = frozenset(
         *("JOIN_TIMEOUT", "PROTOCOL_ERROR", "MESSAGE_TOO_LARGE", "TOO_EARLY", "FLOOD", "MATCH_CANCELLED"),
     }
 )
-OUTCOMES = frozenset({"finished", "timed_out", "crashed", "protocol_error", "never_joined"})
-HASTY = Clock(step_budget=0.02, time_bank=0.02, join_timeout=0.1)
-STEPS = 3
 PATIENCE = 0.15  # s that an attacker waits for an answer
-END = (
-    60.0  # s in which the server must end any stream: it takes one, but the machine may have much else to do
-)
+END = 60.0  # s in which any stream must end: the server takes one, but the machine may have much else to do
 NUMBERS = some.sampled_from([0.0, 5.0, 10.1, -1.0, math.nan, math.inf, -math.inf, 1e38, -1e38])
 
 
@@ -56,10 +48,16 @@ ATTACKS = some.tuples(some.booleans(), some.lists(MOVES, max_size=8)).map(
 
 
 class Attacker:
-    """One client at one seat."""
+    """One client at one seat.
 
-    def __init__(self, seat: HandPlayed, hosted: HostedMatch, address: str) -> None:
-        self._seat, self._hosted, self._address = seat, hosted, address
+    Args:
+        seat: Its stream.
+        tokens: Its own and that of another seat.
+        address: The server's.
+    """
+
+    def __init__(self, seat: HandPlayed, tokens: Mapping[int, str], address: str) -> None:
+        self._seat, self._tokens, self._address = seat, tokens, address
         self._ears = Listener(seat)
         self._asked = 0  # step of the last observation
         self._last = ClientMessage()
@@ -83,12 +81,12 @@ class Attacker:
     async def _make(self, move: Move) -> None:  # noqa: C901 - a row a move
         match move.kind:
             case "join":
-                tokens = {"own": self._hosted.tokens[0], "other": self._hosted.tokens[1]}
+                tokens = {"own": self._tokens[0], "other": self._tokens[1]}
                 await self._send(join(tokens.get(move.what, move.what)))
             case "get ready":
-                await self._send(join(self._hosted.tokens[0], gets_ready=True))
+                await self._send(join(self._tokens[0], gets_ready=True))
             case "version":
-                await self._send(join(self._hosted.tokens[0], protocol_version=move.what))
+                await self._send(join(self._tokens[0], protocol_version=move.what))
             case "act":
                 ahead, direction, speed, turn = move.what
                 step = max(0, self._asked + ahead)
@@ -127,7 +125,7 @@ class Attacker:
 
     async def _join_again(self) -> None:
         async with connected(self._address) as thief:
-            await thief.send(join(self._hosted.tokens[0]))
+            await thief.send(join(self._tokens[0]))
             await Listener(thief).hear()
 
 
@@ -170,65 +168,3 @@ def untyped(error: grpc.aio.AioRpcError) -> str:
     if details == "Internal error from Core":  # the client's own: it wrote to an ended stream
         return ""
     return f"{error.code().name}: {details}"
-
-
-class Siege:
-    """A server under attack, at which one honest agent plays a long match in a process of its own."""
-
-    def __init__(self, folder: Path) -> None:
-        self._runner = asyncio.Runner()
-        self._runner.run(self._begin(folder))
-
-    async def _begin(self, folder: Path) -> None:
-        self.server = MatchServer()
-        (self.address,) = await self.server.start([f"unix:{folder / 'match.sock'}"])
-        self.honest = await host(self.server, small_spec("navigation", seconds=3600.0))
-        self._agent = await start_agent("Walker", self.address, self.honest.tokens[0])
-        while self.honest.match.step_number < 10:  # noqa: ASYNC110
-            await asyncio.sleep(0.01)
-
-    def attack(self, attacks: Sequence[Sequence[Move]]) -> list[str]:
-        """Let clients attack a match of their own each, all at once; return how their streams ended."""
-        return self._runner.run(self._attack_all(attacks))
-
-    async def _attack_all(self, attacks: Sequence[Sequence[Move]]) -> list[str]:
-        async with asyncio.timeout(2 * END):
-            return await asyncio.gather(*map(self._attack, attacks))
-
-    async def _attack(self, moves: Sequence[Move]) -> str:
-        hosted = await host(self.server, small_spec(seats=2, seconds=STEPS / 10), clock=HASTY)
-        async with connected(self.address) as seat:
-            ending = await Attacker(seat, hosted, self.address).make(moves)
-        outcome = await hosted.finished()
-        assert outcome.match.step_number == STEPS
-        assert {report.status.value for report in outcome.seats.values()} <= OUTCOMES
-        return ending
-
-    def end(self) -> Any:
-        """End the siege; return the honest agent's conduct."""
-        conduct = self._runner.run(self._end())
-        self._runner.close()
-        return conduct
-
-    async def _end(self) -> Any:
-        report = self.honest.seats[0].report()
-        assert self.honest.task.done() is False or report.status == "finished"
-        async with asyncio.timeout(20):  # whoever is refused waits a little for it
-            while len(server_tasks()) > 10:  # noqa: ASYNC110
-                await asyncio.sleep(0.1)
-        self.honest.cancel()
-        await self._agent.communicate()
-        await self.server.stop()
-        return report
-
-
-def server_tasks() -> list[str]:
-    """Return what the tasks of this process do, but for clients that never heard how their call ended."""
-    names = [getattr(task.get_coro(), "__qualname__", "") for task in asyncio.all_tasks()]
-    return [name for name in names if not name.startswith("_AioCall")]
-
-
-def memory() -> int:
-    """Return the resident memory of this process, bytes."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE")
