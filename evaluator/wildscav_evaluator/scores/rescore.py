@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,14 +82,21 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
         jobs: How many to play at once, each in a process of its own.
     """
     count, spawn = min(jobs, len(paths)), get_context("spawn")
+    before = active_children()
     with ProcessPoolExecutor(count, spawn, be_worker, (os.getpid(),)) as pool:
-        # The first alone, so that the others find compiled whatever it had to compile.
-        with starting_workers():
-            first = pool.submit(replay_one, paths[0])
-        yield first.result()
-        with starting_workers():
-            others = pool.map(replay_one, paths[1:])
-        yield from others
+        try:
+            # The first alone, so that the others find compiled whatever it had to compile.
+            with starting_workers():
+                first = pool.submit(replay_one, paths[0])
+            yield first.result()
+            with starting_workers():
+                others = pool.map(replay_one, paths[1:])
+            yield from others
+        except BaseException:
+            # Nobody waits any more for what they are at, which may take long.
+            for worker in set(active_children()).difference(before):
+                worker.terminate()
+            raise
 
 
 def parse_name(path: Path) -> RecordName | None:

@@ -16,22 +16,37 @@ from wildscav_evaluator.watch.tally import Line, Running, Tally
 BAR = 18  # columns
 NAME = 22  # columns that a submission's name takes at most
 SHOWN = 8  # running matches, at most
+WIDE = 78  # columns, from which on there is room for bars and intervals
+FIGURES = 31  # columns of a line's figures where there is not
 
 
-def dashboard(tally: Tally, title: str) -> RenderableType:
-    """Return the dashboard as it is now, for a terminal of 80 columns or more."""
-    return Group(*_head(tally, title), *_tracks(tally), *_running(tally))
+def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
+    """Return the dashboard as it is now.
+
+    Args:
+        tally: What is shown.
+        title: What is evaluated.
+        width: Of the terminal, columns. A narrow one gets no bars and no intervals.
+    """
+    wide = width >= WIDE
+    name = NAME if wide else max(6, min(NAME, width - FIGURES))
+    return Group(
+        *_head(tally, title, wide=wide), *_tracks(tally, name, wide=wide), *_running(tally, name, wide=wide)
+    )
 
 
-def _head(tally: Tally, title: str) -> Iterator[RenderableType]:
+def _head(tally: Tally, title: str, *, wide: bool) -> Iterator[RenderableType]:
     done, total = len(tally.done), len(tally.jobs)
     times = f"{duration(tally.elapsed)} gone"
     if (left := tally.time_left()) is not None and done < total:
         times += f", about {duration(left)} left"
     yield Text(title, "bold")
-    table = Table.grid(padding=(0, 2))
-    table.add_row(ProgressBar(total, done, width=BAR), standing(tally))
-    yield table
+    if wide:
+        table = Table.grid(padding=(0, 2))
+        table.add_row(ProgressBar(total, done, width=BAR), standing(tally))
+        yield table
+    else:
+        yield standing(tally)
     yield Text(times)
 
 
@@ -48,10 +63,10 @@ def standing(tally: Tally) -> Text:
     return text
 
 
-def _tracks(tally: Tally) -> Iterator[RenderableType]:
+def _tracks(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
     """Yield a table for each track: how far each submission is, and its score so far with the interval."""
     lines = tuple(tally.lines.values())
-    width = min(NAME, max(len(line.submission) for line in lines))
+    width = min(name, max(len(line.submission) for line in lines))
     for track in dict.fromkeys(line.track for line in lines):
         of_track = [line for line in lines if line.track == track]
         metric = of_track[0].metric
@@ -59,20 +74,25 @@ def _tracks(tally: Tally) -> Iterator[RenderableType]:
         yield Text.assemble("\n", (track, "bold"), (f"  {of_what(metric)} {arrow}", "dim"))
         table = Table.grid(padding=(0, 2))
         table.add_column(width=width, no_wrap=True)
-        table.add_column()
-        for columns in (9, 7, 15):
+        if wide:
+            table.add_column()
+        for columns in (9, 7, 15) if wide else (7, 6):
             table.add_column(width=columns, justify="right", no_wrap=True)
         table.add_column(no_wrap=True)
         for line in of_track:
-            table.add_row(*_cells(line))
+            table.add_row(*_cells(line, wide=wide))
         yield table
 
 
-def _cells(line: Line) -> tuple[RenderableType, ...]:
-    bar = ProgressBar(line.total, line.done, width=BAR // 2)
-    mean = NOTHING if line.summary is None else number(line.summary.mean, line.metric)
-    done = f"{line.done}/{line.total}"
-    return Text(line.submission), bar, done, Text(mean, "bold"), _interval(line), _state(line)
+def _cells(line: Line, *, wide: bool) -> Iterator[RenderableType]:
+    yield Text(line.submission)
+    if wide:
+        yield ProgressBar(line.total, line.done, width=BAR // 2)
+    yield f"{line.done}/{line.total}"
+    yield Text(NOTHING if line.summary is None else number(line.summary.mean, line.metric), "bold")
+    if wide:
+        yield _interval(line)
+    yield _state(line)
 
 
 def of_what(metric: MetricInfo) -> str:
@@ -95,27 +115,31 @@ def _state(line: Line) -> Text:
     return Text("running", "cyan") if line.running else Text("waiting" if line.done == 0 else "", "dim")
 
 
-def _running(tally: Tally) -> Iterator[RenderableType]:
+def _running(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
     """Yield the matches that are being played, each with how far it is."""
     running = sorted(tally.running.values(), key=lambda one: one.since)
     if not running:
         return
     table = Table.grid(padding=(0, 2))
-    table.add_column(width=min(2 * NAME, max(len(one.job.stem) for one in running[:SHOWN])), no_wrap=True)
+    longest = max(len(one.job.stem) for one in running[:SHOWN])
+    table.add_column(width=min(2 * NAME if wide else name + FIGURES // 2, longest), no_wrap=True)
     for one in running[:SHOWN]:
-        table.add_row(*_match(one))
+        table.add_row(*_match(one, wide=wide))
     yield Text.assemble("\n", ("playing", "bold"), (f"  {tally.speed:,.0f} steps/s", "dim"))
     yield table
     if len(running) > SHOWN:
         yield Text(f"and {len(running) - SHOWN} more", "dim")
 
 
-def _match(one: Running) -> tuple[RenderableType, ...]:
+def _match(one: Running, *, wide: bool) -> Iterator[RenderableType]:
     spec, frames = one.job.spec, one.beat.frames if one.beat else 0
-    bar = ProgressBar(spec.frame_limit, frames, width=BAR // 2)
+    yield Text(one.job.stem)
+    if wide:
+        yield ProgressBar(spec.frame_limit, frames, width=BAR // 2)
     if one.beat is None:
-        return Text(one.job.stem), bar, Text("starting", "dim")
-    return Text(one.job.stem), bar, Text(f"{frames / FRAMES_PER_SECOND:,.0f} of {spec.time_limit:,.0f} s")
+        yield Text("starting", "dim")
+    else:
+        yield Text(f"{frames / FRAMES_PER_SECOND:,.0f} of {spec.time_limit:,.0f} s")
 
 
 def duration(seconds: float) -> str:

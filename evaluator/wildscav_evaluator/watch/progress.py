@@ -30,7 +30,7 @@ class EvaluationProgress:
         self._console, self._tally, self._quiet = console, tally, quiet
         self._said_at = tally.clock()
         self._live = Live(
-            get_renderable=lambda: dashboard(tally, title),
+            get_renderable=lambda: dashboard(tally, title, console.width),
             console=console,
             refresh_per_second=4,
             transient=True,

@@ -161,10 +161,10 @@ def test_the_speed_is_that_of_the_matches_that_run(clock: Clock) -> None:
 HEADS = ("navigation s used + punish time ↓", "gathering supplies ↑")
 
 
-def shown(tally: Tally) -> list[str]:
-    console = Console(width=80, force_terminal=True, color_system=None, legacy_windows=False)
+def shown(tally: Tally, width: int = 80) -> list[str]:
+    console = Console(width=width, force_terminal=True, color_system=None, legacy_windows=False)
     with console.capture() as captured:
-        console.print(dashboard(tally, "suite quick · seed 0"))
+        console.print(dashboard(tally, "suite quick · seed 0", width))
     return [" ".join(line.split()) for line in captured.get().splitlines()]
 
 
@@ -191,6 +191,25 @@ def test_the_dashboard_shows_it_all(clock: Clock) -> None:
     assert any("navigation-002-walker" in line and line.endswith("20 of 60 s") for line in lines)
     assert "playing 2 steps/s" in lines
     assert any("gathering-000-walker" in line and "starting" in line for line in lines)
+
+
+@pytest.mark.parametrize("width", [40, 60, 77])
+def test_a_narrow_terminal_shows_every_figure_whole(clock: Clock, width: int) -> None:
+    every = jobs(navigation=110)
+    for index, job in enumerate(every):
+        manifest = job.submission.manifest.model_copy(update={"name": "an-agent-with-a-long-name"})
+        every[index] = replace(job, submission=replace(job.submission, manifest=manifest))
+    tally = Tally(every, clock=clock)
+    for job in every[:100]:
+        tally.add(played(job, 30.0, 123.4, fault=job is every[7]))
+    tally.start(every[100])
+    tally.beat(every[100], Beat(1000, 130))
+
+    lines = shown(tally, width)
+
+    assert lines[lines.index(HEADS[0]) + 1].endswith(" 100/110 123.4 1 failed")
+    assert lines[-1].startswith("navigation-100-an-") or lines[-2].startswith("navigation-100-an-")
+    assert any(line.endswith("20 of 60 s") for line in lines)
 
 
 def test_many_running_matches_do_not_fill_the_terminal(clock: Clock) -> None:
