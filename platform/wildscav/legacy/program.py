@@ -48,7 +48,7 @@ def serve(address: str, records: Path) -> None:
     """Serve the client on an address until it closes."""
     client = Client(address)
     # At once, whatever is being done: a map may take long to make.
-    client.watch(lambda: end(1, f"the client on {address} has gone"))
+    client.when_gone(lambda: end(1, f"the client on {address} has gone"))
     log.info("connected to the client on %s", address)
     # Here, because two threads that import the compiler at once find it half imported.
     import wildscav_engine.match  # noqa: F401

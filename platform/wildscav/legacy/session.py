@@ -61,7 +61,7 @@ class Session:
         self._episodes += 1
         self._strangers.clear()
         episode = read_episode(command)
-        match = match_of(episode)
+        match = self._match_of(episode)
         what = f"map {episode.map_id:03}, {match.track.name}, {counted(match.seats, 'agent')}"
         log.info("episode %d: %s, at most %g s", self._episodes, what, match.spec.time_limit)
         requests, began = Requests(match, episode), time.perf_counter()
@@ -78,6 +78,14 @@ class Session:
         if not is_over:
             self._end(episode, match, time.perf_counter() - began)
         return reply
+
+    def _match_of(self, episode: Episode) -> "Match":
+        """Return the match of an episode, and everything ready for it: that may take long."""
+        from wildscav.server.warm import warm
+
+        with self._client.watched():
+            warm(())
+            return match_of(episode)
 
     def _actions(self, reply: Reply, episode: Episode) -> "NDArray[np.float32]":
         """Return what the agents do; that there is no agent of an id is said once an episode."""

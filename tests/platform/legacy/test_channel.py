@@ -1,0 +1,34 @@
+"""The connection to a client: its end is heard of at once, whoever waits for what."""
+
+import contextlib
+import threading
+
+import pytest
+from tests.platform.legacy.competitor import Competitor
+
+from wildscav.legacy.channel import Client, ClientGoneError
+from wildscav.legacy.requests import START
+
+
+@pytest.mark.parametrize("watched", [True, False])
+def test_a_client_that_goes_while_nothing_is_asked_is_missed_if_it_is_watched(watched: bool) -> None:
+    competitor, gone = Competitor(), threading.Event()
+    client = Client(f"127.0.0.1:{competitor.port}")
+    client.when_gone(gone.set)
+
+    with client.watched() if watched else contextlib.nullcontext():
+        competitor.die()
+        heard = gone.wait(5.0 if watched else 0.5)
+
+    assert heard == watched
+    client.close()
+
+
+def test_a_question_hears_by_itself_that_the_client_has_gone() -> None:
+    competitor = Competitor()
+    client = Client(f"127.0.0.1:{competitor.port}")
+    threading.Timer(0.3, competitor.die).start()
+
+    with pytest.raises(ClientGoneError, match="has gone"):
+        client.ask(START)
+    client.close()
