@@ -212,7 +212,7 @@ def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
     if launch.image is not None:
         return launch.image, []
     host = _host_runtime(engine)
-    places = {*MOUNT_POINTS, *(str(there) for there in host.folders if _is_folder(there))}
+    places = {*MOUNT_POINTS, *(str(there) for there in host.folders if not there.is_file())}
     folders = tuple(sorted(places | {str(there.parent) for there in host.links} - {"/"}))
     links = tuple((str(there), target) for there, target in host.links.items())
     return bare_image(engine, folders, links), [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
@@ -228,10 +228,6 @@ def _host_runtime(engine: Engine) -> runtime.Runtime:
         # What Python finds libraries with.
         return runtime.Runtime(folders, links | {SBIN / "ldconfig": "/usr/sbin/ldconfig"})
     return host
-
-
-def _is_folder(path: Path) -> bool:
-    return not path.is_file()
 
 
 def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:

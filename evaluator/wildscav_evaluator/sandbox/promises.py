@@ -125,6 +125,20 @@ def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
         {"/tmp"} <= set(places) <= {"/tmp", "/dev/shm"},  # noqa: S108
         f"can write to {_words(places)}",
     )
+    yield from _judge_rights(found)
+    yield _promise(
+        "processes of its own", len(found["processes_seen"]) <= FEW, f"sees {len(found['processes_seen'])}"
+    )
+    yield from _judge_limits(found, limits)
+    yield _promise("nothing is left of it", found["left"] == 0, f"{found['left']} processes")
+
+
+FEW = 8  # processes that a sandbox may have besides
+FILTER = "install libseccomp2"
+
+
+def _judge_rights(found: dict[str, Any]) -> Iterator[Promise]:
+    """Yield what an agent may do, and what it never can."""
     users = sorted(set(found["user"]))
     yield _promise("not root", 0 not in users, f"user and groups: {_words(users)}")
     yield _promise(
@@ -141,15 +155,6 @@ def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
         found["tracing"] or "a process could be traced",
         FILTER,
     )
-    yield _promise(
-        "processes of its own", len(found["processes_seen"]) <= FEW, f"sees {len(found['processes_seen'])}"
-    )
-    yield from _judge_limits(found, limits)
-    yield _promise("nothing is left of it", found["left"] == 0, f"{found['left']} processes")
-
-
-FEW = 8  # processes that a sandbox may have besides
-FILTER = "install libseccomp2"
 
 
 def _judge_limits(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
