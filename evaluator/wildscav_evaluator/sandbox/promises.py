@@ -72,9 +72,12 @@ def _probe_folder(limits: Limits) -> Iterator[Path]:
 
 
 def _home_files() -> list[str]:
-    """Return what lies in the user's home, but for what leads to Python."""
-    python = [Path(sys.base_prefix), Path(sys.prefix)]
-    entries = Path.home().iterdir() if Path.home().is_dir() else ()
+    """Return what lies in the user's home, but for what leads to Python.
+
+    A user without a home, as containers have them, is said to live in the root, which agents have, too.
+    """
+    python, home = [Path(sys.base_prefix), Path(sys.prefix)], Path.home()
+    entries = home.iterdir() if home.is_dir() and home != Path("/") else ()
     return [str(entry) for entry in entries if not any(path.is_relative_to(entry) for path in python)]
 
 

@@ -67,6 +67,15 @@ def test_a_start_that_fails_is_no_fault_of_the_agent_and_leaves_nothing(
     assert_no_groups()
 
 
+def test_the_root_is_nobodys_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Users of containers often have none, and agents have a root of their own."""
+    monkeypatch.setenv("HOME", "/")
+
+    broken = [promise for promise in SANDBOXES["bubblewrap"].promises(LIMITS) if not promise.kept]
+
+    assert broken == []
+
+
 def test_an_image_is_for_containers(submit: Submit, tmp_path: Path) -> None:
     with pytest.raises(SandboxError, match="needs --sandbox oci"):
         start(submit("plain"), tmp_path, image="somebody/agent")
