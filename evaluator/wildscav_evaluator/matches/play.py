@@ -45,6 +45,8 @@ CONNECTIONS = 16  # that an agent may have open to its seat's socket at one time
 FAREWELL = 3.0  # s for an agent's process to end by itself after the match; a container takes one
 TRIES = 3  # for a match that the platform breaks
 PAUSE = 0.5  # s between them: what is short now may be there again
+STANDSTILL = 10.0  # s without a turn of our loop, after which no agent is blamed for its failure
+LOOK = 1.0  # s between two looks for one
 # Outcomes that the end of an agent's process explains.
 EARLY_ENDS = (SeatStatus.CRASHED, SeatStatus.OUT_OF_MEMORY, SeatStatus.DISQUALIFIED)
 # Errors of what was asked for: another try would end in the same way.
@@ -183,6 +185,7 @@ async def _play_hosted(
 ) -> Played:
     agents: list[RunningAgent] = []
     watchers: dict[int, asyncio.Task[Ending]] = {}
+    standstill = asyncio.create_task(_stand_still())
     try:
         entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
         for seat, submission, log, address in entries:
@@ -197,13 +200,26 @@ async def _play_hosted(
             if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:
                 raise PlatformFaultError(ending.platform_fault)
         reports = {seat: _explained(report, endings.get(seat)) for seat, report in outcome.seats.items()}
+        if standstill.done() and any(report.status.fault for report in reports.values()):
+            raise PlatformFaultError(f"nothing was done for {standstill.result():.0f} s")
         return Played(outcome.match, reports, endings)
     finally:
         hosted.cancel()
+        standstill.cancel()
         for watcher in watchers.values():
             watcher.cancel()
         ends = [*(agent.stop() for agent in agents), *watchers.values()]
         await asyncio.gather(*ends, return_exceptions=True)
+
+
+async def _stand_still() -> float:
+    """Wait until this loop had no turn for long (by Ctrl-Z, say), and return for how long, s."""
+    loop, late = asyncio.get_running_loop(), 0.0
+    while late < STANDSTILL:
+        before = loop.time()
+        await asyncio.sleep(LOOK)
+        late = loop.time() - before - LOOK
+    return late
 
 
 def launch_for(

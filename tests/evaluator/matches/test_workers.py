@@ -255,3 +255,27 @@ def test_a_worker_that_hangs_when_all_is_broken_off_is_killed(
 
     assert [process.is_alive() for process in processes] == [False, False]
     assert list(sockets.iterdir()) == []
+
+
+STOPS_ITS_FIRST_WORKER_AND_FAILS = """
+    def act(self, observation):
+        if not os.path.exists("was_here"):
+            open("was_here", "w").close()
+            worker = os.getppid()
+            subprocess.Popen(["sh", "-c", f"sleep 12; kill -CONT {worker}"], start_new_session=True)
+            os.kill(worker, signal.SIGSTOP)
+            os._exit(1)
+        return Action(walk_speed=5.0)
+"""
+
+
+@pytest.mark.slow
+def test_no_agent_is_blamed_for_what_happens_while_its_worker_is_stopped(submit: Submit, out: Path) -> None:
+    unlucky = submit("unlucky", STOPS_ITS_FIRST_WORKER_AND_FAILS)
+
+    (result,) = run([job(unlucky, 0, out)], 1).values()
+
+    assert result.row.status == "finished"
+    assert result.timing is not None
+    (fault,) = result.timing.platform_faults
+    assert fault.startswith("nothing was done for 1")
