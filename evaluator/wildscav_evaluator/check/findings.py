@@ -3,11 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 
 from wildscav.server import Clock, SeatReport
 from wildscav.wire.actions import MAX_WALK_SPEED
 from wildscav_evaluator.matches.play import FAREWELL
 from wildscav_evaluator.sandbox import Ending, Limits
+from wildscav_evaluator.submissions.images import REQUIREMENTS
 
 SLOW = 0.8  # of the budget; a median beyond it is too near to it
 
@@ -50,6 +52,16 @@ def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> 
     yield Finding(what, Verdict.KEPT, f"{report.steps_played:,} steps played to the end")
     yield actions(report)
     yield timing(report, clock)
+
+
+def packages(folder: Path) -> Finding:
+    """Say that what a submission asks for was not installed, in a sandbox that installs nothing."""
+    return Finding(
+        "packages",
+        Verdict.DOUBTFUL,
+        f"{REQUIREMENTS} was not installed: it was played with the packages that this machine has",
+        f"play it as a judge may: `wildscav build {folder}`, and check it again with --sandbox oci",
+    )
 
 
 def start_up(seconds: float, clock: Clock) -> Finding:

@@ -32,6 +32,18 @@ def test_an_agent_that_keeps_the_rules_passes_every_check(submit: Submit, tmp_pa
     assert found["late answers"].seen.startswith("it went on after")
 
 
+def test_packages_that_were_not_installed_are_named_before_anything_is_played(
+    submit: Submit, tmp_path: Path
+) -> None:
+    submission = submit("walker", WALKER)
+    (submission.folder / "requirements.txt").write_text("torch\n")
+
+    first = next(run_checks(submission, SANDBOXES["process"], tmp_path / "logs", clock=PATIENT))
+
+    assert (first.check, first.verdict) == ("packages", Verdict.DOUBTFUL)
+    assert f"wildscav build {submission.folder}" in first.mend
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "body", "seen", "mend"),
