@@ -1,6 +1,6 @@
 """Steps a second of matches over gRPC, agents in processes of their own.
 
-Beside them runs a bare stream of the same messages: with gRPC as it comes, and set as the SDK sets it.
+Beside them runs a bare stream of the same messages: with gRPC as it comes, and set as ours is.
 """
 
 import wildscav  # noqa: F401 - before gRPC, which it sets
@@ -143,7 +143,7 @@ def compare(folder: Path, seats: int) -> list[Figure]:
     return [
         Figure(f"match of {name}", steps, "steps/s", f"observations of about {size:.0f} bytes"),
         Figure(f"bare stream, {name}", bare, "rounds/s", "the same messages, gRPC as it comes"),
-        Figure(f"bare stream, {name}, tuned", tuned, "rounds/s", "clients set as the SDK sets them"),
+        Figure(f"bare stream, {name}, tuned", tuned, "rounds/s", "both ends set as ours"),
         Figure(f"match over bare stream, {name}", over_bare, "", f"median of {REPEATS} turns; aim: 0.8"),
         Figure(f"match over tuned stream, {name}", over_tuned, "", f"median of {REPEATS} turns"),
     ]

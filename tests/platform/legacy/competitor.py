@@ -77,5 +77,5 @@ class Competitor:
 
     def die(self) -> None:
         """Be gone from one moment to the next."""
-        self._server.stop(0)
+        self._server.stop(0).wait(PATIENCE)  # or an answer might still go out
         self._replies.put(Reply())  # for the thread that waits for what to answer
