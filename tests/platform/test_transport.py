@@ -41,7 +41,7 @@ def what_grpc_reads(module: str, environment: dict[str, str]) -> str:
         "wildscav.sdk.connection",
         "wildscav.server",
         "wildscav.legacy.channel, grpc",
-        "wildscav_evaluator.evaluation",
+        pytest.param("wildscav_evaluator.matches.play", marks=pytest.mark.slow),
     ],
 )
 def test_whatever_imports_grpc_has_set_it_before(module: str) -> None:

@@ -135,6 +135,7 @@ def test_a_match_that_kills_every_worker_is_given_up_as_the_platforms_fault(
     assert not (out / results["killer", 0].job.record).exists()
 
 
+@pytest.mark.slow
 def test_a_match_that_was_played_is_kept_even_if_its_replay_kills_every_worker(
     submit: Submit, out: Path
 ) -> None:
@@ -152,6 +153,7 @@ def test_a_match_that_was_played_is_kept_even_if_its_replay_kills_every_worker(
     assert kept.complaint.endswith(".rrd: the platform failed 3 times: killed; killed once more")
 
 
+@pytest.mark.slow
 def test_a_record_that_cannot_be_written_costs_its_match_alone(submit: Submit, out: Path) -> None:
     walker = submit("walker", WALKER)
     jobs = [job(walker, 0, out), job(walker, 1, out)]
@@ -195,6 +197,7 @@ class Spins(Job):
         return super().seating
 
 
+@pytest.mark.slow
 def test_a_worker_that_hangs_is_killed_and_its_match_played_again(
     submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
