@@ -32,15 +32,19 @@ def is_newer(connection: Connection) -> bool:
 def bring_up_to_date(connection: Connection) -> None:
     """Give an empty database, or ours of an older version, today's schema, in the open transaction."""
     config = _config(connection)
-    if MigrationContext.configure(connection).get_current_revision() is None and is_ours(connection):
+    if _named_version(connection) is None and is_ours(connection):
         command.stamp(config, UNNUMBERED)
     command.upgrade(config, "head")
 
 
 def _version(connection: Connection) -> str | None:
     """Return the version of a database; none if it is not ours."""
-    named = MigrationContext.configure(connection).get_current_revision()
+    named = _named_version(connection)
     return UNNUMBERED if named is None and is_ours(connection) else named
+
+
+def _named_version(connection: Connection) -> str | None:
+    return MigrationContext.configure(connection).get_current_revision()
 
 
 def _config(connection: Connection) -> Config:

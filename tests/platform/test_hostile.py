@@ -30,9 +30,10 @@ def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
     siege = Siege(tmp_path)
     memories: list[int] = []
     try:
+        size = min(CAMPAIGN, attacks)
         for number in range(-(-attacks // CAMPAIGN)):
-            campaign(siege, number, min(CAMPAIGN, attacks) // at_once, at_once, memories)
-            print(f"{(number + 1) * min(CAMPAIGN, attacks):,} attacks, {memories[-1] / 1e6:.0f} MB")  # noqa: T201
+            campaign(siege, number, size // at_once, at_once, memories)
+            print(f"{(number + 1) * size:,} attacks, {memories[-1] / 1e6:.0f} MB")  # noqa: T201
     finally:
         honest = siege.end()
     steps, late = sum(one.steps_played for one in honest), sum(one.late_steps for one in honest)

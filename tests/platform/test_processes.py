@@ -19,11 +19,15 @@ if __name__ == "__main__":
 """
 
 
+def run_script(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a script to its end, and that of all workers that it started: they hold its output open."""
+    script = folder / "script.py"
+    script.write_text(code)
+    return subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=20)
+
+
 def test_workers_end_with_a_command_that_is_killed(tmp_path: Path) -> None:
-    script = tmp_path / "killed.py"
-    script.write_text(KILLED)
-    # Its output is open for as long as a worker lives.
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=20)
+    done = run_script(KILLED, tmp_path)
     assert done.returncode == -9
     assert len(done.stdout.split()) == 4
 
@@ -49,10 +53,7 @@ if __name__ == "__main__":
 
 
 def test_a_worker_that_does_not_end_in_good_order_is_killed(tmp_path: Path) -> None:
-    script = tmp_path / "hung.py"
-    script.write_text(HUNG)
-    # Its output is open for as long as the worker lives.
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=20)
+    done = run_script(HUNG, tmp_path)
     assert done.stdout == "hung\n"
 
 

@@ -17,7 +17,7 @@ from wildscav_evaluator.matches.play import (
     socket_folders,
 )
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Ending, Sandbox
-from wildscav_evaluator.submissions.images import REQUIREMENTS
+from wildscav_evaluator.submissions.images import lacks_packages
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import suite
 
@@ -41,7 +41,7 @@ def run_checks(
     Raises:
         WildscavError: The platform failed.
     """
-    if submission.image is None and (submission.folder / REQUIREMENTS).is_file():
+    if lacks_packages(submission):
         yield findings.packages(submission.folder)
     with asyncio.Runner() as runner:
         yield from _run_all(submission, sandbox, logs, clock or Clock(), runner)

@@ -131,12 +131,17 @@ def _with_image(submission: Submission, sandbox: str) -> Submission:
     name = built_name(submission)
     if _exists(find_engine(), name):
         return replace(submission, image=name)
-    if (submission.folder / REQUIREMENTS).is_file():
+    if lacks_packages(submission):
         raise SubmissionError(
             f"{submission.folder} has a {REQUIREMENTS} and was not built as it is now: "
             f"wildscav build {submission.folder}"
         )
     return submission
+
+
+def lacks_packages(submission: Submission) -> bool:
+    """Return whether a submission asks for packages and is no image, which has them."""
+    return submission.image is None and (submission.folder / REQUIREMENTS).is_file()
 
 
 def load_image(reference: str) -> Submission:

@@ -205,13 +205,13 @@ def _put(fields: Fields, path: str, value: Any, where: str) -> None:
     Raises:
         ValueError: There is no such place.
     """
-    last = path.rpartition(".")[2]
+    names = path.split(".")
+    last = names[-1]
     place: Any = fields
     try:
-        for name, following in pairwise(path.split(".")):
-            missing: Any = (
-                [] if following.isdecimal() else {}
-            )  # in a list that is not given, nothing is found
+        for name, following in pairwise(names):
+            # In a list that is not given, nothing is found.
+            missing: Any = [] if following.isdecimal() else {}
             place = place[int(name)] if isinstance(place, list) else place.setdefault(name, missing)
         place[int(last) if isinstance(place, list) else last] = value
     except (IndexError, ValueError, TypeError, AttributeError) as error:
