@@ -24,8 +24,8 @@ from report import Figure, JsonFile, publish
 from wildscav.proto.match_pb2 import GetMatchRequest, HostMatchRequest, ServerMessage
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server import Clock, HostedMatch, MatchServer
+from wildscav.server.senses import Senses
 from wildscav.server.shared import SharedServer
-from wildscav.server.snapshot import Senses
 from wildscav.server.warm import warm
 from wildscav.transport import EXPERIMENTS, VARIABLE
 from wildscav.wire.matches import decode_seat_address
@@ -113,15 +113,14 @@ async def _script(environment: dict[str, str], *arguments: str) -> asyncio.subpr
 def sample_messages(seats: int, count: int = 100) -> list[ServerMessage]:
     """Return what the first seat of such a match is sent."""
     match = Match(match_spec(seats))
-    senses = Senses(match)
+    senses = Senses(match, [0])
     messages = []
     for step in range(count):
         rows = no_actions(seats)
         rows[:, Field.WALK_DIRECTION], rows[:, Field.WALK_SPEED] = step * 3.0, 6.0
         match.step(rows)
-        messages.append(
-            encode_observation(senses.take(), 0, seconds_per_frame=0.02, time_bank=30.0, tensors={})
-        )
+        senses.take([30.0])
+        messages.append(ServerMessage.FromString(encode_observation(senses.of(0), {})))
     return messages
 
 

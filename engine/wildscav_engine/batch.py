@@ -75,11 +75,19 @@ class Batch:
     @property
     def seen(self) -> Seen:
         """What every agent sees now. It is found out when it is asked for, once a step at most."""
-        if not self._is_seen:
-            agents, supplies, matches, seen = self._tables
-            look(self._bank.addresses, agents, supplies, matches, seen, self._numbers)
-            self._is_seen = True
+        self._look()
         return self._seen
+
+    @property
+    def tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
+        """Where the agents, the boxes, the matches and what is seen now lie, for kernels."""
+        self._look()
+        return self._tables
+
+    def _look(self) -> None:
+        if not self._is_seen:
+            look(self._bank.addresses, *self._tables, self._numbers)
+            self._is_seen = True
 
     def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
         """Play one step of every match that is not over.
@@ -257,7 +265,7 @@ class Batch:
 
     @property
     def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
-        """Where the agents, the boxes, the matches and what is seen lie, for kernels."""
+        """The same, whatever was seen."""
         agents, supplies, matches, seen = self.handles
         return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.actions import FIELDS, no_actions
 from wildscav_engine.batch import Batch, check_actions
+from wildscav_engine.handles import Addresses
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.result import MatchResult, SeatResult
 from wildscav_engine.sensors.visibility import Seen
@@ -64,6 +65,11 @@ class Match:
     def seen(self) -> Seen:
         """What every agent sees now, with a leading axis of length one."""
         return self._batch.seen
+
+    @property
+    def tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
+        """Where the agents, the boxes, the match and what is seen now lie, for kernels."""
+        return self._batch.tables
 
     @property
     def seats(self) -> int:

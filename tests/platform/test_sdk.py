@@ -1,19 +1,26 @@
 """The SDK as an agent's author meets it."""
 
+import copy
+import dataclasses
+import pickle
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from tests.platform.seats import connected, ended, host, serving, small_spec, start_agent
 
-from wildscav import Action, Agent, WildscavError
+from wildscav import Action, Agent, Observation, WildscavError
 from wildscav.errors import AgentError, UserError
 from wildscav.geometry import direction_to, flat_distance, moved, pitch_to, turn_to
+from wildscav.proto.match_pb2 import Observation as ObservationMessage
+from wildscav.proto.match_pb2 import Vector
 from wildscav.sdk.agent import check_action
 from wildscav.sdk.run import make_agent, run
 from wildscav.server import MatchServer, SeatStatus
+from wildscav.wire.observations import decode_observation
 
 
 def test_importing_the_sdk_imports_nothing_heavy() -> None:
@@ -54,6 +61,45 @@ def test_an_action_takes_any_kind_of_number_and_flag() -> None:
 def test_an_action_says_what_is_wrong_with_a_field(field: str, value: object, allowed: str) -> None:
     with pytest.raises(AgentError, match=f"{field} is .* must be {allowed}"):
         Action(**{field: value})  # type: ignore[arg-type]
+
+
+def observation(**fields: Any) -> Observation:
+    """Return an observation that has just arrived."""
+    return decode_observation(ObservationMessage(**fields), 50)
+
+
+def test_an_observation_is_read_as_far_as_it_is_asked_for() -> None:
+    asked: list[str] = []
+    seen = Observation.read_by(lambda name: asked.append(name) or 7)
+    assert (seen.health, seen.step, seen.health) == (7, 7, 7)
+    assert asked == ["health", "step"]
+
+
+def test_an_observation_that_arrived_is_one_like_any_other() -> None:
+    seen = observation(step=3, frame=15, health=80, position=Vector(x=1.0))
+    assert seen == observation(step=3, frame=15, health=80, position=Vector(x=1.0))
+    assert seen != observation(step=3, frame=15, health=81, position=Vector(x=1.0))
+    assert repr(seen).startswith(
+        "Observation(step=3, frame=15, time=0.3, time_bank=0.0, position=(1.0, 0.0, 0.0)"
+    )
+    fresh = observation(step=3)
+    assert pickle.loads(pickle.dumps(fresh)) == copy.deepcopy(fresh) == copy.copy(fresh) == fresh  # noqa: S301 - our own
+    weak = dataclasses.replace(observation(step=3, health=80), health=1)
+    assert (weak.step, weak.health) == (3, 1)
+
+
+def test_an_observation_cannot_be_changed() -> None:
+    seen = observation(step=3)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        seen.step = 4  # type: ignore[misc]
+    assert seen.step == 3
+
+
+@pytest.mark.parametrize("seen", [observation(step=3), dataclasses.replace(observation(step=3))])
+def test_a_misspelt_field_of_an_observation_is_named(seen: Observation) -> None:
+    with pytest.raises(AttributeError, match="'Observation' object has no attribute 'helth'") as caught:
+        _ = seen.helth  # type: ignore[attr-defined]
+    assert caught.value.name == "helth"  # so that Python says which one was meant
 
 
 def test_an_answer_that_is_no_action_is_named() -> None:

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as some
 from numpy.typing import NDArray
 
-from wildscav import Action, MatchInfo, SupplyWave
+from wildscav import Action, MatchInfo, Observation, SupplyWave
 from wildscav.errors import AgentError
-from wildscav.proto.match_pb2 import Tensor
+from wildscav.proto.match_pb2 import Observation as ObservationMessage
+from wildscav.proto.match_pb2 import ServerMessage, SupplyBox, Tensor, Vector, VisibleAgent
 from wildscav.wire.actions import ACTION_FIELDS, decode_action, encode_action
 from wildscav.wire.matches import decode_match_info, encode_match_info
 from wildscav.wire.observations import (
-    Snapshot,
     decode_observation,
     decode_tensor,
     encode_observation,
@@ -113,48 +113,47 @@ def test_a_match_info_arrives() -> None:
     assert info.step_time == 0.1
 
 
-def snapshot(**changes: Any) -> Snapshot:
-    """Two seats; the first sees the second and one box."""
-    lists: dict[str, list[Any]] = {
-        "position": [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
-        "velocity": [[0.5, 0.0, -0.5], [0.0, 0.0, 0.0]],
-        "team": [0, 1],
-        "yaw": [-90.0, 45.0],
-        "pitch": [10.0, 0.0],
-        "on_ground": [True, False],
-        "in_water": [False, True],
-        "health": [80, 100],
-        "clip": [15, 3],
-        "spare_ammo": [60, 0],
-        "reload_left": [0, 7],
-        "fired": [True, False],
-        "hit_seat": [1, -1],
-        "hit_by_seat": [-1, 0],
-        "invincible_left": [0, 3],
-        "respawn_left": [0, 0],
-        "can_pick_up": [True, False],
-        "supplies": [12, 0],
-        "gained": [5, 0],
-        "target": [None, [1.5, 2.0, -3.0]],
-        "agent_count": [1, 0],
-        "agents": [[1, -1], [-1, -1]],
-        "box_count": [1, 0],
-        "box_serial": [[77, 0], [0, 0]],
-        "box_position": [[[7.0, 8.0, 9.0], [0.0] * 3], [[0.0] * 3] * 2],
-        "box_quantity": [[40, 0], [0, 0]],
-    }
-    return Snapshot(step=4, frame=20, **{**lists, **changes})
+PLACE = Vector(x=4.0, y=5.0, z=6.0)
+SENSED = ObservationMessage(
+    step=4,
+    frame=20,
+    time_bank=29.5,
+    position=Vector(x=1.0, y=2.0, z=3.0),
+    velocity=Vector(x=0.5, z=-0.5),
+    yaw=-90.0,
+    pitch=10.0,
+    on_ground=True,
+    health=80,
+    clip=15,
+    spare_ammo=60,
+    fired=True,
+    hit_seat=1,
+    can_pick_up=True,
+    supplies=12,
+    gained=5,
+    agents=[
+        VisibleAgent(
+            seat=1,
+            team=1,
+            position=Vector(x=4.0, y=5.0, z=6.0),
+            velocity=Vector(),
+            yaw=45.0,
+            health=100,
+            invincible=True,
+        )
+    ],
+    supply_boxes=[SupplyBox(id=77, position=Vector(x=7.0, y=8.0, z=9.0), quantity=40)],
+)
 
 
-def observe(seat: int, **changes: Any) -> Any:
-    message = encode_observation(
-        snapshot(**changes), seat, seconds_per_frame=0.02, time_bank=29.5, tensors={"depth": np.ones((2, 3))}
-    )
-    return decode_observation(message.observation, frames_per_second=50)
+def arriving(message: ObservationMessage, **tensors: NDArray[Any]) -> Observation:
+    """Return an observation that was sent and received."""
+    sent = ServerMessage.FromString(encode_observation(message.SerializeToString(), tensors))
+    return decode_observation(sent.observation, frames_per_second=50)
 
 
 def test_an_observation_arrives() -> None:
-    seen = observe(0)
+    seen = arriving(SENSED, depth=np.ones((2, 3)))
     assert (seen.step, seen.frame, seen.time, seen.time_bank) == (4, 20, 0.4, 29.5)
     assert (seen.position, seen.velocity, seen.yaw, seen.pitch) == ((1, 2, 3), (0.5, 0, -0.5), -90, 10)
     assert (seen.on_ground, seen.in_water, seen.alive, seen.health) == (True, False, True, 80)
@@ -173,20 +172,28 @@ def test_an_observation_arrives() -> None:
 
 def test_a_sensor_that_was_not_asked_for_is_said_to_be_missing() -> None:
     with pytest.raises(AgentError) as caught:
-        observe(0).sensor("lidar")
+        arriving(SENSED, depth=np.ones((2, 3))).sensor("lidar")
     assert str(caught.value) == (
         "this agent did not ask for the sensor 'lidar' (it has depth): "
         "add a [sensors.lidar] table to its submission.toml"
     )
 
 
-def test_the_other_seat_sees_its_own_side_of_it() -> None:
-    seen = observe(1)
-    assert (seen.agents, seen.supply_boxes) == ((), ())
-    assert (seen.hit_seat, seen.hit_by_seat, seen.reloading, seen.invincible) == (None, 0, True, True)
+def test_what_is_not_in_the_message_is_nothing() -> None:
+    seen = arriving(ObservationMessage(hit_by_seat=0, target=Vector(x=1.5, y=2.0, z=-3.0)))
+    assert (seen.agents, seen.supply_boxes, seen.tensors, seen.position) == ((), (), {}, (0, 0, 0))
+    assert (seen.hit_seat, seen.hit_by_seat, seen.reloading, seen.invincible) == (None, 0, False, False)
     assert seen.target == (1.5, 2.0, -3.0)
 
 
 def test_the_dead_know_when_they_come_back() -> None:
-    seen = observe(0, health=[0, 100], respawn_left=[125, 0])
+    seen = arriving(ObservationMessage(health=0, respawn_in=2.5))
     assert (seen.alive, seen.health, seen.respawn_in) == (False, 0, 2.5)
+
+
+@pytest.mark.parametrize("length", [0, 1, 127, 128, 16_383, 16_384, 300_000])
+def test_an_observation_of_any_length_is_framed_as_protobuf_does(length: int) -> None:
+    tensor = np.ones(length, np.uint8)
+    whole = ObservationMessage(step=4, tensors=[encode_tensor("x", tensor)])
+    sent = encode_observation(ObservationMessage(step=4).SerializeToString(), {"x": tensor})
+    assert sent == ServerMessage(observation=whole).SerializeToString()

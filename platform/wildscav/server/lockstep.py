@@ -6,9 +6,9 @@ observation until it does; then it gets the one of the step that is open. So not
 and a stalled one holds up no buffer.
 
 Whoever brings the last answer closes the step: it is played and the next one opened right there, in that
-stream's task, because each turn of the event loop in between costs as much as the step itself. Observations
-are made by the streams of those that get them, one after the other, so that the first agents think while the
-others' are made.
+stream's task, because each turn of the event loop in between costs as much as the step itself. What all seats
+sense is taken at that moment; it is sent by their own streams, one after the other, and sensors are read only
+then, so that the first agents think while the others are served.
 """
 
 import asyncio
@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav.proto.match_pb2 import Action, ServerMessage
+from wildscav.proto.match_pb2 import Action
 from wildscav.server.deadlines import Clock
 from wildscav.server.seat import Seat
-from wildscav.server.snapshot import Senses
+from wildscav.server.senses import Senses
 from wildscav.wire.actions import ACTION_FIELDS, decode_action
-from wildscav.wire.observations import Snapshot, encode_observation
+from wildscav.wire.observations import encode_observation
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -42,12 +42,9 @@ class Lockstep:
     """
 
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock) -> None:
-        from wildscav_engine.rules import FRAME
-
         self._match, self._seats, self._clock = match, seats, clock
-        self._senses = Senses(match)
+        self._senses = Senses(match, [seat.number for seat in seats])
         self._loop = asyncio.get_running_loop()
-        self._frame_time = FRAME
         columns = range(len(ACTION_FIELDS))
         self._outside = tuple(column for column in columns if column not in match.track.fields)
         self._done: asyncio.Future[None] = self._loop.create_future()  # nobody is asked any more
@@ -57,7 +54,7 @@ class Lockstep:
         self._due = 0.0  # when to look at the clock again
         self._excused = False  # whether the server's own delay has been made good
         self._timer: asyncio.TimerHandle | None = None
-        self._snapshot: Snapshot | None = None  # None: no step is open
+        self._step: int | None = None  # its number; None: no step is open
         self._rows: NDArray[np.float32] = np.zeros((match.seats, len(ACTION_FIELDS)), np.float32)
         self._pending: set[Seat] = set()  # who has not answered yet
 
@@ -81,24 +78,28 @@ class Lockstep:
 
     def stop(self) -> None:
         """Play no more steps."""
-        self._snapshot = None
+        self._step = None
         self._pending.clear()
         self._disarm()
 
     # What the seats' streams do.
 
-    def observation_for(self, seat: Seat) -> ServerMessage | None:
-        """Return the open step's observation for a seat that has not had it yet; None: it must wait."""
-        if self._snapshot is None or seat not in self._pending or seat.asked == self._snapshot.step:
+    def observation_for(self, seat: Seat) -> bytes | None:
+        """Return the open step's observation for a seat that has not had it yet; None: it must wait.
+
+        It is a ``ServerMessage``.
+        """
+        if self._step is None or seat not in self._pending or seat.asked == self._step:
             return None
-        message = self._observe(seat, self._snapshot)
+        message = encode_observation(self._senses.of(seat.number), seat.sense(self._match))
+        seat.asked, seat.asked_at = self._step, self._loop.time()
         if seat.called:
             seat.called, self._opened = False, seat.asked_at  # nobody pays for what others' observations take
         return message
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
-        if self._snapshot is None or seat not in self._pending or seat.asked != self._snapshot.step:
+        if self._step is None or seat not in self._pending or seat.asked != self._step:
             seat.conduct.dropped_actions += 1
             return
         now = self._loop.time()
@@ -119,8 +120,7 @@ class Lockstep:
 
     def _asked_at(self, seat: Seat) -> float:
         """Return from when a seat's time for the open step counts: it may still owe an older answer."""
-        asked = self._snapshot is not None and seat.asked == self._snapshot.step
-        return seat.asked_at if asked else self._opened
+        return seat.asked_at if seat.asked == self._step else self._opened
 
     def _accept(self, seat: Seat, message: Action) -> None:
         action = decode_action(message, self._outside)
@@ -134,7 +134,7 @@ class Lockstep:
     def go_on_without(self, seat: Seat) -> None:
         """Wait for a seat no longer: it has gone."""
         self._pending.discard(seat)
-        if self._snapshot is not None:
+        if self._step is not None:
             self._settle()
 
     # One step.
@@ -146,7 +146,8 @@ class Lockstep:
             self._disarm()
             self._done.set_result(None)
             return
-        self._snapshot = self._senses.take()
+        self._step = self._match.step_number
+        self._senses.take(seat.bank.left for seat in self._seats)
         self._rows.fill(0.0)
         self._pending = set(present)
         self._opened = self._loop.time()
@@ -155,17 +156,6 @@ class Lockstep:
         self._excused = False
         # Until the budget is used up, nobody's time is.
         self._arm(self._opened + self._clock.step_budget)
-
-    def _observe(self, seat: Seat, snapshot: Snapshot) -> ServerMessage:
-        message = encode_observation(
-            snapshot,
-            seat.number,
-            seconds_per_frame=self._frame_time,
-            time_bank=seat.bank.left,
-            tensors=seat.sense(self._match),
-        )
-        seat.asked, seat.asked_at = snapshot.step, self._loop.time()
-        return message
 
     def _settle(self) -> None:
         """After one seat less is waited for: close the step if nobody else has time left."""
@@ -193,7 +183,7 @@ class Lockstep:
         over = now - self._opened - self._clock.step_budget
         if over > 0.0:
             self._patience = max(0.0, self._patience - over)
-        self._snapshot = None
+        self._step = None
         self._pending.clear()
         try:
             self._match.step(self._rows)
@@ -220,7 +210,7 @@ class Lockstep:
 
     def _timer_fires(self) -> None:
         self._timer = None
-        if self._snapshot is None:
+        if self._step is None:
             return
         if self._loop.time() < self._due:
             self._set_timer()

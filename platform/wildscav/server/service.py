@@ -11,7 +11,7 @@ import grpc
 from google.protobuf.message import DecodeError
 
 from wildscav.proto import PROTOCOL_VERSION
-from wildscav.proto.match_pb2 import Action, ClientMessage, Join, ServerMessage
+from wildscav.proto.match_pb2 import Action, ClientMessage, Join
 from wildscav.server.reports import SeatStatus
 from wildscav.server.seat import Seat
 from wildscav.server.session import HostedMatch
@@ -140,17 +140,15 @@ async def _serve(place: Place, context: Context) -> None:
     match, seat = place.match, place.seat
     loop = asyncio.get_running_loop()
     try:
-        await _write(context, match.info_for(seat))
+        await _write(context, match.info_for(seat).SerializeToString())
         if seat.gets_ready:
             await _read_ready(context)
             match.ready(seat)
-        while True:
-            message = await match.next_message(seat)
+        while (observation := await match.next_observation(seat)) is not None:
             seat.asked_at = loop.time()
-            await _write(context, message)
-            if message.HasField("match_over"):
-                return
+            await _write(context, observation)
             match.receive(seat, await _read_answer(seat, context))
+        await _write(context, match.goodbye_to(seat).SerializeToString())
     except asyncio.CancelledError:
         if seat.refusal is None:  # the connection was lost
             raise
@@ -238,9 +236,10 @@ async def _begin(context: Context) -> None:
         raise StreamLostError from error
 
 
-async def _write(context: Context, message: ServerMessage) -> None:
+async def _write(context: Context, message: bytes) -> None:
+    """Send a ``ServerMessage``."""
     try:
-        await context.write(message.SerializeToString())
+        await context.write(message)
     except grpc.aio.BaseError as error:
         raise StreamLostError from error
 

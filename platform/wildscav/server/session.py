@@ -15,7 +15,7 @@ from wildscav.server.deadlines import Clock
 from wildscav.server.lockstep import LAG, Lockstep
 from wildscav.server.reports import MatchOutcome, SeatStatus
 from wildscav.server.seat import Seat
-from wildscav.server.snapshot import match_info
+from wildscav.server.senses import match_info
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_match_info, encode_seat_result
 
@@ -164,13 +164,17 @@ class HostedMatch:
         self._all_launched.set()
         self._joined.set()
 
-    async def next_message(self, seat: Seat) -> ServerMessage:
-        """Wait for what a seat that owes no answer is to be sent next: an observation, or the end."""
+    async def next_observation(self, seat: Seat) -> bytes | None:
+        """Wait for what a seat that owes no answer is to be sent next; None: the match is over."""
         while seat.number not in self._goodbyes:
             observation = self._lockstep.observation_for(seat)
             if observation is not None:
                 return observation
             await seat.its_turn()
+        return None
+
+    def goodbye_to(self, seat: Seat) -> ServerMessage:
+        """Return the last message to a seat, the match being over."""
         return self._goodbyes[seat.number]
 
     def receive(self, seat: Seat, message: Action) -> None:

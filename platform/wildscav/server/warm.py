@@ -5,6 +5,8 @@ import threading
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from wildscav.server.senses import Senses
+
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
     from wildscav_engine.match import Match
@@ -48,6 +50,7 @@ def _tiny_match() -> "Match":
     game_map = warm_map()
     match = Match(MatchSpec(track="navigation", map=game_map.spec, time_limit=0.1), game_map)
     match.start_info(0)
+    Senses(match, [0]).take([0.0])
     match.step(no_actions(1))
     match.result()
     return match

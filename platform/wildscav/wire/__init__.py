@@ -1,4 +1,4 @@
 """Between protocol messages and plain Python and NumPy: one place for each message and direction.
 
-Nothing here knows the engine: the server hands over plain lists (``Snapshot``), the SDK gets its dataclasses.
+Nothing here knows the engine: the server hands over plain numbers and bytes, the SDK gets its classes.
 """

@@ -40,7 +40,7 @@ ALL = [
             ("wildscav_engine.match:Match.start_info", 2),
             ("wildscav_engine.match:Match.result", 1),  # for the last one
             ("wildscav.server.seat:Seat.sense", 5),
-            ("wildscav.server.snapshot:Senses.take", 5),
+            ("wildscav.server.senses:Senses.take", 5),
             ("wildscav.server.service:MatchService._place", 2),
             ("wildscav.server.session:HostedMatch.join", 2),
             ("wildscav.server.session:HostedMatch.ready", 1),

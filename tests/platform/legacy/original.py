@@ -1,5 +1,6 @@
 """The original's client, from PyPI, in an environment of its own."""
 
+import fcntl
 import json
 import os
 import shutil
@@ -25,17 +26,24 @@ SCRIPTS = Path(__file__).parent / "scripts"
 def environment() -> Path:
     """Return the interpreter of the client's environment, which is made once and kept."""
     folder = cache_root().parent / "inspirai-fps-0.0.3"
-    python = folder / "bin" / "python"
     done = folder / "done"
-    if not done.exists():
-        shutil.rmtree(folder, ignore_errors=True)
-        venv.create(folder, with_pip=True)
-        pip = [python, "-I", "-m", "pip", "--disable-pip-version-check", "install", "--quiet", *PACKAGES]
-        made = subprocess.run(pip, capture_output=True, text=True)
-        if made.returncode != 0:
-            pytest.skip(f"the original's client cannot be installed: {made.stderr.strip().splitlines()[-1]}")
-        done.touch()
-    return python
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with folder.with_suffix(".lock").open("w") as lock:  # tests run in several processes
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not done.exists():
+            _make(folder)
+            done.touch()
+    return folder / "bin" / "python"
+
+
+def _make(folder: Path) -> None:
+    shutil.rmtree(folder, ignore_errors=True)
+    venv.create(folder, with_pip=True)
+    python = folder / "bin" / "python"
+    pip = [python, "-I", "-m", "pip", "--disable-pip-version-check", "install", "--quiet", *PACKAGES]
+    made = subprocess.run(pip, capture_output=True, text=True)
+    if made.returncode != 0:
+        pytest.skip(f"the original's client cannot be installed: {made.stderr.strip().splitlines()[-1]}")
 
 
 def play(script: str, folder: Path, *arguments: object) -> Any:
