@@ -2,6 +2,7 @@
 
 import copy
 import dataclasses
+import os
 import pickle
 import subprocess
 import sys
@@ -179,6 +180,23 @@ def test_an_agent_may_run_event_loops_of_its_own(tmp_path: Path) -> None:
         assert await ended(process) == (0, "")
         report = (await hosted.finished()).seats[0]
         assert (report.status, report.steps_played) == (SeatStatus.FINISHED, 10)
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.skipif(not hasattr(os, "SCHED_BATCH"), reason="the system has no such policy")
+@pytest.mark.parametrize(("chosen", "kept"), [("OTHER", "BATCH"), ("IDLE", "IDLE")])
+def test_an_agent_interrupts_nobody_unless_its_user_chose_how_it_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, chosen: str, kept: str
+) -> None:
+    monkeypatch.setenv("CHOSEN", chosen)
+
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        agent = await start_agent("TellsHowItRuns", address, hosted.tokens[0])
+        code, said = await ended(agent)
+        assert code == 0
+        assert {int(line) for line in said.split()} == {getattr(os, f"SCHED_{kept}")}
 
     serving(tmp_path, play)
 

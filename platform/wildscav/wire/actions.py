@@ -16,19 +16,18 @@ FULL_TURN = 360.0  # degrees
 
 def encode_action(step: int, action: Action) -> ClientMessage:
     """Return the message that answers the observation of a step."""
-    return ClientMessage(
-        action=ActionMessage(
-            step=step,
-            walk_direction=action.walk_direction,
-            walk_speed=action.walk_speed,
-            turn=action.turn,
-            look=action.look,
-            jump=action.jump,
-            pick_up=action.pick_up,
-            shoot=action.shoot,
-            reload=action.reload,
-        )
-    )
+    message = ClientMessage()
+    fields = message.action
+    fields.step = step
+    fields.walk_direction = action.walk_direction
+    fields.walk_speed = action.walk_speed
+    fields.turn = action.turn
+    fields.look = action.look
+    fields.jump = action.jump
+    fields.pick_up = action.pick_up
+    fields.shoot = action.shoot
+    fields.reload = action.reload
+    return message
 
 
 class DecodedAction(NamedTuple):

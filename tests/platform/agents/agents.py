@@ -113,3 +113,14 @@ class SeesAll(Agent):
 
 class NoAgent:
     """Has not one method of an agent."""
+
+
+class TellsHowItRuns(Walker):
+    """Says under which of the system's policies it runs, having been started under another one."""
+
+    def __init__(self) -> None:
+        os.sched_setscheduler(0, getattr(os, f"SCHED_{os.environ['CHOSEN']}"), os.sched_param(0))
+
+    def act(self, observation: Observation) -> Action:
+        sys.stderr.write(f"{os.sched_getscheduler(0)}\n")
+        return super().act(observation)
