@@ -1,6 +1,8 @@
 """What goes into a message comes out of it."""
 
+import gc
 import math
+from types import FrameType
 from typing import Any
 
 import hypothesis.extra.numpy as arrays
@@ -197,3 +199,13 @@ def test_an_observation_of_any_length_is_framed_as_protobuf_does(length: int) ->
     whole = ObservationMessage(step=4, tensors=[encode_tensor("x", tensor)])
     sent = encode_observation(ObservationMessage(step=4).SerializeToString(), {"x": tensor})
     assert sent == ServerMessage(observation=whole).SerializeToString()
+
+
+@pytest.mark.parametrize(("tensors", "kept"), [({"depth": np.ones(4)}, False), ({}, True)])
+def test_an_observation_that_is_kept_does_not_keep_its_tensors_twice(
+    tensors: dict[str, NDArray[Any]], kept: bool
+) -> None:
+    message = ServerMessage.FromString(encode_observation(SENSED.SerializeToString(), tensors)).observation
+    seen, references = decode_observation(message, 50), gc.get_referrers(message)
+    assert any(not isinstance(one, FrameType) for one in references) is kept
+    assert seen.step == 4

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from functools import partial
 from typing import Any
 
@@ -51,11 +52,18 @@ def encode_tensor(name: str, array: NDArray[Any]) -> Tensor:
 
 
 def decode_observation(message: ObservationMessage, frames_per_second: int) -> Observation:
-    """Return an observation as the SDK shows it; its fields are decoded when they are asked for.
+    """Return an observation as the SDK shows it.
 
-    To ask for ``tensors`` raises ValueError if a tensor's type, shape and data do not fit together.
+    Its fields are decoded when they are asked for, but all at once if there are tensors: those are large, and
+    the message would keep them a second time.
+
+    Raises:
+        ValueError: A tensor's type, shape and data do not fit together.
     """
-    return Observation.read_by(partial(_read_field, message, frames_per_second))
+    read = partial(_read_field, message, frames_per_second)
+    if message.tensors:
+        return Observation(**{field.name: read(field.name) for field in fields(Observation)})
+    return Observation.read_by(read)
 
 
 def _read_field(message: ObservationMessage, frames_per_second: int, name: str) -> Any:
