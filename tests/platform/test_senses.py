@@ -119,6 +119,13 @@ def test_whatever_the_arrays_hold_is_written_as_protobuf_would(seed: int, larges
         assert content == by_protobuf(match, seat).SerializeToString()
 
 
+def test_a_time_bank_of_whole_seconds_is_sent_as_any_other() -> None:
+    match = Match(small_spec())
+    senses = Senses(match, [0])
+    senses.take([30])
+    assert Observation.FromString(senses.of(0)).time_bank == 30.0
+
+
 def test_the_longest_observation_has_room() -> None:
     match = scrambled(seed=1, largest=2**31 - 1, fully=True)
     lengths = {len(content) for content in sent(match, list(range(match.seats)))}

@@ -35,7 +35,8 @@ class Senses:
         Args:
             time_banks: What each of the seats has left, s.
         """
-        self._put(*self._match.tables, self._numbers, np.array([*time_banks]), self._out, self._lengths)
+        left = np.array([*time_banks], np.float64)
+        self._put(*self._match.tables, self._numbers, left, self._out, self._lengths)
 
     def of(self, seat: int) -> bytes:
         """Return what a seat sensed then, as an ``Observation`` without tensors."""
