@@ -265,7 +265,7 @@ class Batch:
 
     @property
     def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
-        """The same, whatever was seen."""
+        """The same without looking: what is seen may be that of an earlier step."""
         agents, supplies, matches, seen = self.handles
         return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
 

@@ -68,7 +68,7 @@ class Match:
 
     @property
     def tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
-        """Where the agents, the boxes, the match and what is seen now lie, for kernels."""
+        """Where agents, boxes, the match and what is seen now lie, for kernels, until ``set_state``."""
         return self._batch.tables
 
     @property

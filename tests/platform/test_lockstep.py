@@ -192,6 +192,26 @@ def test_a_silent_seat_costs_the_others_its_time_once(tmp_path: Path) -> None:
     serving(tmp_path, play)
 
 
+def test_each_observation_tells_what_is_left_of_the_seats_own_bank(tmp_path: Path) -> None:
+    clock = Clock(step_budget=0.05, time_bank=2.0)
+
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=clock)
+        async with connected(address) as slow, connected(address) as quick:
+            await slow.join(hosted.tokens[0])
+            await quick.join(hosted.tokens[1])
+            for step, left in enumerate((2.0, 1.75, 1.5)):
+                banks = [(await seat.read()).observation.time_bank for seat in (slow, quick)]
+                assert left - 0.2 <= banks[0] <= left
+                assert banks[1] == 2.0
+                await quick.act(step)
+                await asyncio.sleep(0.3)
+                await slow.act(step)
+        hosted.cancel()
+
+    serving(tmp_path, play)
+
+
 def test_a_seat_that_wakes_up_again_plays_on(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str) -> None:
         hosted = await host(server, small_spec(seats=2, seconds=3.0), clock=HASTY)

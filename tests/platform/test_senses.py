@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from tests.platform.seats import small_spec
 
 from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
-from wildscav.server.encoding import ROOM
+from wildscav.server.encoding import ROOM, put_observations
 from wildscav.server.senses import Senses
+from wildscav.server.warm import warm
 from wildscav_engine.actions import FIELDS
 from wildscav_engine.match import Match
 from wildscav_engine.rules import FRAME
@@ -19,7 +20,7 @@ from wildscav_engine.sensors.visibility import AGENT_LIMIT, SUPPLY_LIMIT
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_engine.tracks import TRACKS
 
-BANK = 29.5  # s
+BANK = 29.5  # s, of seat 0; each other one has a second more
 NEVER_NEGATIVE = ("team", "clip", "spare_ammo", "supplies", "gained", "respawn_left")
 AS_THEY_ARE = ("yaw", "pitch", "on_ground", "in_water", "clip", "spare_ammo", "fired", "supplies", "gained")
 # A match with all that can be seen: more agents and boxes than go into one observation.
@@ -44,7 +45,7 @@ def by_protobuf(match: Match, seat: int) -> Observation:
     message = Observation(
         step=match.step_number,
         frame=match.frame,
-        time_bank=BANK,
+        time_bank=BANK + seat,
         position=vector(own["position"]),
         velocity=vector(own["velocity"]),
         reloading=bool(own["reload_left"] > 0),
@@ -55,17 +56,7 @@ def by_protobuf(match: Match, seat: int) -> Observation:
         agents=[visible(match, int(one)) for one in seen.agents[0, seat, : seen.agent_count[0, seat]]],
         supply_boxes=[box(match, int(one)) for one in seen.supplies[0, seat, : seen.supply_count[0, seat]]],
     )
-    for name in (
-        "yaw",
-        "pitch",
-        "on_ground",
-        "in_water",
-        "clip",
-        "spare_ammo",
-        "fired",
-        "supplies",
-        "gained",
-    ):
+    for name in AS_THEY_ARE:
         setattr(message, name, own[name].item())
     for name in ("hit_seat", "hit_by_seat"):
         if own[name] >= 0:
@@ -99,8 +90,11 @@ def box(match: Match, slot: int) -> SupplyBox:
 
 def sent(match: Match, seats: list[int]) -> list[bytes]:
     senses = Senses(match, seats)
-    senses.take([BANK] * len(seats))
+    senses.take(BANK + seat for seat in seats)
     return [senses.of(seat) for seat in seats]
+
+
+SEATS = [2, 0, 3, 1]  # in any order
 
 
 @pytest.mark.parametrize("track", TRACKS)
@@ -108,7 +102,7 @@ def test_every_seat_of_every_track_gets_what_protobuf_would_write(track: str) ->
     match = Match(small_spec(track, seats=4, filled_by=("submission", "fighter", "submission", "fighter")))
     rng = np.random.default_rng(3)
     while not match.over:
-        assert sent(match, [2, 0]) == [by_protobuf(match, seat).SerializeToString() for seat in (2, 0)]
+        assert sent(match, SEATS) == [by_protobuf(match, seat).SerializeToString() for seat in SEATS]
         match.step(rng.uniform(0.0, 10.0, (4, FIELDS)).round())
 
 
@@ -119,17 +113,27 @@ def test_whatever_the_arrays_hold_is_written_as_protobuf_would(seed: int, larges
         assert content == by_protobuf(match, seat).SerializeToString()
 
 
-def test_a_time_bank_of_whole_seconds_is_sent_as_any_other() -> None:
+def test_a_time_bank_of_whole_seconds_is_as_any_other() -> None:
     match = Match(small_spec())
     senses = Senses(match, [0])
+    warm(())
     senses.take([30])
     assert Observation.FromString(senses.of(0)).time_bank == 30.0
+    kernel: Any = put_observations
+    assert len(kernel.outer.signatures) == 1  # nothing more was compiled: agents would wait for it
+
+
+def test_a_number_that_no_seat_can_be_sent_is_our_mistake_and_never_garbage() -> None:
+    match = Match(small_spec())
+    match.state.agents.clip[0, 0] = -1
+    with pytest.raises(ValueError, match="a number below 0 cannot be sent"):
+        sent(match, [0])
 
 
 def test_the_longest_observation_has_room() -> None:
     match = scrambled(seed=1, largest=2**31 - 1, fully=True)
     lengths = {len(content) for content in sent(match, list(range(match.seats)))}
-    assert 2500 < max(lengths) < ROOM - 500  # seats and teams of three digits would take a hundred more
+    assert 2900 < max(lengths) < 3000 < ROOM  # seats above 127 would take 17 bytes more
 
 
 def scrambled(seed: int, largest: int, *, fully: bool = False) -> Match:
@@ -153,7 +157,8 @@ def scrambled(seed: int, largest: int, *, fully: bool = False) -> Match:
         fill(array, -1, 1 if array.dtype.kind == "b" else largest)
     for name in NEVER_NEGATIVE:
         fill(getattr(agents, name), 0, largest)
-    for array in (boxes.serial, boxes.quantity, boxes.position, match.state.matches.target):
+    matches = match.state.matches
+    for array in (boxes.serial, boxes.quantity, boxes.position, matches.target, matches.step, matches.frame):
         fill(array, 0, largest)
     fill(seen.agents, 0, match.seats - 1)
     fill(seen.agent_count, 0, AGENT_LIMIT)

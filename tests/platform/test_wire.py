@@ -137,7 +137,7 @@ SENSED = ObservationMessage(
         VisibleAgent(
             seat=1,
             team=1,
-            position=Vector(x=4.0, y=5.0, z=6.0),
+            position=PLACE,
             velocity=Vector(),
             yaw=45.0,
             health=100,

@@ -17,6 +17,7 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
     Args:
         sensors: What will be read in matches, for each submission.
     """
+    from wildscav.server.senses import Senses
     from wildscav.server.warm import warm_map
     from wildscav_engine.actions import Field, no_actions
     from wildscav_engine.maps.mesh import solids_mesh
@@ -33,6 +34,7 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
         while not match.over:
             match.step(no_actions(match.seats) + np.float32(1.0))
         match.start_info(0)
+        Senses(match, [0]).take([0.0])
         match.result()
     for wanted in sensors:
         for sensor in parse_sensors(wanted).values():

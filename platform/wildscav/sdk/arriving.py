@@ -1,7 +1,7 @@
 """Records whose fields are read out of a message only when they are first asked for.
 
-Most agents look at a few fields of many, ten times a second; where all agents of a match share a machine,
-reading them all took a fifth of the time of a step.
+Most agents look at a few fields of many. To read them all takes an agent 24 µs, and three times as long where
+ten agents share two cores and find the caches cold: a fifth of the processor time that a step costs it.
 """
 
 from collections.abc import Callable

@@ -21,7 +21,8 @@ def run(agent_class_or_factory: Callable[[], Agent]) -> None:
     """Play one match, and return when it is over.
 
     The server's address and the seat's token come from the environment: ``WILDSCAV_ADDRESS`` (``host:port``
-    or ``unix:/path``) and ``WILDSCAV_TOKEN``.
+    or ``unix:/path``) and ``WILDSCAV_TOKEN``. From then on the process runs as ``SCHED_BATCH``, where there
+    is such a policy and no other one was chosen.
 
     Args:
         agent_class_or_factory: A subclass of ``Agent``, or anything that makes an agent when called.
@@ -71,10 +72,10 @@ def play(agent: Agent, address: str, token: str) -> "MatchOver":
 
 
 def wait_in_line() -> None:
-    """Let this process not interrupt others when it is woken, where the system has such a policy (Linux).
+    """Let this thread, and what it starts from now on, not interrupt others when it is woken (Linux).
 
     Agents are woken all at once, each for a moment. Where ten share two cores with the server, a match plays
-    a fifth more steps a second if each waits until whoever is at work has done its part.
+    a tenth to a fifth more steps a second if each waits until whoever is at work has done its part.
     """
     if hasattr(os, "SCHED_BATCH"):
         with contextlib.suppress(OSError):  # a policy is a kindness: where it is not to be had, do without
@@ -101,7 +102,8 @@ class Aside:
     """Calls an agent's code as if no event loop ran, so that it may run loops of its own.
 
     Made by the task that plays the match. To stop the connection's loop for each call and to start it again
-    would take a sixth of a whole step.
+    would take a sixth of a whole step. Python from 3.14 on knows one current task a thread, not one a loop,
+    so the task has to be left as well.
     """
 
     def __init__(self) -> None:

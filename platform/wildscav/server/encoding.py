@@ -1,9 +1,12 @@
 """What the engine knows as the bytes of an ``Observation``: what protobuf's own classes would write.
 
-For ten seats they take three times as long as a step of the match does, and a kernel a hundredth of that.
+For ten seats those classes take 300 µs a step, several times what the step itself does; this takes 9.
 
 Source of the format: "Encoding", Protocol Buffers documentation. A field is a key, its number and the type of
 what follows, then that; a field that is zero is left out. The numbers are those of ``match.proto``.
+
+Each kernel here writes at a cursor, which therefore comes first: ``out`` are the bytes of one observation,
+``at`` is where the next one goes. It returns where the next one goes then.
 """
 
 from enum import IntEnum
@@ -19,7 +22,7 @@ from wildscav_engine.rules import FRAME
 from wildscav_engine.sensors.visibility import Seen
 from wildscav_engine.state import Agents, Matches, Supplies
 
-ROOM = 4096  # bytes for one observation; with 16 agents and 32 boxes, and all numbers large, it has 3,100
+ROOM = 4096  # bytes for one observation; 16 agents, 32 boxes and the largest numbers need fewer than 3,100
 VARINT, DOUBLE, MESSAGE = 0, 1, 2  # what follows a key
 LOW, MORE = 127, 128  # of a byte of a varint: its bits, and that another one follows
 
@@ -95,9 +98,15 @@ def _put_key(out: NDArray[np.uint8], at: int, field: int, kind: int) -> int:
 
 @kernel
 def put_number(out: NDArray[np.uint8], at: int, field: int, number: int) -> int:
-    """Write a whole number, or a flag; nothing if it is 0. Return where the next byte goes."""
+    """Write a whole number, or a flag; nothing if it is 0.
+
+    Raises:
+        ValueError: It is below 0.
+    """
     if number == 0:
         return at
+    if number < 0:
+        raise ValueError("a number below 0 cannot be sent")
     return _put_varint(out, _put_key(out, at, field, VARINT), number)
 
 
@@ -189,7 +198,7 @@ def put_observation(
     seat: int,
     time_bank: float,
 ) -> int:
-    """Write one seat's ``Observation``, without tensors, and return its length."""
+    """Write one seat's ``Observation``, without tensors, from its first byte on; return its length."""
     at = put_number(out, 0, Own.STEP, matches.step[match])
     at = put_number(out, at, Own.FRAME, matches.frame[match])
     at = put_double(out, at, Own.TIME_BANK, time_bank)
@@ -229,6 +238,9 @@ def put_observations(
         time_banks: (N,) s, what they have left.
         out: (N, ROOM) gets the observations.
         lengths: (N,) gets their lengths, bytes.
+
+    Raises:
+        ValueError: A number in the arrays is out of its range.
     """
     matches = matches_at(every)
     seats = matches.seats[0]

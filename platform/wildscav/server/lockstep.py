@@ -85,10 +85,7 @@ class Lockstep:
     # What the seats' streams do.
 
     def observation_for(self, seat: Seat) -> bytes | None:
-        """Return the open step's observation for a seat that has not had it yet; None: it must wait.
-
-        It is a ``ServerMessage``.
-        """
+        """Return the bytes of the open step's message to a seat that has not had it; None: it must wait."""
         if self._step is None or seat not in self._pending or seat.asked == self._step:
             return None
         message = encode_observation(self._senses.of(seat.number), seat.sense(self._match))

@@ -34,12 +34,15 @@ class Senses:
 
         Args:
             time_banks: What each of the seats has left, s.
+
+        Raises:
+            ValueError: A number in the state is out of its range.
         """
         left = np.array([*time_banks], np.float64)
         self._put(*self._match.tables, self._numbers, left, self._out, self._lengths)
 
     def of(self, seat: int) -> bytes:
-        """Return what a seat sensed then, as an ``Observation`` without tensors."""
+        """Return what a seat sensed then, as the bytes of an ``Observation`` without tensors."""
         place = self._place[seat]
         return self._out[place, : self._lengths[place]].tobytes()
 

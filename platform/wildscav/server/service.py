@@ -237,7 +237,7 @@ async def _begin(context: Context) -> None:
 
 
 async def _write(context: Context, message: bytes) -> None:
-    """Send a ``ServerMessage``."""
+    """Send the bytes of a ``ServerMessage``."""
     try:
         await context.write(message)
     except grpc.aio.BaseError as error:

@@ -1,4 +1,4 @@
-"""Observations: what a match's server knows of them into messages, and from messages into SDK classes."""
+"""Observations: from what the server knows into the bytes of messages, and from messages into SDK classes."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -20,10 +20,10 @@ KEY = b"\x12"  # of ServerMessage.observation: field 2, and that its length foll
 
 
 def encode_observation(senses: bytes, tensors: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return a ``ServerMessage`` with an observation.
+    """Return the bytes of a ``ServerMessage`` with an observation.
 
     Args:
-        senses: An ``Observation`` without tensors.
+        senses: The bytes of an ``Observation`` without tensors.
         tensors: The seat's sensor readings by name, C-contiguous.
     """
     if tensors:

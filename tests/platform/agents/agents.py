@@ -116,7 +116,7 @@ class NoAgent:
 
 
 class TellsHowItRuns(Walker):
-    """Says under which of the system's policies it runs, having been started under another one."""
+    """Chooses one of the system's policies, and says under which one it plays."""
 
     def __init__(self) -> None:
         os.sched_setscheduler(0, getattr(os, f"SCHED_{os.environ['CHOSEN']}"), os.sched_param(0))

@@ -28,7 +28,7 @@ def environment() -> Path:
     folder = cache_root().parent / "inspirai-fps-0.0.3"
     done = folder / "done"
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with folder.with_suffix(".lock").open("w") as lock:  # tests run in several processes
+    with folder.with_name(f"{folder.name}.lock").open("w") as lock:  # tests run in several processes
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not done.exists():
             _make(folder)
