@@ -44,7 +44,7 @@ ALL = [
             ("wildscav.server.service:MatchService._place", 2),
             ("wildscav.server.session:HostedMatch.join", 2),
             ("wildscav.server.session:HostedMatch.ready", 1),
-            ("wildscav.server.session:HostedMatch.next_message", 3),
+            ("wildscav.server.session:HostedMatch.next_observation", 3),
             ("wildscav.server.session:encode_match_info", 1),
             ("wildscav.server.session:encode_seat_result", 2),
             ("wildscav.server.seat:Seat.conduct_message", 1),
