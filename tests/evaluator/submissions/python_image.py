@@ -25,13 +25,16 @@ PASSED_ON = re.compile(r"PIP_\w+|(?:https?|no)_proxy", re.IGNORECASE)
 LEFT_OUT = re.compile(r"(__pycache__|(site|dist)-packages|test|idlelib|tkinter|config-.*)$")
 
 
-def python_image(engine: Engine) -> str:
-    """Make an image with this machine's Python, pip's settings, and a shell; return its name."""
+def python_image(engine: Engine, name: str = NAME) -> str:
+    """Make an image with this machine's Python, pip's settings, and a shell; return its name.
+
+    Tests of several files run side by side: each file has an image of its own, which it removes.
+    """
     changes = [f"ENV {name}={value}" for name, value in os.environ.items() if PASSED_ON.fullmatch(name)]
     options = [word for change in changes for word in ("--change", change)]
-    made = call(engine, "import", *options, "-", NAME, content=_system())
+    made = call(engine, "import", *options, "-", name, content=_system())
     assert made.returncode == 0, made.stderr
-    return NAME
+    return name
 
 
 def _system() -> bytes:
