@@ -1,4 +1,4 @@
-"""The matches that a check plays: one on each track, one with no time, one that is broken off."""
+"""The matches that a check plays: one on each track, one with late answers, one that is broken off."""
 
 import asyncio
 from collections.abc import Iterator
@@ -8,6 +8,7 @@ from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check import findings
 from wildscav_evaluator.check.findings import Finding
+from wildscav_evaluator.check.weather import heard_late
 from wildscav_evaluator.matches.play import (
     Played,
     Seating,
@@ -21,7 +22,7 @@ from wildscav_evaluator.submissions.images import lacks_packages
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import suite
 
-NO_TIME = Clock(step_budget=0.0005, time_bank=0.0)  # in which no agent keeps up
+HASTY = Clock(step_budget=0.05, time_bank=0.0)  # a quarter of what its answers are kept back for
 BREAK_AT = 3  # steps played
 LEAVING_TIME = 5.0  # s
 LIMITS = DEFAULT_LIMITS
@@ -72,7 +73,7 @@ def _in_bad_weather(
     submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock, runner: asyncio.Runner
 ) -> Iterator[Finding]:
     spec = short_spec(submission.manifest.tracks[0])
-    late, _ = _play(submission, spec, sandbox, logs / "late.log", NO_TIME, runner)
+    late = runner.run(_hear_late(submission, spec, sandbox, logs / "late.log"))
     yield findings.lateness(next(iter(late.seats.values())), LIMITS, clock)
     log = logs / "broken-off.log"
     prepare_logs([log])
@@ -99,6 +100,13 @@ def _play(
     prepare_logs(logs)
     played = runner.run(play_match(Seating(spec, (submission,) * count, logs), sandbox=sandbox, clock=clock))
     return played, log
+
+
+async def _hear_late(submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path) -> Played:
+    """Play a match in which steps are played without the agent's answers."""
+    prepare_logs([log])
+    async with heard_late(sandbox) as late:
+        return await play_match(Seating(spec, (submission,), (log,)), sandbox=late, clock=HASTY)
 
 
 async def _break_off(submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path) -> Ending | None:

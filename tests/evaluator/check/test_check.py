@@ -1,5 +1,6 @@
 """`wildscav check`: what it tries with an agent, and how it explains what fails."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -29,7 +30,9 @@ def test_an_agent_that_keeps_the_rules_passes_every_check(submit: Submit, tmp_pa
 
     assert list(found) == CHECKS
     assert {finding.verdict for finding in found.values()} == {Verdict.KEPT}, found
-    assert found["late answers"].seen.startswith("it went on after")
+    went_on = re.fullmatch(r"it went on after (\d+) steps without its answer", found["late answers"].seen)
+    assert went_on is not None
+    assert int(went_on[1]) > 10  # however quick it is
 
 
 def test_packages_that_were_not_installed_are_named_before_anything_is_played(
