@@ -13,6 +13,7 @@ import numpy as np
 from wildscav.legacy.commander_pb2 import EnemyInfo, GameState, Observation, Request, SupplyInfo, Vector3
 from wildscav.legacy.episode import Episode
 from wildscav.legacy.events import Events
+from wildscav.wire.varint import encode_varint
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -53,7 +54,7 @@ class Requests:
         for seat, observation in enumerate(own):
             others = b"".join(enemies[:seat] + enemies[seat + 1 :])
             size = len(observation) + len(boxes) + len(others)
-            parts += (OBSERVATIONS, _varint(size), observation, boxes, others)
+            parts += (OBSERVATIONS, encode_varint(size), observation, boxes, others)
         return b"".join(parts)
 
 
@@ -165,13 +166,3 @@ class _Boxes:
             known = Observation(supply_info_list=[box]).SerializeToString()
             self._box_bytes[serial, quantity] = known
         return known
-
-
-def _varint(number: int) -> bytes:
-    """Return a whole number as the wire format has it: seven bits a byte, the lowest first."""
-    parts = bytearray()
-    while number > 127:
-        parts.append(number & 127 | 128)
-        number >>= 7
-    parts.append(number)
-    return bytes(parts)

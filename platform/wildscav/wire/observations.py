@@ -15,6 +15,7 @@ from wildscav.proto.match_pb2 import Tensor
 from wildscav.proto.match_pb2 import Vector as VectorMessage
 from wildscav.proto.match_pb2 import VisibleAgent as VisibleAgentMessage
 from wildscav.sdk.agent import Observation, SupplyBox, Vector, VisibleAgent
+from wildscav.wire.varint import encode_varint
 
 KEY = b"\x12"  # of ServerMessage.observation: field 2, and that its length follows
 
@@ -30,17 +31,7 @@ def encode_observation(senses: bytes, tensors: Mapping[str, NDArray[Any]]) -> by
         readings = [encode_tensor(name, array) for name, array in tensors.items()]
         # Messages one after the other are one message with the fields of both.
         senses += ObservationMessage(tensors=readings).SerializeToString()
-    return KEY + _varint(len(senses)) + senses
-
-
-def _varint(number: int) -> bytes:
-    """Return a number from 0 on as protobuf writes it: seven bits a byte, the lowest first."""
-    out = bytearray()
-    while number > 127:
-        out.append(number & 127 | 128)
-        number >>= 7
-    out.append(number)
-    return bytes(out)
+    return KEY + encode_varint(len(senses)) + senses
 
 
 def encode_tensor(name: str, array: NDArray[Any]) -> Tensor:
