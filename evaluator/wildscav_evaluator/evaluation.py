@@ -7,11 +7,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav_engine import ENGINE_VERSION
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.scores.score import summary
@@ -91,12 +91,20 @@ def identity(plan: Plan) -> Identity:
     """Return all that the results of a plan depend on."""
     specs = [spec for track in plan.tracks for spec in plan.matches(track)]
     return Identity(
+        versions=CURRENT_VERSIONS,
         suite=plan.suite.label,
         seed=plan.seed.label,
+        commitment=plan.seed.commitment,
+        rounds=plan.rounds,
         tracks=plan.tracks,
         matches=digest_of(specs),
         submissions=tuple(
-            Entrant(name=one.name, version=one.manifest.version, digest=one.digest)
+            Entrant(
+                name=one.name,
+                version=one.manifest.version,
+                digest=one.digest,
+                tracks=tuple(track for track in plan.tracks if track in one.manifest.tracks),
+            )
             for one in plan.submissions
         ),
         sandbox=plan.sandbox,
@@ -109,7 +117,7 @@ def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
     # In the order of the suite.
     done = sorted(done, key=lambda result: (result.job.track, result.job.submission.name, result.job.index))
     return results.Results(
-        engine_version=ENGINE_VERSION,
+        versions=CURRENT_VERSIONS,
         suite=plan.suite.label,
         seed=None if plan.seed.commitment else plan.seed.value,
         commitment=plan.seed.commitment,

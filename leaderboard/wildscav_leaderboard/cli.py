@@ -26,22 +26,26 @@ def leaderboard(
     from wildscav_leaderboard.standings import standings
 
     with reading(db) as session:
-        tables = [(_table(one), _conditions(one)) for one in standings(session, track, suite)]
+        found = standings(session, track, suite)
+        tables = [(_table(one), _conditions(one), _versions(one), _signed(one)) for one in found]
     if not tables:
         wanted = "".join(f" of {what} {name}" for what, name in (("track", track), ("suite", suite)) if name)
         raise UserError(f"there are no evaluations{wanted} in {db}: `wildscav evaluate` puts them there")
-    for table, conditions in tables:
+    for table, conditions, versions, signed in tables:
         console.print(table)
-        console.print(f"played in {conditions}\n", soft_wrap=True, highlight=False)
+        for text in (
+            f"played in {conditions}",
+            f"played by {versions}",
+            f"signed: {signed or 'none'}\n",
+        ):
+            console.print(text, soft_wrap=True, highlight=False)
     console.print(LEGEND, style="dim")
 
 
 def _table(one: "Standings") -> Table:
     from wildscav_evaluator.cli import tables
 
-    table = tables.ranking_table(
-        f"{one.track} · suite {one.suite} · seed {one.seed} · engine {one.engine_version}"
-    )
+    table = tables.ranking_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
     # Rows without a score come last, so the first row knows the metrics if any row does.
     metrics = [_metric(score) for score in one.rows[0].evaluation.scores]
     tables.add_metrics(table, metrics)
@@ -56,6 +60,31 @@ def _table(one: "Standings") -> Table:
             f"{evaluation.started:%Y-%m-%d}",
         )
     return table
+
+
+def _versions(one: "Standings") -> str:
+    """Return by which versions all of a table was played, in a line."""
+    from wildscav_leaderboard.models import UNKNOWN_VERSION
+
+    parts = {
+        "simulation": one.simulation_version,
+        "generator": one.generator_version,
+        "records": one.record_version,
+    }
+    known = [f"{name} {'unknown' if number == UNKNOWN_VERSION else number}" for name, number in parts.items()]
+    return ", ".join([f"engine {one.engine_version}", *known])
+
+
+def _signed(one: "Standings") -> str:
+    """Return whose ledgers are signed, and with which key, in a line."""
+    by_key: dict[str, list[str]] = {}
+    for row in one.rows:
+        if row.evaluation.key is not None:
+            by_key.setdefault(row.evaluation.key, []).append(row.evaluation.submission.name)
+    return "; ".join(
+        f"{'all' if len(names) == len(one.rows) else ', '.join(names)} with the key {key}"
+        for key, names in by_key.items()
+    )
 
 
 def _conditions(one: "Standings") -> str:

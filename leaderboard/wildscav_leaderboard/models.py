@@ -8,7 +8,12 @@ from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, mapped_co
 
 UNKNOWN = "unknown"  # sandbox of evaluations that were stored before it was
 # What an evaluation depends on besides its submission; only those that agree in all of it can be compared.
-CONDITIONS = ("track", "suite", "seed", "engine_version", "sandbox", "limits")
+CONDITIONS = (
+    *("track", "suite", "seed"),
+    *("engine_version", "simulation_version", "generator_version", "record_version"),
+    *("sandbox", "limits"),
+)
+UNKNOWN_VERSION = 0  # of the parts of evaluations that were stored before theirs were
 
 
 class Base(MappedAsDataclass, DeclarativeBase, kw_only=True):
@@ -44,10 +49,14 @@ class Evaluation(Base):
     suite: Mapped[str]
     seed: Mapped[str]  # decimal, wider than any integer column; of a hidden one, its commitment's beginning
     engine_version: Mapped[str]
+    simulation_version: Mapped[int] = mapped_column(server_default=str(UNKNOWN_VERSION))
+    generator_version: Mapped[int] = mapped_column(server_default=str(UNKNOWN_VERSION))
+    record_version: Mapped[int] = mapped_column(server_default=str(UNKNOWN_VERSION))
     sandbox: Mapped[str] = mapped_column(server_default=UNKNOWN)  # in which agents ran
     limits: Mapped[str] = mapped_column(server_default="{}")  # that it kept, as JSON; of older ones, nothing
     started: Mapped[datetime]  # UTC
     faults: Mapped[int]  # matches in which something went wrong
+    key: Mapped[str | None] = mapped_column(default=None)  # public key that its ledger is signed with
 
     scores: Mapped[list["Score"]] = relationship(
         cascade="all, delete-orphan", order_by="Score.position", default_factory=list, repr=False

@@ -2,6 +2,7 @@
 
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -51,6 +52,7 @@ def _store(session: Session, whole: results.Results, evaluation: results.Evaluat
             **conditions,
             started=datetime.fromisoformat(whole.timings.started),
             faults=evaluation.faults,
+            key=whole.key,
             scores=_scores(evaluation),
             matches=_matches(evaluation),
         )
@@ -58,14 +60,17 @@ def _store(session: Session, whole: results.Results, evaluation: results.Evaluat
     session.flush()
 
 
-def _conditions(whole: results.Results, track: str) -> dict[str, str]:
+def _conditions(whole: results.Results, track: str) -> dict[str, Any]:
     """Return all that an evaluation depends on besides its submission."""
     limits = whole.limits.get(track, results.KeptLimits())
     return {
         "track": track,
         "suite": whole.suite,
         "seed": whole.seed_label,
-        "engine_version": whole.engine_version,
+        "engine_version": whole.versions.engine,
+        "simulation_version": whole.versions.simulation,
+        "generator_version": whole.versions.generator,
+        "record_version": whole.versions.record,
         "sandbox": whole.sandbox,
         "limits": limits.model_dump_json(exclude_none=True),
     }

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload, selectinload
@@ -20,21 +20,24 @@ class Row(NamedTuple):
 class Standings(NamedTuple):
     """The order on one suite of one track, of evaluations that can be compared.
 
-    Only those of one seed on one version of the engine played the same matches, and only in one sandbox with
-    one set of limits had their agents the same means.
+    Only those of one seed on one version of the engine, its rules, its map generator and its records played
+    the same matches, and only in one sandbox with one set of limits did their agents have the same means.
     """
 
     track: str
     suite: str
     seed: str
     engine_version: str
+    simulation_version: int  # 0 of evaluations that were stored before it was; the next two as well
+    generator_version: int
+    record_version: int
     sandbox: str
     limits: str  # that it kept, as JSON
     rows: tuple[Row, ...]
 
 
 def standings(session: Session, track: str | None = None, suite: str | None = None) -> Iterator[Standings]:
-    """Yield the standings of every track, suite, seed, engine and sandbox, or of those asked for.
+    """Yield the standings of all that can be compared, or of the track and suite that are asked for.
 
     A submission stands there once, under its name, with its latest evaluation: a newer version replaces an
     older one even if it is worse, since it is the one that its author stands by.
@@ -54,11 +57,11 @@ def standings(session: Session, track: str | None = None, suite: str | None = No
         yield Standings(rows=tuple(rank(latest.values())), **dict(zip(CONDITIONS, key, strict=True)))
 
 
-def _key(one: Evaluation) -> tuple[str, ...]:
+def _key(one: Evaluation) -> tuple[Any, ...]:
     return tuple(getattr(one, name) for name in CONDITIONS)
 
 
-def _place_of(one: Evaluation) -> tuple[int, tuple[str, ...]]:
+def _place_of(one: Evaluation) -> tuple[int, tuple[Any, ...]]:
     """Return what the standings are ordered by: the tracks as the engine lists them."""
     from wildscav_engine.tracks import TRACKS
 

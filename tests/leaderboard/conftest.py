@@ -13,7 +13,9 @@ from wildscav_evaluator.output.results import (
     Summary,
     Timings,
 )
+from wildscav_evaluator.output.versions import Versions
 
+VERSIONS = Versions(engine="0.1.0", simulation=2, generator=3, record=2)
 METRICS = {
     "navigation": MetricInfo(name="time", title="used + punish time", unit="s", lower_is_better=True),
     "gathering": MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False),
@@ -32,17 +34,20 @@ def make_results() -> Callable[..., Results]:
         started: str = "2030-01-01T00:00:00+00:00",
         sandbox: str = "process",
         memory: int | None = None,
+        versions: Versions = VERSIONS,
+        key: str | None = None,
     ) -> Results:
         evaluations = tuple(
             evaluation(name, track, values, version) for (name, track), values in scores.items()
         )
         timings = Timings(started=started, wall=1.0, jobs=1, matches=())
         return Results(
-            engine_version="0.1.0",
+            versions=versions,
             suite="quick",
             seed=seed,
             sandbox=sandbox,
             limits={track: KeptLimits(memory=memory) for _, track in scores},
+            key=key,
             evaluations=evaluations,
             timings=timings,
         )

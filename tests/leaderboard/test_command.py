@@ -56,6 +56,18 @@ def test_it_says_what_the_agents_of_each_table_ran_in(make_results: Make, tmp_pa
     assert "played in bubblewrap; each agent: 2 GiB of memory\n" in said
 
 
+def test_it_says_which_versions_played_and_who_signed(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    sink = DatabaseSink(str(path))
+    sink.store(make_results({("homing", "gathering"): [12.0]}, key="ab" * 32))
+    sink.store(make_results({("hunter", "gathering"): [9.0]}))
+
+    said = leaderboard("--db", path).stdout
+
+    assert "played by engine 0.1.0, simulation 2, generator 3, records 2\n" in said
+    assert f"signed: homing with the key {'ab' * 32}\n" in said
+
+
 def empty(path: Path) -> None:
     sqlite3.connect(path).close()
     path.touch()

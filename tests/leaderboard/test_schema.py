@@ -80,6 +80,9 @@ def test_an_old_database_is_read_with_all_that_it_holds(old: Path) -> None:
         assert compare_metadata(context, Base.metadata) == []
         (only,) = standings(session)
         assert (only.track, only.sandbox, only.limits) == ("navigation", "unknown", "{}")
+        # Of which nobody knows what it can be compared with: it stands alone.
+        assert (only.simulation_version, only.generator_version, only.record_version) == (0, 0, 0)
+        assert only.rows[0].evaluation.key is None
         (row,) = only.rows
         assert (row.rank, row.evaluation.submission.name) == (1, "homing")
         assert [score.mean for score in row.evaluation.scores] == [9.0]

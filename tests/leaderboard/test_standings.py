@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from wildscav_evaluator.output.results import Results
+from wildscav_evaluator.output.versions import Versions
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.sink import DatabaseSink
 from wildscav_leaderboard.standings import standings
@@ -81,6 +82,20 @@ def test_agents_in_other_sandboxes_are_not_compared(make_results: Make, path: Pa
             one.sandbox: [row.evaluation.submission.name for row in one.rows] for one in standings(session)
         }
     assert found == {"bubblewrap": ["a", "b"], "process": ["b"]}
+
+
+@pytest.mark.parametrize("part", ["engine", "simulation", "generator", "record"])
+def test_what_other_versions_played_is_not_compared(make_results: Make, path: Path, part: str) -> None:
+    sink = DatabaseSink(str(path))
+    before = Versions(engine="0.1.0", simulation=2, generator=3, record=2)
+    after = before.model_copy(update={part: "0.2.0" if part == "engine" else 4})
+    sink.store(make_results({("a", "gathering"): [9.0], ("b", "gathering"): [5.0]}, versions=before))
+    # The same submission again, after a change of the rules, the maps or the format of records.
+    sink.store(make_results({("b", "gathering"): [99.0]}, versions=after))
+
+    with reading(path) as session:
+        found = [[row.evaluation.submission.name for row in one.rows] for one in standings(session)]
+    assert found == [["a", "b"], ["b"]]
 
 
 def test_a_track_or_a_suite_can_be_asked_for_alone(make_results: Make, path: Path) -> None:

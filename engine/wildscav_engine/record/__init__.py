@@ -1,6 +1,7 @@
 """Records: write, read, play again and verify."""
 
 from wildscav_engine.record.format import (
+    RECORD_VERSION,
     SUFFIX,
     Record,
     RecordError,
@@ -12,6 +13,7 @@ from wildscav_engine.record.format import (
 from wildscav_engine.record.verify import Verification, resimulate, verify_record
 
 __all__ = [
+    "RECORD_VERSION",
     "SUFFIX",
     "Record",
     "RecordError",

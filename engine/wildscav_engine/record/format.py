@@ -24,7 +24,8 @@ from wildscav_engine.match import Match
 from wildscav_engine.result import MatchResult
 from wildscav_engine.spec import MatchSpec, one_line
 
-LAYOUT = Layout(b"WILDSCAV", 2, "a record of a match")
+RECORD_VERSION = 2  # of this layout and of its header
+LAYOUT = Layout(b"WILDSCAV", RECORD_VERSION, "a record of a match")
 ARRAYS_LIMIT = 1 << 30  # bytes, unpacked: no record makes its reader run out of memory
 HEADER_KEYS = {
     *("spec", "map_digest", "generator_version", "simulation_version", "engine_version"),

@@ -7,13 +7,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from wildscav.console import console, counted, error_console
 from wildscav.errors import UserError
-from wildscav_engine import ENGINE_VERSION
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import LEGEND, track_table
 from wildscav_evaluator.cli.time_table import conditions
 from wildscav_evaluator.output.identity import Identity, read_identity
 from wildscav_evaluator.output.opening import expected_matches
 from wildscav_evaluator.output.results import RESULTS_FILE, Results, Timings, read_results
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, record_paths, replay_all
 
 SHOWN = 20  # disagreements, at most
@@ -60,7 +60,7 @@ def recomputed(
         return told.model_copy(update={"evaluations": evaluations})
     nothing = Timings(started="", wall=0.0, jobs=0, matches=())
     return Results(
-        engine_version=ENGINE_VERSION,
+        versions=CURRENT_VERSIONS,
         suite="unknown" if identity is None else identity.suite,
         seed=int(identity.seed) if identity is not None and identity.seed.isdecimal() else None,
         sandbox="unknown" if identity is None else identity.sandbox,

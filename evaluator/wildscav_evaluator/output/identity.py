@@ -8,11 +8,10 @@ from typing import Literal
 from pydantic import ValidationError
 
 from wildscav.errors import UserError
-from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
-from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.output.part import Part
 from wildscav_evaluator.output.results import KeptLimits
+from wildscav_evaluator.output.versions import Versions
 
 IDENTITY_FILE = "evaluation.json"
 
@@ -23,22 +22,24 @@ class Entrant(Part):
     name: str
     version: str
     digest: str  # of the submission's folder
+    tracks: tuple[str, ...]  # those of the evaluation that it plays
 
 
 class Identity(Part):
     """All that the results of an evaluation depend on. How many matches run at once, say, is not of it."""
 
-    format: Literal[1] = 1
-    engine_version: str = ENGINE_VERSION
-    simulation_version: int = SIMULATION_VERSION
-    generator_version: int = GENERATOR_VERSION
+    format: Literal[2] = 2
+    versions: Versions
     suite: str
     seed: str  # or the beginning of a hidden one's commitment
+    commitment: str | None = None  # of a hidden seed, whole
+    rounds: int = 1  # how often the suite is played, each time with the next seed
     tracks: tuple[str, ...]
     matches: str  # digest of the specs of all matches
     submissions: tuple[Entrant, ...]
     sandbox: str  # in which agents run
     limits: dict[str, KeptLimits]  # of each agent in it, by track
+    key: str | None = None  # public key of the organizer who signs it, 64 hexadecimal digits
 
     @property
     def digest(self) -> str:
@@ -92,7 +93,11 @@ def difference(old: Identity, new: Identity) -> str:
             return _difference_of_limits(was, wanted)
         if field == "matches":
             return "its matches are others"
-        verb = "are" if field == "tracks" else "is"
+        if field == "versions":
+            return f"it was begun by {was}, and this is {wanted}"
+        if field == "key":
+            return f"it is {_signed(was)}, not {_signed(wanted)}"
+        verb = "are" if field in ("tracks", "rounds") else "is"
         return f"its {field.replace('_', ' ')} {verb} {_listed(was)}, not {_listed(wanted)}"
     return ""
 
@@ -104,7 +109,13 @@ def _difference_of_submissions(old: tuple[Entrant, ...], new: tuple[Entrant, ...
     was, wanted = next((a, b) for a, b in zip(old, new, strict=True) if a != b)
     if was.version != wanted.version:
         return f"it is of {was.name} {was.version}, not {wanted.version}"
-    return f"the files of {was.name} have changed since"
+    if was.digest != wanted.digest:
+        return f"the files of {was.name} have changed since"
+    return f"{was.name} plays {', '.join(was.tracks)}, not {', '.join(wanted.tracks)}"
+
+
+def _signed(key: str | None) -> str:
+    return "unsigned" if key is None else f"signed with the key {key}"
 
 
 def _difference_of_limits(old: dict[str, KeptLimits], new: dict[str, KeptLimits]) -> str:

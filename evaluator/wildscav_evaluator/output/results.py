@@ -3,6 +3,7 @@
 Two runs of the same command give equal files, but for ``timings``.
 """
 
+import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,11 +12,13 @@ from typing import Literal, Self
 from pydantic import Field, ValidationError
 
 from wildscav.errors import UserError
+from wildscav_engine.spec import one_line
 from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.suites.seeds import label
 
 RESULTS_FILE = "results.json"
-FORMAT = 1
+FORMAT = 2
 
 Fault = Literal["agent", "platform"]
 
@@ -170,14 +173,15 @@ class KeptLimits(Part):
 class Results(Part):
     """An evaluation of some submissions on some tracks."""
 
-    format: Literal[1] = 1
-    engine_version: str
+    format: Literal[2] = 2
+    versions: Versions  # by which it was played
     suite: str  # an organizer's own has a digest of its file behind an @
     seed: int | None  # none while it is hidden
     commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
     rounds: int = 1  # how often the suite was played, each time with the next seed
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
+    key: str | None = None  # public key that the evaluation's ledger is signed with, 64 hexadecimal digits
     evaluations: tuple[Evaluation, ...]
     timings: Timings
 
@@ -199,11 +203,27 @@ def read_results(path: Path) -> Results:
         UserError: It is missing, or not a results file of this version.
     """
     try:
-        return Results.model_validate_json(path.read_bytes())
+        content = path.read_bytes()
+        return Results.model_validate_json(content)
     except FileNotFoundError as error:
         raise UserError(f"{path} does not exist") from error
     except ValidationError as error:
-        raise UserError(f"{path} is not a results file of format {FORMAT}") from error
+        if _is_of_format_1(content):
+            raise UserError(
+                f"{path} is of format 1, which says nothing of the versions of the simulation, the map "
+                "generator and the records that it was played with, and has no ledger: it cannot be "
+                f"compared with results of format {FORMAT} or checked; evaluate its submissions again"
+            ) from error
+        raise UserError(f"{path} is not a results file of format {FORMAT}: {one_line(error)}") from error
+
+
+def _is_of_format_1(content: bytes) -> bool:
+    """Return whether some bytes are the results of an older version of Wildscav."""
+    try:
+        told = json.loads(content)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(told, dict) and told.get("format") == 1 and "engine_version" in told
 
 
 def write_results(results: Results, folder: Path) -> Path:

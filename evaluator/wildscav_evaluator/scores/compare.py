@@ -8,6 +8,7 @@ import numpy as np
 
 from wildscav_evaluator.output.part import Part
 from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results
+from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import interval
 
 COMPARISON_FILE = "comparison.json"
@@ -48,7 +49,8 @@ class Comparison(Part):
 class Comparisons(Part):
     """The file of a comparison."""
 
-    format: Literal[1] = 1
+    format: Literal[2] = 2
+    versions: Versions  # by which they were played
     suite: str
     seed: str  # or the beginning of a hidden one's commitment
     rounds: int
@@ -61,6 +63,7 @@ def compare(results: Results, first: str, second: str) -> Comparisons:
     """Compare two submissions on every track of an evaluation that both are in."""
     by_name = {(one.submission, one.track): one for one in results.evaluations}
     return Comparisons(
+        versions=results.versions,
         suite=results.suite,
         seed=results.seed_label,
         rounds=results.rounds,

@@ -15,6 +15,7 @@ from wildscav_evaluator.output.results import (
     SeatTiming,
     Timings,
 )
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 
 
 def seat(**changes: float) -> SeatTiming:
@@ -49,7 +50,12 @@ def results(*seats: SeatTiming) -> Results:
     )
     timings = Timings(started="", wall=0.0, jobs=1, matches=matches)
     return Results(
-        engine_version="0", suite="quick", seed=0, sandbox="process", evaluations=(homing,), timings=timings
+        versions=CURRENT_VERSIONS,
+        suite="quick",
+        seed=0,
+        sandbox="process",
+        evaluations=(homing,),
+        timings=timings,
     )
 
 

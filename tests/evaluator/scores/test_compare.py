@@ -10,6 +10,7 @@ from tests.platform.command import Done, command_here
 
 from wildscav_evaluator.cli.compare_session import comparison_table, told_apart, verdict_line
 from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Timings
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.compare import Comparison, compare, judge
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
@@ -42,7 +43,7 @@ def compared(
     first: Sequence[float | None], second: Sequence[float | None], metric: MetricInfo = SUPPLIES
 ) -> Comparison:
     results = Results(
-        engine_version="0",
+        versions=CURRENT_VERSIONS,
         suite="quick",
         seed=0,
         sandbox="process",
