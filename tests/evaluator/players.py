@@ -19,11 +19,11 @@ TALKER = """
         print("step", observation.step)
         return Action(walk_speed=5.0)
 """
-# Raises an exception.
+# Raises an exception, with a text that would clear the screen, break markup and turn the line around.
 CRASHER = """
     def act(self, observation):
         if observation.step == 7:
-            raise RuntimeError("lost the thread")
+            raise RuntimeError("lost the thread \\x1b[2J[/]\\u202e")
         return Action()
 """
 # Ends its process.

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 def doctor() -> None:
     """Try every promise of every sandbox on this machine; say which are kept, and what to install."""
+    from rich.text import Text
+
     from wildscav.console import console
     from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 
@@ -24,10 +26,12 @@ def doctor() -> None:
         console.print(_table(f"{name}{_engine(name)}", promises))
         if all(promise.kept for promise in promises):
             whole.append(name)
-    console.print("[bold]process[/bold] promises nothing: for agents that you would run yourself.")
+    console.print(
+        Text.assemble(("process", "bold"), " promises nothing: for agents that you would run yourself.")
+    )
     if not whole:
         raise UserError("no sandbox keeps all its promises here: agents would run as plain processes")
-    console.print(f"Unless you say otherwise, agents run in [bold]{whole[0]}[/bold].")
+    console.print(Text.assemble("Unless you say otherwise, agents run in ", (whole[0], "bold"), "."))
 
 
 def _engine(sandbox: str) -> str:
@@ -42,6 +46,8 @@ def _engine(sandbox: str) -> str:
 
 
 def _table(name: str, promises: "tuple[Promise, ...]") -> "Table":
+    from rich.text import Text
+
     from wildscav_evaluator.cli.tables import plain_table
 
     kept = sum(promise.kept for promise in promises)
@@ -50,6 +56,6 @@ def _table(name: str, promises: "tuple[Promise, ...]") -> "Table":
     for heading in ("promise", "", "found", "what to do"):
         table.add_column(heading)
     for promise in promises:
-        mark = "[green]kept[/green]" if promise.kept else "[red]broken[/red]"
+        mark = Text("kept", "green") if promise.kept else Text("broken", "red")
         table.add_row(promise.name, mark, promise.found, promise.remedy)
     return table

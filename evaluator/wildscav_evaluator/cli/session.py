@@ -155,7 +155,7 @@ def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database:
         _say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to be watched in Rerun")
     shown = _replay_to_show(results)
     if shown is not None:
-        _say("", f"watch one: [bold]{command('rerun')} {plan.out / shown}[/bold]")
+        _say("", f"watch one: {command('rerun')} {plan.out / shown}")
 
 
 def _say(what: str, text: str) -> None:

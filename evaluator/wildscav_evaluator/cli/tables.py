@@ -5,6 +5,7 @@ from textwrap import wrap
 
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 from wildscav_evaluator.output.results import Evaluation, MetricInfo, Results, Summary
 
@@ -65,25 +66,25 @@ def add_columns(table: Table, *headings: str) -> None:
 
 def heading(metric: MetricInfo) -> str:
     """Return a column's heading: title, unit, and which way is better."""
-    unit = rf" \[{metric.unit}]" if metric.unit else ""
+    unit = f" [{metric.unit}]" if metric.unit else ""
     return "\n".join(wrap(f"{metric.title}{unit} {'↓' if metric.lower_is_better else '↑'}", HEADING_WIDTH))
 
 
-def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> Iterator[str]:
+def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> Iterator[Text | str]:
     """Yield the cells under the columns of ``add_metrics``."""
     for position, metric in enumerate(metrics):
         values = summary.get(metric.name)
         mean = NOTHING if values is None else number(values.mean, metric)
-        yield f"[bold]{mean}[/bold]" if position == 0 else mean
+        yield Text(mean, "bold") if position == 0 else mean
         if position == 0:
             yield (
                 NOTHING if values is None else f"{number(values.low, metric)}–{number(values.high, metric)}"
             )
 
 
-def fault_cell(faults: int, matches: int) -> str:
+def fault_cell(faults: int, matches: int) -> Text:
     """Return how many matches failed, in red if any did."""
-    return f"[red]{faults} of {matches}[/red]" if faults else f"0 of {matches}"
+    return Text(f"{faults} of {matches}", "red" if faults else "")
 
 
 def number(value: float, metric: MetricInfo) -> str:

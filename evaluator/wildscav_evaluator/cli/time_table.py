@@ -4,6 +4,7 @@ import statistics
 from collections.abc import Iterator, Mapping
 
 from rich.table import Table
+from rich.text import Text
 
 from wildscav_evaluator.cli.tables import NOTHING, add_columns, plain_table
 from wildscav_evaluator.output.results import KeptLimits, Results, SeatTiming
@@ -30,14 +31,14 @@ def time_table(results: Results) -> Table:
     return table
 
 
-def _cells(seats: list[SeatTiming]) -> Iterator[str]:
+def _cells(seats: list[SeatTiming]) -> Iterator[Text | str]:
     """Yield the figures of some seats, one at least."""
     late, steps = sum(seat.late_steps for seat in seats), sum(seat.steps for seat in seats)
     yield _time(statistics.median(seat.latency_p50 for seat in seats))
     yield _time(max(seat.latency_p99 for seat in seats))
     yield _time(max(seat.latency_max for seat in seats))
     yield _time(statistics.fmean(seat.time_used for seat in seats))
-    yield f"[red]{late / steps:.1%}[/red]" if late else "0"
+    yield Text(f"{late / steps:.1%}", "red") if late else "0"
     yield _time(min(seat.time_bank for seat in seats))
     starts = [seat.start_up for seat in seats if seat.start_up is not None]
     yield _time(max(starts)) if starts else NOTHING

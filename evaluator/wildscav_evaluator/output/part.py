@@ -4,6 +4,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
+from wildscav.console import ascii_json
 from wildscav_engine.files import write_whole
 
 
@@ -18,5 +19,5 @@ class Part(BaseModel):
         Raises:
             OSError: It cannot be written.
         """
-        write_whole(path, self.model_dump_json(indent=1).encode() + b"\n")
+        write_whole(path, ascii_json(self.model_dump_json(indent=1)).encode("ascii") + b"\n")
         return path

@@ -1,6 +1,7 @@
 """A submission: a folder with ``submission.toml`` and code, checked before anything runs."""
 
 import hashlib
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ _ENTRY_POINT = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$"
 # In the words of a person who has the file open, where pydantic's would show a pattern.
 _HINTS = {
     "name": "2 to 40 of a-z, 0-9 and -, a letter or digit first",
-    "version": 'text of 1 to 40 characters without spaces, such as "1.0.0"',
+    "version": 'text of 1 to 40 of A-Z, a-z, 0-9 and . + - _, a letter or digit first, such as "1.0.0"',
     "entry_point": 'text of the form "module:Class", such as "agent:MyAgent"',
 }
 
@@ -39,7 +40,7 @@ class Manifest(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Annotated[str, Field(pattern=_NAME)]
-    version: Annotated[str, Field(pattern=r"^\S{1,40}$")]
+    version: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9.+_-]{0,39}$")]
     entry_point: Annotated[str, Field(pattern=_ENTRY_POINT)]
     tracks: Annotated[tuple[str, ...], Field(min_length=1)]
     sensors: dict[str, dict[str, Any]] = {}
@@ -160,5 +161,6 @@ def folder_digest(folder: Path) -> str:
             continue
         with path.open("rb") as file:
             content = hashlib.file_digest(file, "blake2b").hexdigest()
-        digest.update(f"{relative.as_posix()}\0{content}\n".encode())
+        # A name need not be UTF-8.
+        digest.update(os.fsencode(relative.as_posix()) + f"\0{content}\n".encode())
     return digest.hexdigest()

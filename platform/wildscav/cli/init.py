@@ -20,6 +20,8 @@ def init(
     ] = None,
 ) -> None:
     """Make a new submission from a template, ready to play."""
+    from rich.text import Text
+
     from wildscav.console import console
 
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
@@ -30,7 +32,7 @@ def init(
     for file in TEMPLATE:
         text = (template / file).read_text("utf-8")
         (folder / file).write_text(text.replace("my-agent", name), "utf-8")
-    console.print(f"[bold]{folder}[/bold] holds a new agent, [bold]{name}[/bold]. Next:", highlight=False)
+    console.print(Text.assemble((str(folder), "bold"), " holds a new agent, ", (name, "bold"), ". Next:"))
     console.print(f"  wildscav play {folder}", highlight=False, soft_wrap=True)
     console.print(f"  and open {folder / 'agent.py'} in an editor.", highlight=False, soft_wrap=True)
 

@@ -86,12 +86,14 @@ def _command(name: str, function: Callable[..., None] | typer.Typer, *, options:
 
 def _unavailable(name: str, error: Exception) -> Callable[[], None]:
     """Return a command in place of one that cannot be imported."""
+    from rich.markup import escape
+
     why = _remedy(error) or f"{type(error).__name__}: {error}"
 
     def explain() -> None:
         raise UserError(f"{name} is not available: {why}", exit_code=1)
 
-    explain.__doc__ = f"(Not available: {why})"
+    explain.__doc__ = escape(f"(Not available: {why})")
     return explain
 
 

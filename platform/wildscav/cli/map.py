@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.markup import escape
 
 from wildscav.cli.map_import import import_map
 from wildscav.cli.naming import Choice, takes_a_map
@@ -108,13 +107,13 @@ def info(choose: Callable[[], Choice]) -> None:
         box=box.SIMPLE_HEAD,
         padding=(0, 2, 0, 0),
         show_edge=False,
-        title=escape(choice.title),
+        title=choice.title,
         title_justify="left",
     )
     table.add_column("", style="bold")
     table.add_column("", overflow="fold")
     for name, figure in figures_of(choice.game_map).items():
-        table.add_row(name, escape(figure))
+        table.add_row(name, figure)
     table.add_row("made in", f"{_seconds_to_make(choice.game_map):.2f} s")
     console.print(table)
 

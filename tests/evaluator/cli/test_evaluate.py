@@ -43,7 +43,8 @@ def test_a_failing_agent_harms_nobody(wildscav: Command, pair: tuple[Path, Path]
 
     assert done.returncode == 1
     assert "crasher failed in every match of navigation" in complaint(done)
-    assert "RuntimeError: lost the thread" in complaint(done)
+    assert r"RuntimeError: lost the thread \x1b[2J[/]\u202e" in complaint(done)
+    assert not {"\x1b", "\u202e"} & set(done.stdout + done.stderr), "no agent's text steers the terminal"
 
     results = read_results(tmp_path / "results.json")
     walker, crasher = results.evaluations

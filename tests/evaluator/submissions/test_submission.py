@@ -1,5 +1,6 @@
 """What a submission's folder must look like, and what its author is told where it does not."""
 
+import os
 import re
 from pathlib import Path
 
@@ -105,6 +106,13 @@ def test_the_digest_is_of_paths_and_contents_and_of_nothing_else(tmp_path: Path)
     make(second)
     (second / "agent.py").rename(second / "other.py")
     assert folder_digest(first) != folder_digest(second)
+
+
+def test_a_file_may_have_a_name_that_is_no_text(tmp_path: Path) -> None:
+    make(tmp_path)
+    before = folder_digest(tmp_path)
+    Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff.bin")).touch()
+    assert folder_digest(tmp_path) != before
 
 
 @pytest.mark.parametrize("name", ["random", "homing", "hunter"])

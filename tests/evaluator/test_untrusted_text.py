@@ -1,0 +1,292 @@
+"""Text of strangers in every field that holds text: everybody's results are shown and kept all the same."""
+
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from rich.console import RenderableType
+from tests.platform.test_console import is_plain
+
+from wildscav.cli import verify
+from wildscav.console import PlainConsole
+from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.check import session as checking
+from wildscav_evaluator.check.findings import Finding, Verdict
+from wildscav_evaluator.cli import compare_session, rescore_session, session
+from wildscav_evaluator.cli.complaints import raise_all
+from wildscav_evaluator.cli.tables import track_table
+from wildscav_evaluator.cli.time_table import conditions, time_table
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    KeptLimits,
+    MatchRow,
+    MatchTiming,
+    MetricInfo,
+    Results,
+    SeatRow,
+    SeatTiming,
+    Summary,
+    Timings,
+    read_results,
+    write_results,
+)
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.scores.compare import compare
+from wildscav_evaluator.submissions.submission import (
+    Manifest,
+    Submission,
+    SubmissionError,
+    load_submission,
+)
+from wildscav_evaluator.watch.dashboard import dashboard
+from wildscav_evaluator.watch.progress import EvaluationProgress
+from wildscav_evaluator.watch.tally import Tally
+from wildscav_leaderboard import cli as leaderboard
+from wildscav_leaderboard.database import reading
+from wildscav_leaderboard.sink import DatabaseSink
+from wildscav_leaderboard.standings import standings
+
+# JSON, protobuf and SQLite hold no halves of characters, so none comes out of them.
+TEXT = st.text(st.characters(exclude_categories=("Cs",)), min_size=1, max_size=20)
+HOSTILE = "[/]\x1b]0;mine\x07\x9b2J\u202e[red]"
+
+
+@pytest.fixture
+def screen(monkeypatch: pytest.MonkeyPatch) -> PlainConsole:
+    """A terminal of 60 columns in place of every console."""
+    console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
+    for module in (session, checking, compare_session, rescore_session, leaderboard):
+        monkeypatch.setattr(module, "console", console)
+    monkeypatch.setattr("wildscav_evaluator.cli.complaints.error_console", console)
+    return console
+
+
+def written_on(console: PlainConsole) -> str:
+    assert isinstance(console.file, io.StringIO)
+    text = console.file.getvalue()
+    console.file.seek(0)
+    console.file.truncate()
+    return text
+
+
+def results_of(text: str, *others: str) -> Results:
+    """Results in which one submission has the text wherever there is any, beside honest ones."""
+    names = (text, *others)
+    timings = [
+        MatchTiming(
+            submission=name,
+            track="navigation",
+            index=0,
+            started=0.0,
+            wall=1.0,
+            steps=5,
+            seats=(timing_of_a_seat(),),
+            platform_faults=(name,),
+        )
+        for name in names
+    ]
+    return Results(
+        versions=CURRENT_VERSIONS,
+        suite="quick",
+        seed=0,
+        sandbox="process",
+        limits={"navigation": KeptLimits(memory=1)},
+        evaluations=tuple(evaluation_of(name) for name in names),
+        timings=Timings(started="2030-01-01T00:00:00+00:00", wall=1.0, jobs=1, matches=tuple(timings)),
+    )
+
+
+def evaluation_of(text: str) -> Evaluation:
+    seat = SeatRow(
+        seat=0,
+        status="crashed",
+        fault="agent",
+        detail=text,
+        killed_by=text,
+        last_lines=(text, text),
+        actions=2,
+        invalid_actions=1,
+        metrics={"time": 1.0},
+        log=text,
+    )
+    return Evaluation(
+        submission=text,
+        version=text,
+        digest=text,
+        track="navigation",
+        metrics=(MetricInfo(name="time", title="time", unit="s", lower_is_better=True),),
+        matches=(MatchRow.of(0, (seat,), text),),
+        summary={"time": Summary(mean=1.0, std=None, low=1.0, high=1.0)},
+    )
+
+
+def timing_of_a_seat() -> SeatTiming:
+    return SeatTiming(
+        seat=0,
+        start_up=0.5,
+        steps=5,
+        late_steps=1,
+        time_used=1.0,
+        latency_p50=0.1,
+        latency_p99=0.1,
+        latency_max=0.1,
+        time_bank=1.0,
+    )
+
+
+ways = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
+
+
+@ways
+@given(text=TEXT)
+@example(text=HOSTILE)
+def test_tables_of_results_show_everybody(text: str, screen: PlainConsole) -> None:
+    results = results_of(text, "honest")
+
+    session._show(results)
+    rescore_session._show(results)
+    for line in session._keep(results, a_plan(), (), Path(text)):
+        screen.print(line)
+
+    shown = written_on(screen)
+    assert is_plain(shown)
+    assert shown.count("honest honest") == 2, "the honest submission stands in the table of each command"
+
+
+def a_plan() -> Any:
+    class Plan:
+        out = Path("out")
+
+    return Plan()
+
+
+@ways
+@given(text=TEXT.filter(lambda text: text != "honest"))
+@example(text=HOSTILE)
+def test_a_comparison_and_complaints_are_plain(text: str, screen: PlainConsole) -> None:
+    results = results_of(text, "honest")
+    for one in compare(results, text, "honest").comparisons:
+        screen.print(compare_session.comparison_table(one))
+        screen.print(compare_session.verdict_line(one))
+    with pytest.raises(Exception, match="honest"):
+        raise_all([session.all_failed(one, Path(text)) for one in results.evaluations])
+    checking._explain(Finding(text, Verdict.BROKEN, text, text, (text,)))
+    screen.print(verify._table([verify.Finding(Path("a/b"), False, text)]))
+    assert is_plain(written_on(screen))
+
+
+@ways
+@given(text=TEXT)
+@example(text=HOSTILE)
+def test_the_progress_of_an_evaluation_is_plain(text: str) -> None:
+    manifest = Manifest(name="mine", version="1", entry_point="agent:Agent", tracks=("navigation",))
+    job = Job(
+        Submission(Path("/mine"), manifest, "0"),
+        "navigation",
+        0,
+        MatchSpec(track="navigation"),
+        Path("/o"),
+        False,
+    )
+    console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
+    tally = Tally([job])
+    progress = EvaluationProgress(console, tally)
+    tally.start(job)
+    console.print(dashboard(tally, text, 60))
+    progress.note_broken(job, text)
+    (row,) = evaluation_of(text).matches
+    result = JobResult(job, row, complaint=text)
+    progress.add(result, tally.add(result))
+    assert is_plain(written_on(console))
+
+
+@ways
+@given(text=TEXT)
+@example(text=HOSTILE)
+def test_what_is_kept_says_the_same_and_its_files_are_plain(
+    text: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("out")
+    results = results_of(text, "honest")
+    path = write_results(results, folder)
+    assert read_results(path) == results
+    assert is_plain(path.read_text("utf-8"))
+    json.loads(path.read_text("ascii"))
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=15)
+@given(text=TEXT.filter(lambda text: text != "honest"))
+@example(text=HOSTILE)
+def test_the_leaderboard_takes_and_shows_everybody(
+    text: str, tmp_path_factory: pytest.TempPathFactory, screen: PlainConsole
+) -> None:
+    path = tmp_path_factory.mktemp("db") / "wildscav.db"
+    DatabaseSink(str(path)).store(results_of(text, "honest"))
+
+    leaderboard.leaderboard(db=path)
+    with reading(path) as opened:
+        (table,) = standings(opened)
+        assert {row.evaluation.submission.name for row in table.rows} == {text, "honest"}
+
+    shown = written_on(screen)
+    assert is_plain(shown)
+    assert "honest honest" in shown
+
+
+FIELDS: dict[str, Callable[[str], str]] = {
+    "name": json.dumps,
+    "version": json.dumps,
+    "entry_point": json.dumps,
+    "tracks": lambda text: json.dumps([text]),
+    "sensors": lambda text: f"{{ {json.dumps(text)} = {{}} }}",
+    "sensors.depth": lambda text: f"{{ {json.dumps(text)} = {json.dumps(text)} }}",
+}
+GOOD = {"name": '"mine"', "version": '"1"', "entry_point": '"agent:Agent"', "tracks": '["navigation"]'}
+
+
+@pytest.mark.parametrize("field", FIELDS)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30)
+@given(text=TEXT)
+@example(text=HOSTILE)
+@example(text="[/]")
+def test_a_manifest_is_read_or_refused_in_a_plain_line(
+    field: str, text: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("submission")
+    (folder / "agent.py").write_text("class Agent: ...")
+    content = GOOD | {field: FIELDS[field](text)}
+    (folder / "submission.toml").write_text(
+        "".join(f"{name} = {value}\n" for name, value in content.items()), "utf-8"
+    )
+    console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
+    said: RenderableType
+    try:
+        said = track_table(results_of(load_submission(folder).manifest.version), "navigation")
+    except SubmissionError as error:
+        said = str(error)
+    console.print(said, soft_wrap=True)
+    shown = written_on(console)
+    assert is_plain(shown)
+    assert shown.strip()
+
+
+def test_a_version_that_would_be_markup_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "submission.toml").write_text(
+        "".join(f"{name} = {value}\n" for name, value in (GOOD | {"version": '"[/]"'}).items())
+    )
+    with pytest.raises(SubmissionError, match=r"version: is '\[/\]', must be text of 1 to 40 of A-Z, a-z"):
+        load_submission(tmp_path)
+
+
+def test_the_conditions_and_times_of_any_sandbox_are_plain() -> None:
+    console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
+    for line in conditions(HOSTILE, {HOSTILE: KeptLimits(memory=1)}):
+        console.print(line)
+    console.print(time_table(results_of(HOSTILE)))
+    assert is_plain(written_on(console))
