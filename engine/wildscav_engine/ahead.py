@@ -12,7 +12,9 @@ import subprocess
 import sys
 from contextlib import suppress
 
-from wildscav_engine.kernel import PACKAGE, cache_folder, config
+from wildscav_engine.compilation.cache import cache_folder
+from wildscav_engine.compilation.sources import PACKAGE
+from wildscav_engine.kernel import config
 from wildscav_engine.threads import cores
 
 # Functions that compile what takes longest, and the file whose kernels are compiled last of all.

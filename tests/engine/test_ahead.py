@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import textwrap
-import threading
 from pathlib import Path
 
 import pytest
@@ -62,26 +61,3 @@ def test_with_nothing_kept_another_process_compiles(monkeypatch: pytest.MonkeyPa
     ahead.compile_ahead.__wrapped__()
 
     assert started == [[sys.executable, "-m", "wildscav_engine.ahead"]]
-
-
-def test_a_process_waits_while_another_compiles_the_same(tmp_path: Path) -> None:
-    file, order = tmp_path / "some.lock", ["first"]
-
-    def wait() -> None:
-        with kernels._lock(file):
-            order.append("second")
-
-    with kernels._lock(file):
-        waiter = threading.Thread(target=wait)
-        waiter.start()
-        waiter.join(0.2)
-        order.append("first is done")
-    waiter.join(10)
-
-    assert order == ["first", "first is done", "second"]
-
-
-def test_where_no_lock_can_be_had_everyone_compiles(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with kernels._lock(tmp_path / "file" / "some.lock"):
-        pass

@@ -23,9 +23,10 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.cache import cache_root
+from wildscav_engine.compilation.sources import sources_digest
 from wildscav_engine.container import ContainerError, Layout, canonical, pack, unpack
 from wildscav_engine.files import write_whole
-from wildscav_engine.kernel import cache_root, sources_digest
 from wildscav_engine.maps import generate
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 from wildscav_engine.maps.generate import generate_map

@@ -10,14 +10,14 @@ This builds on the insides of Numba's compiler, whose versions ``pyproject.toml`
 from typing import Any
 
 from llvmlite import binding as llvm
-from numba.core import caching, codegen, compiler, compiler_machinery, typed_passes
+from numba.core import codegen, compiler, compiler_machinery, typed_passes
+
+from wildscav_engine.compilation.cache import Entries, KernelCache
 
 # Typed here, because Numba comes without types.
 Library: Any = codegen.JITCodeLibrary
 Compiler: Any = compiler.CompilerBase
 Pass: Any = compiler_machinery.LoweringPass
-CacheEntries: Any = caching.CompileResultCacheImpl
-Cache: Any = caching.FunctionCache
 register_pass: Any = compiler_machinery.register_pass
 compile_result: Any = compiler.compile_result
 parse_bitcode: Any = llvm.parse_bitcode
@@ -126,8 +126,8 @@ class PartCompiler(Compiler):  # type: ignore[misc]
         return [passes]
 
 
-class PartEntries(CacheEntries):  # type: ignore[misc]
-    """What the disk cache keeps of a compiled part."""
+class PartEntries(Entries):
+    """What is kept of a compiled part."""
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
         """Return what is kept."""
@@ -161,13 +161,7 @@ class PartEntries(CacheEntries):  # type: ignore[misc]
         )
 
 
-class PartCache(Cache):  # type: ignore[misc]
-    """The disk cache of one kernel's parts."""
+class PartCache(KernelCache):
+    """The cache of one kernel's parts."""
 
-    _impl_class = PartEntries
-
-
-def keep(dispatcher: Any) -> Any:
-    """Keep a function's parts on disk, in Numba's cache folder of this moment; return the function."""
-    dispatcher._cache = PartCache(dispatcher.py_func)
-    return dispatcher
+    entries = PartEntries

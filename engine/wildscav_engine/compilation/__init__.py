@@ -1,0 +1,1 @@
+"""How kernels are compiled and kept: what their code depends on, and where it is found again."""

@@ -1,0 +1,121 @@
+"""What the code of a kernel depends on: its file, every file that this imports, and the compiler.
+
+The digest does not depend on where the files lie or when they were written, so every clone, environment and
+wheel of the same version finds what any of them compiled. The processor is not in it: Numba itself keeps
+apart what is for different ones.
+"""
+
+import ast
+import functools
+import sys
+from collections.abc import Iterator
+from hashlib import blake2b
+from pathlib import Path
+
+import llvmlite
+import numba
+import numpy as np
+
+PACKAGE = Path(__file__).parent.parent
+COMPILER = (
+    f"numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {np.__version__} "
+    f"{sys.implementation.cache_tag}"
+)
+BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # where statements hold other statements
+TYPE_CHECKING = ("TYPE_CHECKING", "typing.TYPE_CHECKING")
+
+
+@functools.cache
+def sources_digest(file: Path) -> str:
+    """Return a digest of a file, of all files that it depends on, and of the compiler's version."""
+    digest = blake2b(COMPILER.encode(), digest_size=8)
+    for name, content in sorted((name_of(path), content_digest(path)) for path in closure(file)):
+        digest.update(name.encode() + b"\0" + content)
+    return digest.hexdigest()
+
+
+def closure(file: Path) -> set[Path]:
+    """Return a file and every file of the engine or of its own package that it imports, directly or not."""
+    found: set[Path] = set()
+    waiting = [file]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting.extend(imported_files(path))
+    return found
+
+
+@functools.cache
+def content_digest(file: Path) -> bytes:
+    """Return a digest of what is in a file."""
+    return blake2b(file.read_bytes(), digest_size=16).digest()
+
+
+def name_of(file: Path) -> str:
+    """Return a file's name with those of its packages, such as ``wildscav_engine/maps/land.py``."""
+    return file.relative_to(_root(file)).as_posix()
+
+
+@functools.cache
+def imported_files(file: Path) -> tuple[Path, ...]:
+    """Return the files that a file imports at run time from the engine or from its own package.
+
+    Imports in functions count. A file outside of packages may also import those beside it.
+    """
+    root = _root(file)
+    own = "" if root == file.parent else file.relative_to(root).parts[0]
+    package = list(file.parent.relative_to(root).parts)
+    found: dict[Path, None] = {}
+    for name in _imported_names(ast.parse(file.read_bytes()), package):
+        top = name.split(".")[0]
+        if top == PACKAGE.name:
+            found[_module_file(PACKAGE.parent, name)] = None
+        elif top == own:
+            found[_module_file(root, name)] = None
+        elif not own:
+            found[root / f"{name}.py"] = None
+    return tuple(path for path in found if path.is_file())
+
+
+def _imported_names(tree: ast.AST, package: list[str]) -> Iterator[str]:
+    """Yield the full name of everything imported that may be a module.
+
+    Args:
+        tree: The syntax tree of a file.
+        package: The names of the packages that the file is in, the outermost first.
+    """
+    for node in _run(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                parts = alias.name.split(".")
+                # ``import a.b`` gives a name for a, through which everything in it can be reached.
+                yield from (".".join(parts[:count]) for count in range(1, len(parts) + 1))
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else []
+            base = ".".join([*above, *filter(None, [node.module])])
+            yield from [base, *(f"{base}.{alias.name}" for alias in node.names)]
+
+
+def _run(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield a syntax tree's statements, nested ones too, except what only type checkers read."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        is_typing = isinstance(node, ast.If) and ast.unparse(node.test) in TYPE_CHECKING
+        for part in ("orelse",) if is_typing else BLOCKS:
+            waiting.extend(getattr(node, part, ()))
+
+
+def _module_file(root: Path, name: str) -> Path:
+    path = root.joinpath(*name.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_name(f"{path.name}.py")
+
+
+def _root(file: Path) -> Path:
+    """Return the folder that holds the outermost package of a file; without one, the folder of the file."""
+    folder = file.parent
+    while (folder / "__init__.py").exists():
+        folder = folder.parent
+    return folder
