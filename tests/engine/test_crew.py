@@ -92,7 +92,7 @@ def helpers() -> int:
 
 def wait_for(holds: Callable[[], bool]) -> bool:
     """Return whether something holds within some seconds."""
-    end = time.monotonic() + 10
+    end = time.monotonic() + 60
     while not holds() and time.monotonic() < end:
         time.sleep(0.01)
     return holds()

@@ -41,7 +41,7 @@ def serving(tmp_path: Path, test: Callable[[MatchServer, str], Awaitable[Result]
         server = MatchServer(**options)
         (address,) = await server.start([f"unix:{tmp_path / 'match.sock'}"])
         try:
-            async with asyncio.timeout(60):
+            async with asyncio.timeout(300):
                 return await test(server, address)
         finally:
             await server.stop()

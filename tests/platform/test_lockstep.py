@@ -4,7 +4,6 @@ import asyncio
 import math
 from pathlib import Path
 
-import grpc
 import numpy as np
 import pytest
 from tests.platform.seats import connected, ended, host, serving, small_spec, start_agent
@@ -17,7 +16,6 @@ from wildscav_engine.match import Match
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.tracks import TRACKS
 
-HASTY = Clock(step_budget=0.05, time_bank=0.1)
 PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=400.0)
 
 
@@ -171,170 +169,6 @@ def test_what_an_action_may_hold(
         assert (over.conduct.invalid_actions, over.conduct.ignored_fields) == (invalid, ignored)
         if invalid:
             assert not hosted.match.actions_played[0].any()
-
-    serving(tmp_path, play)
-
-
-def test_a_silent_seat_costs_the_others_its_time_once(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=HASTY)
-        async with connected(address) as silent, connected(address) as lively:
-            await silent.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            assert (await lively.play_out(walk_speed=1.0)).match_over.conduct.steps_played == 20
-        outcome = await hosted.finished()
-        assert outcome.seats[0].status == SeatStatus.TIMED_OUT
-        assert (outcome.seats[0].steps_played, outcome.seats[0].late_steps) == (0, 20)
-        assert outcome.seats[1].status == SeatStatus.FINISHED
-        # 20 budgets and one bank are 1.1 s.
-        assert 1.05 <= outcome.seconds < 2.5
-
-    serving(tmp_path, play)
-
-
-def test_each_observation_tells_what_is_left_of_the_seats_own_bank(tmp_path: Path) -> None:
-    clock = Clock(step_budget=0.05, time_bank=2.0)
-
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=clock)
-        async with connected(address) as slow, connected(address) as quick:
-            await slow.join(hosted.tokens[0])
-            await quick.join(hosted.tokens[1])
-            for step, left in enumerate((2.0, 1.75, 1.5)):
-                banks = [(await seat.read()).observation.time_bank for seat in (slow, quick)]
-                assert left - 0.2 <= banks[0] <= left
-                assert banks[1] == 2.0
-                await quick.act(step)
-                await asyncio.sleep(0.3)
-                await slow.act(step)
-        hosted.cancel()
-
-    serving(tmp_path, play)
-
-
-def test_a_seat_that_wakes_up_again_plays_on(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=2, seconds=3.0), clock=HASTY)
-        agents = [
-            await start_agent(name, address, hosted.tokens[seat])
-            for seat, name in enumerate(("Sleepy", "Walker"))
-        ]
-        outcome = await hosted.finished()
-        assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
-        sleepy, walker = outcome.seats[0], outcome.seats[1]
-        assert sleepy.status == SeatStatus.TIMED_OUT
-        # Its answer to step 3, and perhaps one to a step that was nearly over when it woke up.
-        assert 1 <= sleepy.dropped_actions <= 2
-        assert 5 <= sleepy.late_steps <= 15  # 0.5 s, of which the budget and the bank pay 0.15 s
-        assert sleepy.late_steps + sleepy.steps_played == 30
-        assert (walker.status, walker.steps_played) == (SeatStatus.FINISHED, 30)
-
-    serving(tmp_path, play)
-
-
-def test_a_killed_agent_costs_nobody_any_time(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=2))
-        agents = [
-            await start_agent(name, address, hosted.tokens[seat])
-            for seat, name in enumerate(("Killed", "Walker"))
-        ]
-        outcome = await hosted.finished()
-        assert (await ended(agents[0]))[0] == -9
-        assert await ended(agents[1]) == (0, "")
-        assert (outcome.seats[0].status, outcome.seats[0].steps_played) == (SeatStatus.CRASHED, 5)
-        assert outcome.seats[0].detail == "its stream ended"
-        assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
-        assert outcome.seconds < 5.0  # the bank of 30 s was not waited for
-
-    serving(tmp_path, play)
-
-
-def test_when_all_are_gone_the_rest_is_played_at_once(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seconds=600.0))
-        async with connected(address) as seat:
-            await seat.join(hosted.tokens[0])
-            await seat.read()
-            await seat.call.done_writing()
-            outcome = await hosted.finished()
-        assert outcome.match.step_number == 6000
-        assert (outcome.seats[0].status, outcome.seats[0].detail) == (SeatStatus.CRASHED, "its stream ended")
-        assert outcome.seconds < 20.0
-
-    serving(tmp_path, play)
-
-
-def test_a_seat_that_nobody_takes_is_waited_for_no_longer_than_agreed(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.3))
-        async with connected(address) as seat, connected(address) as late:
-            await seat.join(hosted.tokens[0])
-            first = await seat.read()
-            with pytest.raises(grpc.aio.AioRpcError, match="seat 1 is closed"):
-                await late.join(hosted.tokens[1])
-            await seat.act(first.observation.step)
-            await seat.play_out()
-        outcome = await hosted.finished()
-        assert outcome.seats[1].status == SeatStatus.NEVER_JOINED
-        assert outcome.seats[0].status == SeatStatus.FINISHED
-
-    serving(tmp_path, play)
-
-
-def test_a_seat_given_up_by_its_launcher_is_waited_for_no_longer(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=3))
-        hosted.give_up(2, "the process did not start")
-        async with connected(address) as stuck, connected(address) as lively:
-            await stuck.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            await lively.read()
-            await lively.act(0)
-            hosted.give_up(0, "out of memory")
-            await lively.play_out()
-        outcome = await hosted.finished()
-        assert [outcome.seats[seat].status for seat in range(3)] == ["crashed", "finished", "crashed"]
-        assert outcome.seats[0].detail == "out of memory"
-        assert outcome.seats[2].detail == "the process did not start"
-        assert outcome.seconds < 5.0
-
-    serving(tmp_path, play)
-
-
-def test_a_match_ends_after_twice_its_game_time(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        clock = Clock(step_budget=10.0, game_time_factor=0.5)  # 20 steps of 0.05 s
-        hosted = await host(server, small_spec(seats=2), clock=clock)
-        async with connected(address) as silent, connected(address) as lively:
-            await silent.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            over = (await lively.play_out()).match_over
-        outcome = await hosted.finished()
-        assert over.steps == outcome.match.step_number == 20
-        assert 1.0 <= outcome.seconds < 2.0
-        assert outcome.seats[0].status == SeatStatus.TIMED_OUT
-        assert "0 of 20 steps" in outcome.seats[0].detail
-        # Whoever answers in time plays to the end, however slow the others are.
-        assert outcome.seats[1].steps_played == 20
-        assert outcome.seats[1].late_steps == 0
-
-    serving(tmp_path, play)
-
-
-def test_two_matches_at_once_do_not_wait_for_each_other(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        slow, fast = await asyncio.gather(host(server, small_spec()), host(server, small_spec("navigation")))
-        async with connected(address) as waiting, connected(address) as seat:
-            await waiting.join(slow.tokens[0])
-            await waiting.read()
-            await seat.join(fast.tokens[0])
-            await seat.play_out()
-            assert (await fast.finished()).seconds < 5.0
-            assert slow.match.step_number == 0
-            await waiting.act(0)
-            await waiting.play_out()
-            assert (await slow.finished()).seats[0].status == SeatStatus.FINISHED
 
     serving(tmp_path, play)
 

@@ -15,7 +15,8 @@ from wildscav_evaluator.submissions.submission import Submission
 pytestmark = pytest.mark.usefixtures("compiled")
 
 PATIENT = Clock(step_budget=2.0, game_time_factor=100.0)  # so that a busy machine is not the agent's fault
-HASTY = Clock(step_budget=0.02, time_bank=0.5, join_timeout=2.0)
+HASTY = Clock(step_budget=0.02, time_bank=0.5)
+PUNCTUAL = Clock(join_timeout=2.0)
 MATCH = "match: navigation"
 CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers", "broken-off match"]
 
@@ -49,17 +50,17 @@ def test_packages_that_were_not_installed_are_named_before_anything_is_played(
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "body", "seen", "mend"),
+    ("name", "body", "clock", "seen", "mend"),
     [
-        ("crasher", "    def act(self, o): raise ValueError('oh')", "ValueError: oh", "read-only"),
-        ("sleeper", "    def act(self, o): time.sleep(60)", "timed_out", "a bank of 0.5 s"),
-        ("late", "    def reset(self, match): time.sleep(60)", "get ready", "within 2 s"),
+        ("crasher", "    def act(self, o): raise ValueError('oh')", HASTY, "ValueError: oh", "read-only"),
+        ("sleeper", "    def act(self, o): time.sleep(60)", HASTY, "timed_out", "a bank of 0.5 s"),
+        ("late", "    def reset(self, match): time.sleep(60)", PUNCTUAL, "get ready", "within 2 s"),
     ],
 )
 def test_an_agent_that_cannot_play_is_told_why_and_what_to_do(
-    submit: Submit, tmp_path: Path, name: str, body: str, seen: str, mend: str
+    submit: Submit, tmp_path: Path, name: str, body: str, clock: Clock, seen: str, mend: str
 ) -> None:
-    found = findings(submit(name, body), tmp_path / "logs", HASTY)
+    found = findings(submit(name, body), tmp_path / "logs", clock)
 
     assert found[MATCH].verdict == Verdict.BROKEN
     assert seen in found[MATCH].seen
