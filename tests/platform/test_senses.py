@@ -21,7 +21,16 @@ from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_engine.tracks import TRACKS
 
 BANK = 29.5  # s, of seat 0; each other one has a second more
-NEVER_NEGATIVE = ("team", "clip", "spare_ammo", "supplies", "gained", "respawn_left")
+NEVER_NEGATIVE = (
+    "team",
+    "clip",
+    "spare_ammo",
+    "supplies",
+    "gained",
+    "respawn_left",
+    "reload_left",
+    "invincible_left",
+)
 AS_THEY_ARE = ("yaw", "pitch", "on_ground", "in_water", "clip", "spare_ammo", "fired", "supplies", "gained")
 # A match with all that can be seen: more agents and boxes than go into one observation.
 CROWDED = MatchSpec(
@@ -51,6 +60,9 @@ def by_protobuf(match: Match, seat: int) -> Observation:
         reloading=bool(own["reload_left"] > 0),
         invincible=bool(own["invincible_left"] > 0),
         respawn_in=float(own["respawn_left"] * FRAME),
+        reload_in=float(own["reload_left"] * FRAME),
+        invincible_in=float(own["invincible_left"] * FRAME),
+        team_supplies=carried_by(match, int(own["team"])),
         can_pick_up=bool(seen.can_pick_up[0, seat]),
         health=max(0, int(own["health"])),
         agents=[visible(match, int(one)) for one in seen.agents[0, seat, : seen.agent_count[0, seat]]],
@@ -64,6 +76,12 @@ def by_protobuf(match: Match, seat: int) -> Observation:
     if own["knows_target"]:
         message.target.CopyFrom(vector(match.state.matches.target[0]))
     return message
+
+
+def carried_by(match: Match, team: int) -> int:
+    agents = match.state.agents
+    mates = agents.team[0, : match.seats] == team
+    return int(agents.supplies[0, : match.seats][mates].sum(dtype=np.int64))
 
 
 def visible(match: Match, seat: int) -> VisibleAgent:
@@ -133,7 +151,7 @@ def test_a_number_that_no_seat_can_be_sent_is_our_mistake_and_never_garbage() ->
 def test_the_longest_observation_has_room() -> None:
     match = scrambled(seed=1, largest=2**31 - 1, fully=True)
     lengths = {len(content) for content in sent(match, list(range(match.seats)))}
-    assert 2900 < max(lengths) < 3000 < ROOM  # seats above 127 would take 17 bytes more
+    assert 2950 < max(lengths) < 3050 < ROOM  # seats above 127 would take 17 bytes more
 
 
 def scrambled(seed: int, largest: int, *, fully: bool = False) -> Match:

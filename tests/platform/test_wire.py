@@ -133,6 +133,9 @@ SENSED = ObservationMessage(
     can_pick_up=True,
     supplies=12,
     gained=5,
+    team_supplies=30,
+    reload_in=1.5,
+    invincible_in=0.5,
     agents=[
         VisibleAgent(
             seat=1,
@@ -162,6 +165,7 @@ def test_an_observation_arrives() -> None:
     assert (seen.clip, seen.spare_ammo, seen.reloading, seen.fired) == (15, 60, False, True)
     assert (seen.hit_seat, seen.hit_by_seat, seen.invincible, seen.respawn_in) == (1, None, False, 0)
     assert (seen.can_pick_up, seen.supplies, seen.gained) == (True, 12, 5)
+    assert (seen.team_supplies, seen.reload_in, seen.invincible_in) == (30, 1.5, 0.5)
     assert seen.target is None
     (other,) = seen.agents
     assert (other.seat, other.team, other.position, other.health) == (1, 1, (4, 5, 6), 100)

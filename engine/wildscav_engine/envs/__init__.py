@@ -1,11 +1,13 @@
 """Environments for learners: Gymnasium for one, PettingZoo and batched arrays for several."""
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.batched import BatchedArena
     from wildscav_engine.envs.config import EnvConfig
+    from wildscav_engine.envs.description import describe
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
     from wildscav_engine.envs.presets import PRESETS
     from wildscav_engine.envs.single import SingleEnv
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "BatchedArena": "batched",
     "EnvConfig": "config",
+    "describe": "description",
     "ParallelArena": "parallel",
     "aec_env": "parallel",
     "parallel_env": "parallel",
@@ -33,13 +36,15 @@ __all__ = [
     "EnvConfig",
     "FlatActions",
     "FlatObservations",
-    "ParallelArena",
     "SingleEnv",
-    "StableVector",
     "VectorArena",
-    "aec_env",
-    "parallel_env",
+    "describe",
 ]
+# `from wildscav_engine.envs import *` gives what can be imported; these come with optional libraries.
+if find_spec("pettingzoo"):
+    __all__ += ["ParallelArena", "aec_env", "parallel_env"]
+if find_spec("stable_baselines3"):
+    __all__ += ["StableVector"]
 
 
 def __getattr__(name: str) -> Any:

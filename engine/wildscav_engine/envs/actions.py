@@ -56,6 +56,10 @@ class ActionMode(ABC):
         """A new space of one learner's actions."""
 
     @abstractmethod
+    def describe(self) -> dict[str, Any]:
+        """Return what it takes to decode actions elsewhere, ready for JSON; ``mode`` is its name."""
+
+    @abstractmethod
     def decode(self, actions: Any, yaws: NDArray[np.float64], rows: Rows) -> None:
         """Write what N learners chose.
 
@@ -71,6 +75,9 @@ class ActionMode(ABC):
     def decode_one(self, action: Any, yaws: NDArray[np.float64], rows: Rows) -> None:
         """Write what one learner chose: as ``decode``, with an action of the space itself."""
         self.decode(np.asarray(action)[np.newaxis], yaws, rows)
+
+    def _flag_names(self) -> list[str]:
+        return [field.name.lower() for field in self.fields if field > Field.LOOK]
 
     def mask(self, alive: bool) -> Any:  # noqa: ARG002
         """Return what may be sampled, as ``Space.sample`` takes it; None where nothing can be masked.
@@ -91,6 +98,10 @@ class DictMode(ActionMode):
     def space(self) -> Dict:
         """A Dict by the names of the fields, in lower case."""
         return Dict({field.name.lower(): _space_of(field) for field in self.fields})
+
+    def describe(self) -> dict[str, Any]:
+        """Return the names of the fields."""
+        return {"mode": "dict", "fields": list(self._names)}
 
     def decode(self, actions: Any, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
         """Write (N,) numbers of each field into its column."""
@@ -184,6 +195,16 @@ class BoxMode(ActionMode):
         """(k,) in [-1, 1]: walk east, walk north, turn, look, jump and whatever else."""
         return Box(-1.0, 1.0, (len(self.fields),), np.float32)
 
+    def describe(self) -> dict[str, Any]:
+        """Return what 1 stands for: m/s, and degrees a frame; and the names of what is yes or no."""
+        return {
+            "mode": "box",
+            "walk_speed": MAX_WALK_SPEED,
+            "turn": TURN_STEP / self.held,
+            "look": LOOK_STEP / self.held,
+            "flags": self._flag_names(),
+        }
+
     def decode(self, actions: ArrayLike, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
         """Write (N, k) numbers."""
         values = _as_array(actions, (len(rows), len(self.fields)), "fiu", np.float64)
@@ -234,6 +255,10 @@ class BaselineMode(ActionMode):
         """One of 8 choices, or of 48 where there is something to pick up."""
         return Discrete(len(self.table))
 
+    def describe(self) -> dict[str, Any]:
+        """Return the table of action rows."""
+        return {"mode": "baseline", "table": self.table.tolist()}
+
     def decode(self, actions: ArrayLike, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
         """Write the rows of (N,) choices."""
         choices = _as_array(actions, (len(rows),), "iu", np.int64)
@@ -272,6 +297,17 @@ class MultiDiscreteMode(ActionMode):
     def space(self) -> MultiDiscrete:
         """Walk (stand, or 8 directions clockwise from the view), speed, turn, look, jump and what else."""
         return MultiDiscrete(self.sizes)
+
+    def describe(self) -> dict[str, Any]:
+        """Return the choices: degrees clockwise from the view (None: stand), m/s, and degrees a frame."""
+        return {
+            "mode": "multidiscrete",
+            "directions": [None, *(45.0 * place for place in range(DIRECTIONS))],
+            "speeds": self._speeds.tolist(),
+            "turns": self._turns.tolist(),
+            "looks": self._looks.tolist(),
+            "flags": self._flag_names(),
+        }
 
     def decode(self, actions: ArrayLike, yaws: NDArray[np.float64], rows: Rows) -> None:
         """Write the rows of (N, k) choices."""

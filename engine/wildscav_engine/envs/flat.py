@@ -22,7 +22,7 @@ class Flattener:
         """Take the space of one learner's observations: a Dict of Boxes."""
         boxes: dict[str, Any] = dict(space.spaces)
         self._names = tuple(boxes)
-        scales = np.concatenate([_scales_of(name, box).reshape(-1) for name, box in boxes.items()])
+        scales = np.concatenate([scales_of(name, box).reshape(-1) for name, box in boxes.items()])
         self._factors = (1.0 / scales).astype(np.float32)
         low = np.concatenate([box.low.reshape(-1) for box in boxes.values()])
         high = np.concatenate([box.high.reshape(-1) for box in boxes.values()])
@@ -39,8 +39,8 @@ class Flattener:
         return flat
 
 
-def _scales_of(name: str, box: Box) -> NDArray[np.float64]:
-    """Return what is usual for each number of a group or sensor."""
+def scales_of(name: str, box: Box) -> NDArray[np.float64]:
+    """Return what is usual for each number of a group or sensor, in the shape of its box."""
     for group in GROUPS.values():
         if group.name == name:
             return np.array([SCALES.get(column.unit, COUNT) for column in group.columns])

@@ -138,7 +138,7 @@ class SupplyWave(_message.Message):
     def __init__(self, time: _Optional[float] = ..., center_x: _Optional[float] = ..., center_z: _Optional[float] = ..., radius: _Optional[float] = ...) -> None: ...
 
 class Observation(_message.Message):
-    __slots__ = ("step", "frame", "time_bank", "position", "velocity", "yaw", "pitch", "on_ground", "in_water", "health", "clip", "spare_ammo", "reloading", "fired", "hit_seat", "hit_by_seat", "invincible", "respawn_in", "can_pick_up", "supplies", "gained", "agents", "supply_boxes", "tensors", "target")
+    __slots__ = ("step", "frame", "time_bank", "position", "velocity", "yaw", "pitch", "on_ground", "in_water", "health", "clip", "spare_ammo", "reloading", "fired", "hit_seat", "hit_by_seat", "invincible", "respawn_in", "can_pick_up", "supplies", "gained", "agents", "supply_boxes", "tensors", "target", "team_supplies", "reload_in", "invincible_in")
     STEP_FIELD_NUMBER: _ClassVar[int]
     FRAME_FIELD_NUMBER: _ClassVar[int]
     TIME_BANK_FIELD_NUMBER: _ClassVar[int]
@@ -164,6 +164,9 @@ class Observation(_message.Message):
     SUPPLY_BOXES_FIELD_NUMBER: _ClassVar[int]
     TENSORS_FIELD_NUMBER: _ClassVar[int]
     TARGET_FIELD_NUMBER: _ClassVar[int]
+    TEAM_SUPPLIES_FIELD_NUMBER: _ClassVar[int]
+    RELOAD_IN_FIELD_NUMBER: _ClassVar[int]
+    INVINCIBLE_IN_FIELD_NUMBER: _ClassVar[int]
     step: int
     frame: int
     time_bank: float
@@ -189,7 +192,10 @@ class Observation(_message.Message):
     supply_boxes: _containers.RepeatedCompositeFieldContainer[SupplyBox]
     tensors: _containers.RepeatedCompositeFieldContainer[Tensor]
     target: Vector
-    def __init__(self, step: _Optional[int] = ..., frame: _Optional[int] = ..., time_bank: _Optional[float] = ..., position: _Optional[_Union[Vector, _Mapping]] = ..., velocity: _Optional[_Union[Vector, _Mapping]] = ..., yaw: _Optional[float] = ..., pitch: _Optional[float] = ..., on_ground: _Optional[bool] = ..., in_water: _Optional[bool] = ..., health: _Optional[int] = ..., clip: _Optional[int] = ..., spare_ammo: _Optional[int] = ..., reloading: _Optional[bool] = ..., fired: _Optional[bool] = ..., hit_seat: _Optional[int] = ..., hit_by_seat: _Optional[int] = ..., invincible: _Optional[bool] = ..., respawn_in: _Optional[float] = ..., can_pick_up: _Optional[bool] = ..., supplies: _Optional[int] = ..., gained: _Optional[int] = ..., agents: _Optional[_Iterable[_Union[VisibleAgent, _Mapping]]] = ..., supply_boxes: _Optional[_Iterable[_Union[SupplyBox, _Mapping]]] = ..., tensors: _Optional[_Iterable[_Union[Tensor, _Mapping]]] = ..., target: _Optional[_Union[Vector, _Mapping]] = ...) -> None: ...
+    team_supplies: int
+    reload_in: float
+    invincible_in: float
+    def __init__(self, step: _Optional[int] = ..., frame: _Optional[int] = ..., time_bank: _Optional[float] = ..., position: _Optional[_Union[Vector, _Mapping]] = ..., velocity: _Optional[_Union[Vector, _Mapping]] = ..., yaw: _Optional[float] = ..., pitch: _Optional[float] = ..., on_ground: _Optional[bool] = ..., in_water: _Optional[bool] = ..., health: _Optional[int] = ..., clip: _Optional[int] = ..., spare_ammo: _Optional[int] = ..., reloading: _Optional[bool] = ..., fired: _Optional[bool] = ..., hit_seat: _Optional[int] = ..., hit_by_seat: _Optional[int] = ..., invincible: _Optional[bool] = ..., respawn_in: _Optional[float] = ..., can_pick_up: _Optional[bool] = ..., supplies: _Optional[int] = ..., gained: _Optional[int] = ..., agents: _Optional[_Iterable[_Union[VisibleAgent, _Mapping]]] = ..., supply_boxes: _Optional[_Iterable[_Union[SupplyBox, _Mapping]]] = ..., tensors: _Optional[_Iterable[_Union[Tensor, _Mapping]]] = ..., target: _Optional[_Union[Vector, _Mapping]] = ..., team_supplies: _Optional[int] = ..., reload_in: _Optional[float] = ..., invincible_in: _Optional[float] = ...) -> None: ...
 
 class VisibleAgent(_message.Message):
     __slots__ = ("seat", "team", "position", "velocity", "yaw", "health", "invincible")

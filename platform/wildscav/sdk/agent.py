@@ -166,6 +166,9 @@ class Observation(Arriving):
     agents: tuple[VisibleAgent, ...] = ()  # in sight, nearest first, 16 at most
     supply_boxes: tuple[SupplyBox, ...] = ()  # within supply_sight, nearest first, 32 at most
     tensors: Mapping[str, NDArray[Any]] = field(default_factory=dict)  # sensor readings by name, read-only
+    team_supplies: int = 0  # carried by the agent's team together
+    reload_in: float = 0.0  # s until the weapon is reloaded, 0 if it is not being reloaded
+    invincible_in: float = 0.0  # s until shots do the agent harm again
 
     @property
     def depth(self) -> NDArray[np.float32]:

@@ -21,6 +21,7 @@ from wildscav_engine.rng import Word
 from wildscav_engine.rules import FRAME
 from wildscav_engine.sensors.visibility import Seen
 from wildscav_engine.state import Agents, Matches, Supplies
+from wildscav_engine.systems.supplies import team_supplies
 
 ROOM = 4096  # bytes for one observation; 16 agents, 32 boxes and the largest numbers need fewer than 3,100
 VARINT, DOUBLE, MESSAGE = 0, 1, 2  # what follows a key
@@ -54,6 +55,9 @@ class Own(IntEnum):
     AGENTS = 22
     SUPPLY_BOXES = 23
     TARGET = 25
+    TEAM_SUPPLIES = 26
+    RELOAD_IN = 27
+    INVINCIBLE_IN = 28
 
 
 class Other(IntEnum):
@@ -213,7 +217,10 @@ def put_observation(
     if agents.knows_target[seat]:
         target = matches.target[match]
         at = put_vector(out, at, Own.TARGET, target[0], target[1], target[2])
-    return at
+    together = team_supplies(agents.team, agents.supplies, agents.team[seat])
+    at = put_number(out, at, Own.TEAM_SUPPLIES, together)
+    at = put_double(out, at, Own.RELOAD_IN, agents.reload_left[seat] * FRAME)
+    return put_double(out, at, Own.INVINCIBLE_IN, agents.invincible_left[seat] * FRAME)
 
 
 @kernel

@@ -1,0 +1,66 @@
+"""An environment's observations and actions as data, so that an agent can make them without the engine.
+
+``wildscav.policy`` reads this description; the tests hold its arrays equal to the environments', bit for bit.
+"""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from wildscav_engine.envs.actions import action_mode
+from wildscav_engine.envs.columns import GROUPS
+from wildscav_engine.envs.config import EnvConfig
+from wildscav_engine.envs.flat import scales_of
+from wildscav_engine.envs.observation import readings_space
+from wildscav_engine.sensors import Sensor
+
+FORMAT = 1  # rises when older readers would misread a description
+
+
+def describe(config: EnvConfig) -> dict[str, Any]:
+    """Return how an environment's observations and actions are laid out, ready for JSON.
+
+    Args:
+        config: Its options: the attribute ``config`` of any environment.
+
+    Returns:
+        ``format``; ``track``; ``frames_per_action``; ``flat``; ``observations``, the parts of an observation
+        in the order of flat rows, each with its name, shape, dtype, scale (what its numbers are divided by in
+        flat rows), and the columns of a group or the options of a sensor; and ``actions``, as
+        ``ActionMode.describe`` says.
+    """
+    sensors = config.read_sensors()
+    columns = {group.name: [column.name for column in group.columns] for group in GROUPS.values()}
+    parts: list[dict[str, Any]] = []
+    spaces: dict[str, Any] = dict(readings_space(config).spaces)
+    for name, box in spaces.items():
+        part = {"name": name, "shape": list(box.shape), "dtype": box.dtype.str, "scale": _scale(name, box)}
+        if name in sensors:
+            parts.append(part | {"sensor": options_of(sensors[name])})
+        else:
+            parts.append(part | {"columns": columns[name]})
+    return {
+        "format": FORMAT,
+        "track": config.track,
+        "frames_per_action": config.frames_per_action,
+        "flat": config.flat,
+        "observations": parts,
+        "actions": action_mode(config).describe(),
+    }
+
+
+def options_of(sensor: Sensor) -> dict[str, Any]:
+    """Return all options of a sensor, as they stand in a ``submission.toml``."""
+    fields: Any = sensor
+    return {field.name: getattr(sensor, field.name) for field in dataclasses.fields(fields)}
+
+
+def _scale(name: str, box: Box) -> Any:
+    """Return what numbers are divided by, as briefly as broadcasting allows."""
+    scales: NDArray[np.float64] = scales_of(name, box).reshape(box.shape)
+    while scales.ndim and (scales == scales[:1]).all():
+        scales = scales[0]
+    return scales.tolist()

@@ -1,0 +1,178 @@
+"""Observations as the training environments return them, from an agent's own observations."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav.policy.errors import PolicyError
+from wildscav.policy.trig import cosine, sine
+from wildscav.sdk.agent import MatchInfo, Observation
+
+Readings = dict[str, NDArray[Any]]  # by the names of groups and sensors
+Values = tuple[float, ...]
+
+
+class Events(NamedTuple):
+    """What happened to the agent since the policy last chose: several steps, if it chooses more rarely."""
+
+    gained: int = 0  # supplies
+    fired: bool = False
+    hit: bool = False
+    was_hit: bool = False
+
+    def with_step(self, seen: Observation) -> "Events":
+        """Return these events and those of one more step."""
+        return Events(
+            self.gained + seen.gained,
+            self.fired or seen.fired,
+            self.hit or seen.hit_seat is not None,
+            self.was_hit or seen.hit_by_seat is not None,
+        )
+
+
+class Moment(NamedTuple):
+    """What the numbers of one observation are made from."""
+
+    match: MatchInfo
+    seen: Observation
+    events: Events
+
+
+class Group(NamedTuple):
+    """Numbers that belong together: how they are called, and how to find them."""
+
+    columns: tuple[str, ...]
+    read: Callable[[Moment], Values]
+
+
+def _body(now: Moment) -> Values:
+    return now.seen.alive, now.seen.on_ground, now.seen.in_water
+
+
+def _view(now: Moment) -> Values:
+    yaw, pitch = now.seen.yaw, now.seen.pitch
+    angles = (sine(yaw), cosine(yaw), sine(pitch), cosine(pitch))
+    return (yaw, pitch, *(max(-1.0, min(1.0, value)) for value in angles))
+
+
+def _time(now: Moment) -> Values:
+    frame, rate = now.seen.frame, now.match.frames_per_second
+    limit = max(1, round(now.match.time_limit * rate))
+    return max(0, limit - frame) * (1.0 / rate), frame * (1.0 / rate)
+
+
+def _target(now: Moment) -> Values:
+    target = now.seen.target
+    if target is None:
+        return (0.0,) * 8
+    x, y, z = (place - own for place, own in zip(target, now.seen.position, strict=True))
+    return (1.0, *target, x, y, z, math.sqrt(x * x + y * y + z * z))
+
+
+def _supplies(now: Moment) -> Values:
+    seen = now.seen
+    return seen.supplies, now.events.gained, seen.team_supplies, seen.can_pick_up
+
+
+def _vitals(now: Moment) -> Values:
+    return now.seen.health, now.seen.respawn_in, now.seen.invincible_in
+
+
+def _weapon(now: Moment) -> Values:
+    seen, events = now.seen, now.events
+    return seen.clip, seen.spare_ammo, seen.reload_in, events.fired, events.hit, events.was_hit
+
+
+# As the engine's columns are called; the tests hold the numbers equal to the environments'.
+GROUPS: dict[str, Group] = {
+    "position": Group(("x", "y", "z"), lambda now: now.seen.position),
+    "velocity": Group(("x", "y", "z"), lambda now: now.seen.velocity),
+    "view": Group(
+        ("yaw", "pitch", "sine of yaw", "cosine of yaw", "sine of pitch", "cosine of pitch"), _view
+    ),
+    "body": Group(("alive", "on_ground", "in_water"), _body),
+    "time": Group(("left", "passed"), _time),
+    "target": Group(
+        ("known", "x", "y", "z", "x from here", "y from here", "z from here", "distance"), _target
+    ),
+    "supplies": Group(("carried", "picked up in the step", "carried by the team", "can_pick_up"), _supplies),
+    "vitals": Group(("health", "respawn_left", "invincible_left"), _vitals),
+    "weapon": Group(("clip", "spare_ammo", "reload_left", "fired", "hit", "was_hit"), _weapon),
+}
+
+
+class Observer:
+    """Makes an environment's observations.
+
+    Args:
+        parts: ``observations`` of a description: what each part of an observation is, in order.
+        flat: Whether an observation is one row of numbers.
+
+    Raises:
+        PolicyError: A part is not known here.
+    """
+
+    def __init__(self, parts: Sequence[Mapping[str, Any]], *, flat: bool) -> None:
+        self._parts = [(str(part["name"]), _places(part)) for part in parts]
+        self._flat = flat
+        self.shapes = {str(part["name"]): tuple(part["shape"]) for part in parts}
+        self.dtypes = {str(part["name"]): np.dtype(part["dtype"]) for part in parts}
+        scales = [np.broadcast_to(np.asarray(part["scale"], np.float64), part["shape"]) for part in parts]
+        self._factors = (1.0 / np.concatenate([scale.reshape(-1) for scale in scales])).astype(np.float32)
+
+    @property
+    def width(self) -> int:
+        """How many numbers an observation has."""
+        return len(self._factors)
+
+    def observe(self, match: MatchInfo, seen: Observation, events: Events) -> Readings | NDArray[np.float32]:
+        """Return an observation: arrays by name, or (n,) float32 if the environment is flat.
+
+        Raises:
+            PolicyError: A sensor does not arrive, or not as it was in training.
+        """
+        now = Moment(match, seen, events)
+        readings = {
+            name: self._sensor(name, seen) if places is None else _values(name, places, now)
+            for name, places in self._parts
+        }
+        if not self._flat:
+            return readings
+        row = np.concatenate([values.reshape(-1) for values in readings.values()], dtype=np.float32)
+        row *= self._factors
+        return row
+
+    def _sensor(self, name: str, seen: Observation) -> NDArray[Any]:
+        reading = seen.sensor(name)
+        if reading.shape != self.shapes[name] or reading.dtype != self.dtypes[name]:
+            raise PolicyError(
+                f"the sensor {name} gives {reading.dtype} {reading.shape}; the policy was trained with "
+                f"{self.dtypes[name]} {self.shapes[name]}: mend [sensors.{name}] in submission.toml"
+            )
+        return reading
+
+
+def _values(name: str, places: Sequence[int], now: Moment) -> NDArray[np.float32]:
+    values = GROUPS[name].read(now)
+    return np.array([values[place] for place in places], np.float64).astype(np.float32)
+
+
+def _places(part: Mapping[str, Any]) -> tuple[int, ...] | None:
+    """Return where the columns of a group are among those known here; None for a sensor.
+
+    Raises:
+        PolicyError: A column is not known here.
+    """
+    if "columns" not in part:
+        return None
+    name, columns = part["name"], part["columns"]
+    known = GROUPS[name].columns if name in GROUPS else ()
+    if unknown := [column for column in columns if column not in known]:
+        raise PolicyError(
+            f"policy.json wants {unknown[0]!r} of {name!r}, which this version of the SDK does not know: "
+            "make the submission anew with the wildscav that it will be played with"
+        )
+    return tuple(known.index(column) for column in columns)

@@ -1,0 +1,101 @@
+"""A trained policy as an agent."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wildscav.policy.choosing import chooser_of
+from wildscav.policy.environment import Environment
+from wildscav.policy.errors import PolicyError
+from wildscav.policy.networks import load_network
+from wildscav.sdk.agent import Action, Agent, MatchInfo, Observation
+
+FILE = "policy.json"
+
+
+class Policy:
+    """An environment, a network, and how to choose by what it says.
+
+    Attributes:
+        environment: Makes the observations and actions of the training environment.
+        network: Turns an observation into numbers.
+        chooser: Turns those into a choice of the action space.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Load a policy.
+
+        Args:
+            folder: Of the submission; ``policy.json`` lies in it.
+
+        Raises:
+            PolicyError: The file, or the network that it names, cannot be used.
+        """
+        description = _read(folder / FILE)
+        try:
+            self.environment = Environment(description["environment"])
+            network: Mapping[str, Any] = description["network"]
+        except KeyError as error:
+            raise PolicyError(f"{folder / FILE} has no {error}") from None
+        self.network = load_network(folder, network)
+        self.chooser = chooser_of(self.environment.mode, {**network, "choose": description.get("choose")})
+        self._random = np.random.default_rng(0)
+        self._action, self._until = Action(), 0  # what is done, and up to which frame
+
+    def begin(self, match: MatchInfo) -> None:
+        """Begin a match; the same match draws the same random numbers.
+
+        Raises:
+            PolicyError: The match is of another track, or its steps do not fit those of the environment.
+        """
+        self.environment.begin(match)
+        self._random = np.random.default_rng(match.seed)
+        self._action, self._until = Action(), 0
+
+    def act(self, seen: Observation) -> Action:
+        """Return what the policy does in this step.
+
+        Where the environment held its actions longer than the match does, an action is held as long here.
+
+        Raises:
+            PolicyError: What the network returns is no choice of the action space.
+        """
+        if seen.frame < self._until:
+            self.environment.skip(seen)
+            return self._action
+        outputs = self.network(self.environment.observe(seen))
+        self._action = self.environment.action(self.chooser(outputs, self._random), seen)
+        self._until = seen.frame + self.environment.held
+        return self._action
+
+
+class PolicyAgent(Agent):
+    """Plays as the policy in a folder says: the base of what ``wildscav init --from-policy`` makes."""
+
+    folder: Path  # of policy.json; a class attribute of the submission's agent
+
+    def __init__(self) -> None:
+        self.policy = Policy(self.folder)
+
+    def reset(self, match: MatchInfo) -> None:
+        """Begin a match. See ``Agent.reset``."""
+        self.policy.begin(match)
+
+    def act(self, observation: Observation) -> Action:
+        """Return what the policy does. See ``Agent.act``."""
+        return self.policy.act(observation)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise PolicyError(f"cannot read {path}: {error.strerror}") from None
+    except ValueError as error:
+        raise PolicyError(f"{path} is not valid JSON: {error}") from None
+    if not isinstance(content, dict):
+        raise PolicyError(f"{path} must hold a JSON object")
+    return content

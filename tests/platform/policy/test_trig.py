@@ -1,0 +1,27 @@
+"""The SDK's angles are the engine's, bit for bit."""
+
+import struct
+
+from hypothesis import given
+from hypothesis import strategies as some
+
+from wildscav.policy import trig
+from wildscav_engine import trig as exact
+
+ANGLES = some.floats(-1e6, 1e6) | some.integers(-24, 24).map(lambda part: 15.0 * part)
+NUMBERS = some.floats(-1.0, 1.0)
+
+
+def bits(number: float) -> bytes:
+    return struct.pack("<d", number)
+
+
+@given(ANGLES)
+def test_sine_and_cosine(angle: float) -> None:
+    assert bits(trig.sine(angle)) == bits(exact.sine(angle))
+    assert bits(trig.cosine(angle)) == bits(exact.cosine(angle))
+
+
+@given(NUMBERS, NUMBERS)
+def test_arctangent(y: float, x: float) -> None:
+    assert bits(trig.arctangent(y, x)) == bits(exact.arctangent(y, x))
