@@ -38,7 +38,7 @@ def test_the_import_contracts_hold() -> None:
 def test_importing_one_does_not_load_the_other(module: str, stranger: str) -> None:
     code = f"import sys, {module}; sys.exit({stranger!r} in sys.modules)"
 
-    assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], timeout=300).returncode == 0
 
 
 def test_the_platform_folder_does_not_hide_the_standard_library() -> None:

@@ -30,7 +30,7 @@ def test_each_thread_does_the_same_parts_again() -> None:
 
         def work(part: slice) -> bool:
             who[part.start] = threading.current_thread().name
-            meet.wait(10)
+            meet.wait(120)
             return True
 
         assert share(work, 8, 2, 4)

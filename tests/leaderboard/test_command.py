@@ -18,7 +18,7 @@ Make = Callable[..., Results]
 def leaderboard(*arguments: object) -> "subprocess.CompletedProcess[str]":
     command = [str(Path(sys.executable).parent / "wildscav"), "leaderboard", *map(str, arguments)]
     environment = {**os.environ, "COLUMNS": "80"}
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment)
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
 
 
 def test_it_prints_a_table_for_every_track(make_results: Make, tmp_path: Path) -> None:

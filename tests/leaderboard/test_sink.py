@@ -145,7 +145,7 @@ def test_a_full_disk_leaves_no_empty_database(tmp_path: Path) -> None:
     # Nothing beyond 512 or 1024 bytes can be written: as on a full disk, writes fail.
     command = ["sh", "-c", 'ulimit -f 1 && exec "$@"', "sh", sys.executable, "-c", code]
 
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
 
     assert "cannot be used" in done.stderr
     assert list(tmp_path.iterdir()) == []

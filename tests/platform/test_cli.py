@@ -270,7 +270,7 @@ def test_serve_stops_when_told_to() -> None:
         with served("--listen", "127.0.0.1:0") as (address, process):
             assert address.startswith("127.0.0.1:")
             process.send_signal(number)
-            assert process.wait(10) == 0
+            assert process.wait(120) == 0
 
 
 def test_serve_says_that_a_port_is_in_use() -> None:

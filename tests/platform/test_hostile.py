@@ -130,7 +130,7 @@ def test_thousands_of_connections_leave_a_match_its_time(tmp_path: Path, said: b
         assert await ended(agent) == (0, "")
         report = (await hosted.finished()).seats[0]
         assert (report.status, report.late_steps) == ("finished", 0)
-        async with asyncio.timeout(10):  # a busy machine takes a while to close the others
+        async with asyncio.timeout(120):  # a busy machine takes a while to close the others
             while sum(map(still_open, flood)) > 2000:  # noqa: ASYNC110
                 await asyncio.sleep(0.1)
         for one in flood:

@@ -7,6 +7,7 @@ from pathlib import Path
 import grpc
 import pytest
 from grpc_health.v1 import health_pb2, health_pb2_grpc
+from tests.platform.hand_set_clock import HandSetLoop, serving_by_hand
 from tests.platform.seats import HandPlayed, connected, ended, host, serving, small_spec, start_agent
 
 from wildscav.errors import AddressInUseError, SensorError, UserError
@@ -198,24 +199,27 @@ def test_strangers_at_one_address_crowd_nobody_out_at_another(
 
 
 def test_who_wants_to_get_ready_first_has_time_for_it_and_no_more(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.8))
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.75))
         async with connected(address) as slow, connected(address) as never:
             for seat, number in ((slow, 0), (never, 1)):
                 await seat.send(join(hosted.tokens[number], gets_ready=True))
                 assert (await seat.read()).HasField("match_info")
-            await asyncio.sleep(0.4)  # longer than a step's budget
+            await clock.pass_time(0.5)  # longer than a step's budget
             await slow.send(ClientMessage(ready=Ready()))
+            while not hosted.seats[0].ready:  # noqa: ASYNC110
+                await asyncio.sleep(0)
+            await clock.pass_time(0.25)
             assert (await slow.play_out()).match_over.conduct.status == SeatStatus.FINISHED
             assert await refused(never) == (grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED")
         outcome = await hosted.finished()
         assert outcome.seats[0].time_bank == hosted.clock.time_bank
         assert (outcome.seats[1].status, outcome.seats[1].detail) == (
             SeatStatus.NEVER_JOINED,
-            "did not get ready within 0.8 s",
+            "did not get ready within 0.75 s",
         )
 
-    serving(tmp_path, play)
+    serving_by_hand(tmp_path, play)
 
 
 def test_a_huge_message_costs_its_seat_alone(tmp_path: Path) -> None:

@@ -80,7 +80,7 @@ def test_an_interrupted_match_says_so(submit: Submit, tmp_path: Path) -> None:
             assert playing.poll() is None
             time.sleep(0.05)
         os.kill(playing.pid, signal.SIGINT)
-        _, errors = playing.communicate(timeout=60)
+        _, errors = playing.communicate(timeout=120)
 
     assert playing.returncode == 130
     assert errors.splitlines()[-1].startswith("wildscav: interrupted")

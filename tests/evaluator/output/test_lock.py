@@ -2,15 +2,15 @@
 
 import subprocess
 import sys
-import time
 from pathlib import Path
+from time import sleep
 
 import pytest
 
 from wildscav.errors import UserError
 from wildscav_evaluator.output.lock import LOCK, locked
 
-# An evaluation that is killed while a worker of its own still has something to do for a second.
+# An evaluation that is killed while a worker of its own still has something to do, until a file appears.
 KILLED = """
 import multiprocessing, os, sys, time
 from pathlib import Path
@@ -18,7 +18,8 @@ from wildscav_evaluator.output.lock import locked
 
 def work(lock, ready):
     ready.set()
-    time.sleep(1.0)
+    while not Path(sys.argv[2]).exists():
+        time.sleep(0.01)
 
 if __name__ == "__main__":
     context = multiprocessing.get_context("spawn")
@@ -30,17 +31,23 @@ if __name__ == "__main__":
 """
 
 
-def test_a_folder_is_free_once_the_workers_of_a_killed_evaluation_are_gone(tmp_path: Path) -> None:
-    program, folder = tmp_path / "killed.py", tmp_path / "out"
+def test_a_folder_is_free_once_the_workers_of_a_killed_evaluation_are_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program, folder, done = tmp_path / "killed.py", tmp_path / "out", tmp_path / "done"
     folder.mkdir()
     program.write_text(KILLED)
-    subprocess.run([sys.executable, program, folder], stderr=subprocess.DEVNULL)
+    subprocess.run([sys.executable, program, folder, done], stderr=subprocess.DEVNULL)
+    waits: list[float] = []
 
-    began = time.monotonic()
+    def wait(seconds: float) -> None:
+        waits.append(seconds)
+        done.touch()  # the worker ends only once somebody waits for it
+        sleep(seconds)
+
+    monkeypatch.setattr("wildscav_evaluator.output.lock.time.sleep", wait)
     with locked(folder):
-        waited = time.monotonic() - began
-
-    assert waited > 0.3
+        assert waits
     assert not (folder / LOCK).exists()
 
 

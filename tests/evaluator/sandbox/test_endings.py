@@ -22,10 +22,8 @@ pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
 
 
-def run(
-    sandbox: Sandbox, submission: Submission, folder: Path, **limits: object
-) -> tuple[Ending, str, float]:
-    """Run an agent to its end; return how it ended, what it printed, and the seconds it took."""
+def run(sandbox: Sandbox, submission: Submission, folder: Path, **limits: object) -> tuple[Ending, str]:
+    """Run an agent to its end; return how it ended and what it printed."""
 
     async def to_end() -> Ending:
         agent = await sandbox.start(launch)
@@ -34,14 +32,13 @@ def run(
         finally:
             await agent.stop()
 
-    started = time.monotonic()
     with listening(folder / "match.sock") as address:
         entry_point = submission.manifest.entry_point
         own = LIMITS.model_copy(update={"cpus": 1.0, **limits})
         launch = Launch(submission.folder, entry_point, address, "of the seat", folder / "log", own)
         ending = asyncio.run(to_end())
     log = folder / "log"
-    return ending, log.read_text() if log.exists() else "", time.monotonic() - started
+    return ending, log.read_text() if log.exists() else ""
 
 
 def test_memory_is_what_an_agent_is_said_to_have_died_of(
@@ -49,7 +46,7 @@ def test_memory_is_what_an_agent_is_said_to_have_died_of(
 ) -> None:
     greedy = submit("greedy", code="print('more', flush=True)\nbytearray(b'x') * 2**29")
 
-    ending, _, _ = run(real, greedy, tmp_path)
+    ending, _ = run(real, greedy, tmp_path)
 
     assert ending.out_of_memory
     assert str(ending) == "the agent's process ended (out of memory): more"
@@ -89,7 +86,7 @@ def test_a_machine_short_of_memory_is_the_platforms_fault(
 ) -> None:
     within = submit("within", code="print('more', flush=True)\nbytearray(b'x') * (200 * 2**20)")
 
-    ending, _, _ = run(real, within, tmp_path)
+    ending, _ = run(real, within, tmp_path)
 
     assert ending.killed_by == "SIGKILL"
     assert not ending.out_of_memory
@@ -103,7 +100,7 @@ def test_an_agent_that_kills_itself_did_not_die_of_memory(
     unknown = without_a_word and logged_kill("") is None
     code = "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)"
 
-    ending, _, _ = run(real, submit("ending", code=code), tmp_path)
+    ending, _ = run(real, submit("ending", code=code), tmp_path)
 
     assert (ending.killed_by, ending.out_of_memory) == ("SIGKILL", unknown)
 
@@ -120,18 +117,17 @@ def test_an_agent_that_kills_itself_did_not_die_of_memory(
 def test_how_an_agent_ended_is_told_as_it_was(
     real: Sandbox, submit: Submit, tmp_path: Path, code: str, exit_code: int | None, killed_by: str
 ) -> None:
-    ending, _, _ = run(real, submit("ending", code=code), tmp_path)
+    ending, _ = run(real, submit("ending", code=code), tmp_path)
 
     assert (ending.exit_code, ending.killed_by, ending.out_of_memory) == (exit_code, killed_by, False)
 
 
 def test_the_wall_clock_ends_an_agent(real: Sandbox, submit: Submit, tmp_path: Path) -> None:
-    sleeper = submit("sleeper", code="import time\ntime.sleep(60)")
+    sleeper = submit("sleeper", code="import time\ntime.sleep(3600)")
 
-    ending, _, seconds = run(real, sleeper, tmp_path, wall_clock=1.5)
+    ending, _ = run(real, sleeper, tmp_path, wall_clock=1.5)
 
     assert ending.limit == "wall clock"
-    assert seconds < 15
 
 
 def test_an_agent_finds_its_code_its_socket_and_a_place_for_files(
@@ -155,7 +151,7 @@ os._exit(0)
     (submission.folder / "data.txt").write_text("of its own")
     (submission.folder / "data.txt").chmod(0o600)  # as an editor may leave it
 
-    ending, log, _ = run(real, submission, tmp_path)
+    ending, log = run(real, submission, tmp_path)
 
     assert log == "/submission of its own\nof the seat 1 /tmp\nTrue\na thread\n"
     assert ending.exit_code == 0

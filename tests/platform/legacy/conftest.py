@@ -28,7 +28,7 @@ def competitor(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Competitor]
     competitor.wait()
     yield competitor
     competitor.close()
-    engine.join(timeout=10)
+    engine.join(timeout=120)
     client.close()
     competitor.die()
     assert not engine.is_alive(), "close ends the engine"

@@ -74,7 +74,7 @@ def test_a_session_in_a_process_of_its_own(start: Start) -> None:
     competitor.act(times=10)
     assert competitor.is_over
     competitor.close()
-    _, said = process.communicate(timeout=10)
+    _, said = process.communicate(timeout=120)
     assert process.returncode == 0
     assert f"connected to the client on 127.0.0.1:{competitor.port}" in said
     assert "episode 1: map 103, navigation, 1 agent, at most 1 s" in said
@@ -99,7 +99,7 @@ def test_a_refused_field_is_a_clear_line_in_the_log(start: Start) -> None:
     process = start(competitor.port)
     competitor.wait()
     competitor.reply(1, gm_cmd=command(map_id=1000))
-    _, said = process.communicate(timeout=10)
+    _, said = process.communicate(timeout=120)
     assert process.returncode == 2
     assert said.splitlines()[-1].endswith("ERROR map_id is 1000, must be 1 to 999")
     assert "Traceback" not in said
@@ -109,6 +109,6 @@ def test_a_refused_field_is_a_clear_line_in_the_log(start: Start) -> None:
 @pytest.mark.slow
 def test_a_port_where_nobody_listens_is_a_clear_line_in_the_log(start: Start) -> None:
     process = start(1)
-    _, said = process.communicate(timeout=30)
+    _, said = process.communicate(timeout=120)
     assert process.returncode == 1
     assert "no client answers on 127.0.0.1:1" in said.splitlines()[-1]

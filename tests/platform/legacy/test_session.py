@@ -45,7 +45,7 @@ def test_close_ends_the_engine_before_in_and_after_an_episode(
         competitor.begin(command(timeout=1))
         competitor.act(times=actions)
     competitor.close()
-    engine.join(timeout=5)
+    engine.join(timeout=120)
     assert not engine.is_alive()
     assert ended in caplog.messages
     assert said in caplog.text
@@ -58,7 +58,7 @@ def test_a_reply_that_belongs_to_no_episode_is_told_and_asked_again(
     first = competitor.latest
     assert competitor.act() == first
     competitor.close()
-    engine.join(timeout=5)
+    engine.join(timeout=120)
     assert not engine.is_alive()
     assert "the client replies 2, but no episode is being played" in caplog.messages
 
