@@ -8,6 +8,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
@@ -37,6 +38,12 @@ class Plan:
     fresh: bool = False  # whether another evaluation in the output folder is removed
     rounds: int = 1  # how often the suite is played, each time with the next seed
     sandbox: str = "process"  # in which agents run
+    key: SigningKey | None = None  # what the ledger is signed with
+
+    @property
+    def public_key(self) -> str | None:
+        """The public half of that key, 64 hexadecimal digits."""
+        return None if self.key is None else self.key.public
 
     @property
     def title(self) -> str:
@@ -109,6 +116,7 @@ def identity(plan: Plan) -> Identity:
         ),
         sandbox=plan.sandbox,
         limits=plan.kept_limits(),
+        key=plan.public_key,
     )
 
 
@@ -124,6 +132,7 @@ def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
         rounds=plan.rounds,
         sandbox=plan.sandbox,
         limits=plan.kept_limits(),
+        key=plan.public_key,
         evaluations=tuple(_evaluation(track, submission, done) for track, submission in plan.entries()),
         timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
     )

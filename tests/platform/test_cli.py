@@ -161,7 +161,7 @@ def test_many_records_are_a_line_each_in_a_narrow_terminal(
     record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("wildscav.console.console", Console(width=80))
-    paths = [tmp_path / "a" / f"battle-{number:03}-a-name-of-some-length.wsr" for number in range(3)]
+    paths = [tmp_path / "a" / f"battle-of-{number:03}-a-name-of-some-length.wsr" for number in range(3)]
     paths[0].parent.mkdir()
     for path in paths:
         path.hardlink_to(record)

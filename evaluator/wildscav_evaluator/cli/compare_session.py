@@ -27,7 +27,7 @@ def run_comparison(plan: Plan, watching: Watching) -> None:
             matches, after everything else was shown and kept.
     """
     first, second = plan.submissions
-    with evaluating(plan, watching) as results:
+    with evaluating(plan, watching) as (results, ledger):
         comparisons = compare(results, first.name, second.name)
         for one in comparisons.comparisons:
             console.print()
@@ -37,7 +37,7 @@ def run_comparison(plan: Plan, watching: Watching) -> None:
         for line in conditions(results.sandbox, results.limits):
             console.print(f"played in {line}", soft_wrap=True, highlight=False)
         try:
-            write_results(results, plan.out)
+            ledger.close(results, write_results(results, plan.out))
             console.print(f"kept in {write_comparisons(comparisons, plan.out)}", soft_wrap=True)
         except OSError as error:
             raise UserError(f"the comparison could not be kept: {describe(error)}") from error

@@ -10,6 +10,7 @@ import typer
 
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.sign_option import SignOption, signing_key, warn_of_open_key
 
 Submissions = Annotated[
     list[Path],
@@ -82,6 +83,7 @@ def evaluate(
     ] = False,
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
     sandbox: InSandbox = None,
+    sign: SignOption = None,
     log_format: LogOption = None,
     metrics_port: MetricsOption = None,
 ) -> None:
@@ -95,7 +97,10 @@ def evaluate(
 
     loaded, chosen = load_submissions(submissions), find_suite(suite)
     tracks, first = suite_tracks(loaded, track or [], chosen), suite_seed(seed, secret)
+    key = signing_key(sign, out, loaded)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    if key is not None:
+        warn_of_open_key(runs_in)
     plan = Plan(
         submissions=loaded,
         tracks=tracks,
@@ -106,6 +111,7 @@ def evaluate(
         out=out,
         fresh=fresh,
         sandbox=runs_in,
+        key=key,
     )
     run_session(plan, db, Watching(log_format, metrics_port))
 

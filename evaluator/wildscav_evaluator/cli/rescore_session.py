@@ -1,6 +1,6 @@
 """``wildscav rescore`` as its user sees it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -10,39 +10,84 @@ from wildscav.errors import UserError
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import LEGEND, track_table
 from wildscav_evaluator.cli.time_table import conditions
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE, LedgerError, check_key, read_ledger
 from wildscav_evaluator.output.identity import Identity, read_identity
-from wildscav_evaluator.output.opening import expected_matches
 from wildscav_evaluator.output.results import RESULTS_FILE, Results, Timings, read_results
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
-from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, record_paths, replay_all
+from wildscav_evaluator.scores.audit import Folder, complaints, read_folder
+from wildscav_evaluator.scores.rescore import Replayed, recompute, record_paths, replay_all
+from wildscav_evaluator.suites.seeds import OPENED_FILE
 
 SHOWN = 20  # disagreements, at most
 
 
-def run_rescore(out: Path, jobs: int) -> None:
+def run_rescore(out: Path, jobs: int, key: str | None = None) -> None:
     """Play the records of a folder again, show the tables that they make, and say whether they agree.
+
+    Args:
+        out: The output folder of an evaluation.
+        jobs: How many records to play at once.
+        key: The public key that must have signed its ledger; none if that does not matter.
 
     Raises:
         UserError: There are no records; or they do not agree, after everything was shown.
     """
     paths = record_paths(out)
     told = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
+    folder = None if told is None else read_folder(out, told, key)
     replayed = _replay(paths, jobs)
     _show(recomputed(replayed, told, read_identity(out)))
-    complaints = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
+    found = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
+    found += _without_results(out, key) if folder is None else complaints(folder, replayed)
+    if len(found) > SHOWN:
+        found[SHOWN:] = [f"and {len(found) - SHOWN:,} more disagreements"]
+    raise_all(found)
     everything = counted(len(replayed), "record")
-    if told is None:
-        raise_all(complaints)
+    if folder is None:
         console.print(f"{everything} played again; there is no {out / RESULTS_FILE} to compare with")
         return
-    expected = expected_matches(out, told)
-    complaints += disagreements(replayed, told, expected)
-    if len(complaints) > SHOWN:
-        complaints[SHOWN:] = [f"and {len(complaints) - SHOWN:,} more disagreements"]
-    raise_all(complaints)
     console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}", soft_wrap=True)
-    if expected is None:
-        console.print("That these are the suite's matches can be checked once its secret is opened.")
+    _say_what_is_shown(folder)
+
+
+def _without_results(out: Path, key: str | None) -> Iterator[str]:
+    """Yield what is wrong with a folder that has no results."""
+    try:
+        ledger = read_ledger(out)
+        if key is not None:
+            check_key(ledger, key, out)
+    except LedgerError as error:
+        yield str(error)
+        return
+    if ledger is not None and ledger.closed is not None:
+        yield f"there is no {out / RESULTS_FILE}, though the ledger says that the evaluation came to results"
+    elif key is not None:
+        yield f"the evaluation in {out} did not come to its end: there is nothing yet that was signed as such"
+
+
+def _say_what_is_shown(folder: Folder) -> None:
+    """Say what all that agrees shows, and what it does not."""
+    ledger = folder.ledger
+    if ledger is None:
+        raise TypeError("a folder without a ledger does not agree")
+    if folder.signed:
+        _say(f"signed with the key {ledger.key}: nothing was changed or taken out since; head {ledger.head}")
+    elif ledger.key is not None:
+        _say(f"signed with the key {ledger.key}: if that is the organizer's, say so with --key")
+    else:
+        _say(
+            "not signed: these actions give these scores; that nobody put in other actions, or another "
+            "sandbox or submission, is not shown"
+        )
+    if anew := sum(ledger.broken_off.values()):
+        were = "was" if anew == 1 else "were"
+        _say(f"{counted(anew, 'match')} {were} broken off and begun anew: see {LEDGER_FILE}")
+    if folder.told.commitment is not None and not (folder.out / OPENED_FILE).exists():
+        _say("That these are the suite's matches can be checked once its secret is opened.")
+
+
+def _say(text: str) -> None:
+    console.print(text, soft_wrap=True, highlight=False)
 
 
 def recomputed(

@@ -15,6 +15,7 @@ from wildscav_evaluator.cli.evaluate import (
     SuiteOption,
 )
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.sign_option import KeyOption
 
 
 def compare(
@@ -84,13 +85,16 @@ def rescore(
     jobs: Annotated[
         int | None, typer.Option(help="Records to play at once. Default: one a processor core.", min=1)
     ] = None,
+    key: KeyOption = None,
 ) -> None:
     """Play every record of an evaluation again and compute its tables anew. Exit code 0 only if all agree.
 
-    Every number comes from the records. Which version of a submission played, and whose fault it was when an
-    agent ended early, stands in the results alone.
+    Every number comes from the records, and exactly the suite's matches of every entrant must be there. Which
+    submission played, in what, and whose fault it was when an agent ended early, is only proven by a ledger
+    that the organizer signed (--key).
     """
     from wildscav_engine.threads import cores
     from wildscav_evaluator.cli.rescore_session import run_rescore
+    from wildscav_evaluator.ledger.keys import read_public
 
-    run_rescore(out, jobs or cores())
+    run_rescore(out, jobs or cores(), None if key is None else read_public(key))

@@ -1,6 +1,6 @@
 """An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,7 +14,19 @@ from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import LEGEND, ranked, track_table
 from wildscav_evaluator.cli.time_table import conditions, time_table
 from wildscav_evaluator.evaluation import Plan, check_names, collect, identity, make_jobs
-from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, kept, sensors_read
+from wildscav_evaluator.ledger.keeper import Keeper
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE
+from wildscav_evaluator.matches.jobs import (
+    LOGS,
+    RECORDS,
+    REPLAYS,
+    Broken,
+    Job,
+    JobResult,
+    Told,
+    kept,
+    sensors_read,
+)
 from wildscav_evaluator.matches.workers import WorkerDiedError, Workers
 from wildscav_evaluator.output.folder import SUITE_FILE, check_out, keep_only, output_folder
 from wildscav_evaluator.output.lock import Lock
@@ -37,12 +49,13 @@ def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None
     kept_by = tuple(sinks(str(database)))
     for sink in kept_by:
         sink.check()
-    with evaluating(plan, watching) as results:
+    with evaluating(plan, watching) as (results, ledger):
         # Before anything is shown: whoever closes the terminal has them all the same.
-        complaints = list(_written(results, plan.out))
+        complaints = list(_written(results, plan.out, ledger))
         _show(results)
         if not complaints:
             _say("results", str(plan.out / RESULTS_FILE))
+            say_ledger(plan, ledger)
         complaints += _keep(results, plan, kept_by, database)
         complaints += [
             all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
@@ -51,8 +64,11 @@ def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None
 
 
 @contextmanager
-def evaluating(plan: Plan, watching: Watching) -> Iterator[Results]:
+def evaluating(plan: Plan, watching: Watching) -> Iterator[tuple[Results, Keeper]]:
     """Play all matches of a plan, or what is left of them, and hold its output folder while the block lasts.
+
+    Yields:
+        The results, and the ledger, which is to be closed with them.
 
     Raises:
         UserError: They cannot be played, or it was interrupted.
@@ -63,18 +79,19 @@ def evaluating(plan: Plan, watching: Watching) -> Iterator[Results]:
     with output_folder(plan.out, identity(plan), fresh=plan.fresh) as lock:
         if plan.suite.source is not None:
             write_whole(plan.out / SUITE_FILE, plan.suite.source)
+        ledger = Keeper(plan.out, identity(plan), plan.key)
         try:
-            results = collect(plan, _play(plan, jobs, lock, watching))
+            results = collect(plan, _play(plan, jobs, lock, ledger, watching))
         except KeyboardInterrupt:
             raise UserError(_interrupted(plan, jobs), INTERRUPTED) from None
         except WorkerDiedError as error:
             raise UserError(str(error)) from error
-        yield results
+        yield results, ledger
 
 
-def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, watching: Watching) -> list[JobResult]:
+def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, ledger: Keeper, watching: Watching) -> list[JobResult]:
     """Play what was not played in an earlier sitting, and return the results of all."""
-    done = [result for job in jobs if (result := kept(job)) is not None]
+    done = ledger.confirm([result for job in jobs if (result := kept(job)) is not None])
     keep_only(plan.out, (result.job.stem for result in done))
     if done:
         console.print(_goes_on(len(done), len(jobs)))
@@ -88,9 +105,25 @@ def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, watching: Watching) -> li
             with console.status(PREPARING):
                 workers.warm(sensors_read(waiting))
             with watch.shown():
-                for result in workers.run(waiting, watch.start, watch.tell):
+                for result in workers.run(waiting, *_hearing(ledger, watch)):
+                    ledger.end(result)
                     watch.add(result)
     return list(watch.tally.done.values())
+
+
+def _hearing(ledger: Keeper, watch: Watch) -> tuple[Callable[[Job], None], Callable[[Job, Told], None]]:
+    """Return what is told of every match as it is begun, and of how it goes on."""
+
+    def begin(job: Job) -> None:
+        ledger.begin(job.stem)
+        watch.start(job)
+
+    def tell(job: Job, told: Told) -> None:
+        if isinstance(told, Broken):
+            ledger.broke(job.stem, told.reason)
+        watch.tell(job, told)
+
+    return begin, tell
 
 
 def _goes_on(done: int, jobs: int) -> str:
@@ -115,10 +148,18 @@ def _remark(results: Results) -> None:
         console.print(Text.assemble(("note: ", "yellow"), line))
 
 
-def _written(results: Results, out: Path) -> Iterator[str]:
-    """Write the results, and yield what went wrong."""
+def say_ledger(plan: Plan, ledger: Keeper) -> None:
+    """Say where the ledger is, and who signed it."""
+    signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
+    _say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
+    if plan.public_key is not None:
+        _say("", f"its head, to be published with the results: {ledger.head}")
+
+
+def _written(results: Results, out: Path, ledger: Keeper) -> Iterator[str]:
+    """Write the results, close the ledger with them, and yield what went wrong."""
     try:
-        write_results(results, out)
+        ledger.close(results, write_results(results, out))
     except OSError as error:
         yield f"the results could not be kept: {describe(error)}"
 

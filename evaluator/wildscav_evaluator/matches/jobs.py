@@ -54,7 +54,7 @@ class Job:
     @property
     def stem(self) -> str:
         """What its files are called."""
-        return f"{self.track}-{self.index:03d}-{self.submission.name}"
+        return stem_of(self.track, self.index, self.submission.name)
 
     @property
     def record(self) -> str:
@@ -81,6 +81,11 @@ class Job:
         """The match, with this submission in every seat that a submission fills."""
         logs = tuple(self.out / self.log(seat) for seat in self.seats)
         return Seating(self.spec, (self.submission,) * len(logs), logs, self.limits)
+
+
+def stem_of(track: str, index: int, submission: str) -> str:
+    """Return what the files of a submission's match are called."""
+    return f"{track}-{index:03d}-{submission}"
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError, describe
 from wildscav_engine.record import SUFFIX
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.output.identity import Identity, difference, read_identity, write_identity
 from wildscav_evaluator.output.journal import MATCHES
@@ -42,6 +43,7 @@ def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iter
         if fresh:
             # The results first, and the identity last: killed in between, this can be done again.
             (out / RESULTS_FILE).unlink(missing_ok=True)
+            (out / LEDGER_FILE).unlink(missing_ok=True)
             keep_only(out, ())
         else:
             _check_same(out, identity)

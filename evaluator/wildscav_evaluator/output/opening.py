@@ -28,7 +28,18 @@ def expected_matches(out: Path, told: Results) -> Mapping[str, Sequence[MatchSpe
         seed = None if opened is None else opened.value
     if seed is None:
         return None
-    return {track: matches(suite, track, seed, told.rounds) for track in told.tracks}
+    played = [track for track in told.tracks if track in suite.courses]
+    return {track: matches(suite, track, seed, told.rounds) for track in played}
+
+
+def match_counts(out: Path, told: Results) -> Mapping[str, int]:
+    """Return how many matches the suite has on each of its tracks, which does not depend on its seed.
+
+    Raises:
+        UserError: The suite's own file is not that of the results.
+    """
+    suite = played_suite(out, told)
+    return {name: course.maps * course.episodes * told.rounds for name, course in suite.courses.items()}
 
 
 def played_suite(out: Path, told: Results) -> Suite:

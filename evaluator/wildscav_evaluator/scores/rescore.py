@@ -16,13 +16,14 @@ from typing import NamedTuple
 from wildscav.console import printable
 from wildscav.errors import UserError, describe
 from wildscav.processes import be_worker, starting_workers
-from wildscav_engine.record import SUFFIX, Record, RecordError, read_record, verify_record
+from wildscav_engine.record import RECORD_VERSION, SUFFIX, Record, RecordError, read_record, verify_record
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.evaluation import metric_infos
 from wildscav_evaluator.matches.jobs import RECORDS
 from wildscav_evaluator.matches.seating import display_names, submission_seats
 from wildscav_evaluator.output.results import Evaluation, MatchRow, Results, SeatRow, mean_metrics
+from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import summary
 
 NAME = re.compile(
@@ -50,6 +51,7 @@ class Replayed:
     spec: MatchSpec | None = None
     seats: Mapping[int, dict[str, float]] | None = None  # metrics of the submission's; none if it is no good
     fault: str = ""  # why it does not
+    versions: Versions | None = None  # that the record says it was played by
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -79,8 +81,11 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
 
     Args:
         paths: The records.
-        jobs: How many to play at once, each in a process of its own.
+        jobs: How many to play at once, each in a process of its own; a single one is played in this process.
     """
+    if jobs == 1:
+        yield from map(replay_one, paths)
+        return
     count, spawn = min(jobs, len(paths)), get_context("spawn")
     before = active_children()
     with ProcessPoolExecutor(count, spawn, be_worker, (os.getpid(),)) as pool:
@@ -114,7 +119,7 @@ def replay_one(path: Path) -> Replayed:
     try:
         record = read_record(path)
         found = verify_record(record)
-        fault = _misnamed(record, told) if found.holds else found.message
+        fault = misnamed(record, name) if found.holds else found.message
     except RecordError as error:
         fault = str(error).removeprefix(f"{path}: ")
     except OSError as error:
@@ -123,11 +128,17 @@ def replay_one(path: Path) -> Replayed:
         return replace(told, fault=printable(fault))
     # The record holds: its result is that of the match played again.
     seats = {seat: dict(record.result.seats[seat].metrics) for seat in submission_seats(record.spec.seats)}
-    return replace(told, spec=record.spec, seats=seats)
+    versions = Versions(
+        engine=record.engine_version,
+        simulation=record.simulation_version,
+        generator=record.generator_version,
+        record=RECORD_VERSION,
+    )
+    return replace(told, spec=record.spec, seats=seats, versions=versions)
 
 
-def _misnamed(record: Record, told: Replayed) -> str:
-    """Return in what a record differs from the name of its file."""
+def misnamed(record: Record, told: RecordName) -> str:
+    """Return in what a record differs from the name of its file; nothing if it does not."""
     seats = submission_seats(record.spec.seats)
     if not seats:
         return "no submission plays in its match"

@@ -30,17 +30,19 @@ OWN = {
 }
 # The order of help: what a newcomer needs first.
 FIRST = (
-    *("init", "play", "evaluate", "compare", "leaderboard", "replay", "verify", "rescore", "secret"),
+    *("init", "play", "evaluate", "compare", "leaderboard", "replay", "verify", "rescore", "secret", "key"),
     *("map", "look", "serve"),
 )
 # What a missing module is installed with.
 EXTRAS = {
+    "cryptography": "evaluator",
     "grpc_health": "engine",
     "numba": "engine",
     "prometheus_client": "engine",
     "PIL": "maps",
     "pydantic": "engine",
     "rerun": "view",
+    "rfc8785": "evaluator",
     "scipy": "maps",
     "sqlalchemy": "leaderboard",
     "structlog": "engine",

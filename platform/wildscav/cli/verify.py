@@ -1,6 +1,8 @@
 """``wildscav verify``: re-simulate records and compare every step."""
 
 import os
+from collections.abc import Callable, Sequence
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -10,6 +12,14 @@ from wildscav.errors import UserError, describe
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from wildscav_engine.record import Record
+
+
+CHECKS = "wildscav.record_checks"  # entry points: functions such as RecordCheck
+# Told a record's file, the record, and the public key that must have signed it, if any; returns what is wrong
+# with it besides that it does not hold, nothing if nothing is.
+RecordCheck = Callable[[Path, "Record", str | None], str]
 
 
 class Finding(NamedTuple):
@@ -24,19 +34,30 @@ def verify(
     records: Annotated[
         list[Path], typer.Argument(help="Record files.", metavar="RECORD…", show_default=False)
     ],
+    key: Annotated[
+        str | None,
+        typer.Option(
+            help="The organizer's public key, 64 hexadecimal digits or a file with them: demand that it "
+            "signed the records' evaluation.",
+            metavar="PUBLIC",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Play records again and compare every step. Exit code 0 only if all hold.
 
     A record that holds is a true account of its match: what every seat did, and what came of it. The names
-    of the seats are not part of that; nothing proves who played.
+    of the seats are not part of that. A record in an evaluation's folder must also be the one that the
+    folder's ledger names; with --key, the organizer must have signed that ledger.
     """
     from wildscav.console import console, counted, error_console
 
+    checks = _checks(key)
     findings: list[Finding] = []
     with error_console.status("") as status:
         for path in records:
             status.update(f"re-simulating {len(findings) + 1} of {len(records)}")
-            findings.append(_check(path))
+            findings.append(_check(path, checks, key))
     console.print(_table(findings))
     failed = [one for one in findings if not one.holds]
     everything = counted(len(records), "record")
@@ -70,7 +91,24 @@ def _table(findings: list[Finding]) -> "Table":
     return table
 
 
-def _check(path: Path) -> Finding:
+def _checks(key: str | None) -> list[RecordCheck]:
+    """Return what is asked of records besides that they hold, as other packages plug it in.
+
+    Raises:
+        UserError: A key is given, and nothing installed can check signatures.
+    """
+    found: list[RecordCheck] = []
+    for point in entry_points(group=CHECKS):
+        try:
+            found.append(point.load())
+        except ModuleNotFoundError:
+            continue  # its extra was not asked for
+    if key is not None and not found:
+        raise UserError("--key needs the evaluator; install it with: pip install 'wildscav[evaluator]'", 2)
+    return found
+
+
+def _check(path: Path, checks: "Sequence[RecordCheck]", key: str | None) -> Finding:
     """Play a record again. Whatever is wrong with it, the others are still to be checked."""
     from wildscav.console import printable
     from wildscav_engine import ENGINE_VERSION
@@ -80,12 +118,15 @@ def _check(path: Path) -> Finding:
     try:
         record = read_record(path)
         result = verify_record(record)
+        complaint = next(filter(None, (check(path, record, key) for check in checks)), "")
     except RecordError as error:
         return Finding(path, False, printable(str(error).removeprefix(f"{path}: ")))
     except OSError as error:
         return Finding(path, False, printable(describe(error)))
     except MemoryError:
         return Finding(path, False, "its match does not fit into this machine's memory")
+    if result.holds and complaint:
+        return Finding(path, False, printable(complaint))
     message = f"{record.steps} steps" if result.holds else result.message
     # A record of another generator says itself which engine made it.
     if record.engine_version != ENGINE_VERSION and record.generator_version == GENERATOR_VERSION:

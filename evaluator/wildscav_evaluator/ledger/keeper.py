@@ -1,0 +1,205 @@
+"""Keeping the ledger of an evaluation while it is played, also over several sittings."""
+
+import os
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav_engine.record import RecordError, read_record
+from wildscav_evaluator.ledger.entries import (
+    Begun,
+    Broke,
+    Closed,
+    Ended,
+    Entry,
+    Fact,
+    Opened,
+    Resumed,
+    Score,
+    digest_of_line,
+)
+from wildscav_evaluator.ledger.keys import SigningKey
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE, Ledger, LedgerError, check_lines, sha256_of
+from wildscav_evaluator.matches.jobs import JobResult
+from wildscav_evaluator.output.identity import Identity
+from wildscav_evaluator.output.results import MatchRow, Results
+
+
+class Keeper:
+    """Appends to the ledger of an evaluation; whoever makes one holds the lock of its output folder.
+
+    Each entry is on the disk before anything else happens. Half an entry at the end was left by a keeper that
+    was killed: it is cut off.
+
+    Args:
+        out: The output folder.
+        identity: Which evaluation it holds.
+        key: What entries are signed with; they are not if none.
+
+    Raises:
+        UserError: There is a ledger, and it was changed or is of another evaluation.
+        OSError: It cannot be read or written.
+    """
+
+    def __init__(self, out: Path, identity: Identity, key: SigningKey | None) -> None:
+        self._out, self._key = out, key
+        self._path = out / LEDGER_FILE
+        self._number, self._head = 0, ""
+        self._played: dict[str, Ended] = {}
+        self._closed: Closed | None = None
+        ledger = self._found(identity)
+        self._new = ledger is None
+        self._resumed = self._new
+        if ledger is None:
+            self._append(Opened(identity=identity))
+        else:
+            self._number, self._head = len(ledger.entries), ledger.head
+            self._played, self._closed = ledger.played, ledger.closed
+
+    @property
+    def head(self) -> str:
+        """SHA-256 of the last line: it stands for all of the ledger."""
+        return self._head
+
+    def _found(self, identity: Identity) -> Ledger | None:
+        """Return the ledger that is there, cut to its last whole line."""
+        try:
+            content = self._path.read_bytes()
+        except FileNotFoundError:
+            return None
+        whole = content[: content.rfind(b"\n") + 1]
+        if len(whole) < len(content):
+            os.truncate(self._path, len(whole))
+        if not whole:
+            return None
+        try:
+            ledger = check_lines(self._path, whole[:-1].split(b"\n"))
+        except LedgerError as error:
+            raise _changed(str(error)) from error
+        if ledger.identity != identity:
+            raise _changed(f"{self._path} is of another evaluation")
+        return ledger
+
+    def confirm(self, kept: Sequence[JobResult]) -> list[JobResult]:
+        """Return those matches of earlier sittings that count, each borne out by ledger and record.
+
+        In a signed evaluation only what the ledger has counts. Otherwise a match that was played just before
+        the evaluation was killed is entered now.
+
+        Args:
+            kept: The matches in the journal whose records are as they were when they were entered there.
+
+        Raises:
+            UserError: A match, its record or its entry was changed since.
+        """
+        by_match = {result.job.stem: result for result in kept}
+        for match, ended in self._played.items():
+            if match not in by_match:
+                raise _changed(f"the record or the journal of {match} is missing, or was changed")
+            self._check(by_match[match], ended)
+        new = [result for result in kept if result.job.stem not in self._played]
+        if new and self._new:
+            raise _changed(f"{self._out} has matches that were played, but no {LEDGER_FILE}")
+        if self._key is not None:
+            return [result for result in kept if result.job.stem in self._played]
+        for result in new:
+            self._check_record(result)
+            self.end(result)
+        return list(kept)
+
+    def _check(self, result: JobResult, ended: Ended) -> None:
+        job = result.job
+        if (_row(result), result.timing) != (ended.row, ended.timing):
+            raise _changed(f"the journal says otherwise of {job.stem} than the ledger")
+        if sha256_of(job.out / job.record) != ended.record:
+            raise _changed(f"{job.out / job.record} is not the record that is in the ledger")
+        self._check_record(result)
+
+    def _check_record(self, result: JobResult) -> None:
+        """See that a match's metrics are those of its record."""
+        path = result.job.out / result.job.record
+        try:
+            seats = read_record(path).result.seats
+        except RecordError as error:
+            raise _changed(str(error)) from error
+        for seat in result.row.seats:
+            if not seat.seat < len(seats) or seat.metrics != seats[seat.seat].metrics:
+                raise _changed(f"the metrics of {result.job.stem} in the journal are not those of its record")
+        again = MatchRow.of(result.row.index, result.row.seats, result.row.record)
+        if again != _row(result):
+            raise _changed(f"the journal's summary of {result.job.stem} is not that of its seats")
+
+    def begin(self, match: str) -> None:
+        """Enter that a match is begun; one that was played, and only lacks its replay, is not."""
+        if match not in self._played:
+            self._append(Begun(match=match))
+
+    def broke(self, match: str, reason: str) -> None:
+        """Enter that the platform broke a match, and it will be played again."""
+        if match not in self._played:
+            self._append(Broke(match=match, reason=reason))
+
+    def end(self, result: JobResult) -> None:
+        """Enter how a match ended."""
+        job, row = result.job, _row(result)
+        if job.stem in self._played:
+            return
+        record = None if row.record is None else sha256_of(job.out / row.record)
+        ended = Ended(match=job.stem, record=record, row=row, timing=result.timing)
+        self._append(ended)
+        if record is not None:
+            self._played[job.stem] = ended
+
+    def close(self, results: Results, path: Path) -> None:
+        """Enter what the evaluation came to; results that were entered last already are not entered again.
+
+        Args:
+            results: The results.
+            path: Their file.
+        """
+        closed = Closed(results=sha256_of(path), scores=tuple(_scores(results)))
+        if closed != self._closed:
+            self._append(closed)
+            self._closed = closed
+
+    def _append(self, fact: Fact) -> None:
+        if not self._resumed:
+            self._resumed = True
+            self._append(Resumed())
+        self._closed = None
+        at = datetime.now(UTC).isoformat(timespec="milliseconds")
+        entry = Entry(number=self._number, previous=self._head or None, at=at, fact=fact, signature=None)
+        if self._key is not None:
+            entry = entry.model_copy(update={"signature": self._key.sign(entry.signed)})
+        line = entry.line
+        with self._path.open("ab") as writer:
+            writer.write(line + b"\n")
+            writer.flush()
+            os.fsync(writer.fileno())
+        self._number, self._head = self._number + 1, digest_of_line(line)
+
+
+def _row(result: JobResult) -> MatchRow:
+    return result.row.model_copy(update={"replay": None})
+
+
+def _scores(results: Results) -> list[Score]:
+    return [
+        Score(
+            submission=one.submission,
+            track=one.track,
+            metric=one.metrics[0].name,
+            summary=one.score,
+            matches=len(one.matches),
+            faults=one.faults,
+        )
+        for one in results.evaluations
+    ]
+
+
+def _changed(why: str) -> UserError:
+    return UserError(
+        f"{why}: what was played before cannot be relied on; name another --out, or begin anew with --fresh",
+        exit_code=2,
+    )

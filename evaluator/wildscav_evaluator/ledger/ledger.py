@@ -1,0 +1,165 @@
+"""Reading a ledger, and seeing that its chain is whole and its signatures hold.
+
+Each entry names the one before by its digest, and each is signed by itself: so an evaluation may be killed at
+any moment and go on, and still nothing in between can be changed, taken out or put in.
+"""
+
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from wildscav.errors import UserError, describe
+from wildscav_engine.spec import one_line
+from wildscav_evaluator.ledger.entries import (
+    Begun,
+    Broke,
+    Closed,
+    Ended,
+    Entry,
+    Fact,
+    Opened,
+    digest_of_line,
+    is_canonical,
+)
+from wildscav_evaluator.ledger.keys import is_signed
+from wildscav_evaluator.output.identity import Identity
+
+LEDGER_FILE = "ledger.jsonl"
+
+
+class LedgerError(UserError):
+    """A ledger cannot be read, or its chain or one of its signatures is broken."""
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """A ledger whose chain is whole, and whose signatures hold if it has any."""
+
+    entries: tuple[Entry, ...]  # one at least
+    head: str  # SHA-256 of the last line: it stands for all of the ledger
+
+    @property
+    def identity(self) -> Identity:
+        """Which evaluation it is of."""
+        fact = self.entries[0].fact
+        if not isinstance(fact, Opened):
+            raise TypeError("a ledger begins with what it is of")
+        return fact.identity
+
+    @property
+    def key(self) -> str | None:
+        """The public key that it is signed with; none if nobody signed it."""
+        return self.identity.key
+
+    @property
+    def closed(self) -> Closed | None:
+        """What the evaluation came to; none if it did not come to its end."""
+        fact = self.entries[-1].fact
+        return fact if isinstance(fact, Closed) else None
+
+    @property
+    def ended(self) -> dict[str, list[Ended]]:
+        """How each match ended, by what its files are called, each time that it did."""
+        found: dict[str, list[Ended]] = {}
+        for entry in self.entries:
+            if isinstance(entry.fact, Ended):
+                found.setdefault(entry.fact.match, []).append(entry.fact)
+        return found
+
+    @property
+    def played(self) -> dict[str, Ended]:
+        """The matches that came to a result, by what their files are called."""
+        return {match: times[-1] for match, times in self.ended.items() if times[-1].record is not None}
+
+    @property
+    def broken_off(self) -> dict[str, int]:
+        """How often matches were begun anew that had come to no end and that the platform had not broken."""
+        last: dict[str, Fact] = {}
+        left: dict[str, int] = {}
+        for fact in (entry.fact for entry in self.entries):
+            if isinstance(fact, Begun | Broke | Ended):
+                if isinstance(fact, Begun) and isinstance(last.get(fact.match), Begun):
+                    left[fact.match] = left.get(fact.match, 0) + 1
+                last[fact.match] = fact
+        return left
+
+
+def read_ledger(out: Path) -> Ledger | None:
+    """Read the ledger of an output folder; none if it has none.
+
+    Raises:
+        LedgerError: It cannot be read, or it was changed: the first line that shows it, and how.
+    """
+    path = out / LEDGER_FILE
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise LedgerError(f"the ledger cannot be read: {describe(error)}") from error
+    if not content.endswith(b"\n"):
+        raise LedgerError(f"{path} ends in the middle of a line" if content else f"{path} is empty")
+    return check_lines(path, content[:-1].split(b"\n"))
+
+
+def check_lines(path: Path, lines: list[bytes]) -> Ledger:
+    """Return the ledger that some lines are.
+
+    Raises:
+        LedgerError: They are none.
+    """
+    entries: list[Entry] = []
+    for number, line in enumerate(lines):
+        try:
+            entry = Entry.model_validate_json(line)
+        except ValidationError as error:
+            raise LedgerError(f"{path}, line {number + 1}: not an entry: {one_line(error)}") from error
+        if not is_canonical(line):
+            raise LedgerError(f"{path}, line {number + 1}: is not in canonical JSON")
+        previous = digest_of_line(lines[number - 1]) if number else None
+        if (entry.number, entry.previous) != (number, previous):
+            raise LedgerError(
+                f"{path}, line {number + 1}: does not follow the line before: an entry was changed, taken "
+                "out or put in"
+            )
+        if isinstance(entry.fact, Opened) != (number == 0):
+            raise LedgerError(f"{path}, line {number + 1}: the first entry, and no other, opens a ledger")
+        entries.append(entry)
+    ledger = Ledger(tuple(entries), digest_of_line(lines[-1]))
+    for entry in ledger.entries:
+        _check_signature(path, entry, ledger.key)
+    return ledger
+
+
+def _check_signature(path: Path, entry: Entry, key: str | None) -> None:
+    where = f"{path}, line {entry.number + 1}"
+    if key is None:
+        if entry.signature is not None:
+            raise LedgerError(f"{where}: is signed, but the ledger names no key")
+    elif entry.signature is None or not is_signed(entry.signed, entry.signature, key):
+        raise LedgerError(f"{where}: its signature is not that of the key {key}: it was changed or put in")
+
+
+def check_key(ledger: Ledger | None, key: str, out: Path) -> None:
+    """See that a ledger is signed with the key that is expected.
+
+    Raises:
+        LedgerError: It is not.
+    """
+    if ledger is None:
+        raise LedgerError(f"there is no {out / LEDGER_FILE}: nothing there is signed")
+    if ledger.key is None:
+        raise LedgerError(f"{out / LEDGER_FILE} is not signed, though the key {key} is expected")
+    if ledger.key != key:
+        raise LedgerError(f"{out / LEDGER_FILE} is signed with the key {ledger.key}, not with {key}")
+
+
+def sha256_of(path: Path) -> str:
+    """Return the SHA-256 of a file, as ``sha256sum`` prints it.
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    return sha256(path.read_bytes()).hexdigest()

@@ -1,0 +1,230 @@
+"""Whether an output folder bears its results out: its parts agree, nothing is missing, all is accounted for.
+
+Records prove what the actions in them came to. The rest (who played, in what, and that nothing was left out)
+must at least be the same in ``results.json``, ``evaluation.json`` and the ledger. It is proven only if an
+organizer signed the ledger.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav.console import printable
+from wildscav.errors import UserError
+from wildscav_engine.spec import MatchSpec
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.ledger.entries import Ended
+from wildscav_evaluator.ledger.ledger import (
+    LEDGER_FILE,
+    Ledger,
+    LedgerError,
+    check_key,
+    read_ledger,
+    sha256_of,
+)
+from wildscav_evaluator.matches.jobs import FAILED, stem_of
+from wildscav_evaluator.output.identity import IDENTITY_FILE, Identity, digest_of, read_identity
+from wildscav_evaluator.output.opening import expected_matches, match_counts
+from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, MatchRow, Results
+from wildscav_evaluator.scores.rescore import Replayed, disagreements
+
+SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key")  # in results and identity
+
+
+@dataclass(frozen=True)
+class Folder:
+    """What an output folder says of an evaluation."""
+
+    out: Path
+    told: Results
+    identity: Identity | None  # none if it does not say
+    ledger: Ledger | None  # none if it is missing or broken
+    fault: str  # why there is no ledger to rely on
+    key: str | None  # the public key that must have signed the ledger
+
+    @property
+    def signed(self) -> bool:
+        """Whether the organizer whose key is known signed the ledger."""
+        return self.key is not None and self.ledger is not None and self.ledger.key == self.key
+
+
+def read_folder(out: Path, told: Results, key: str | None) -> Folder:
+    """Read what an output folder says besides its results.
+
+    Args:
+        out: The folder.
+        told: Its results.
+        key: The public key that must have signed its ledger; none if that does not matter.
+
+    Raises:
+        UserError: Its results are of tracks that there are not, or tell something twice.
+    """
+    names = [(one.track, one.submission) for one in told.evaluations]
+    for track, submission in names:
+        if track not in TRACKS:
+            raise UserError(f"{out / RESULTS_FILE}: there is no track {printable(track)!r}")
+        if names.count((track, submission)) > 1:
+            raise UserError(f"{out / RESULTS_FILE}: {printable(submission)} is in it twice on {track}")
+    ledger, fault = None, f"there is no {out / LEDGER_FILE}: nothing shows that nothing was left out"
+    try:
+        ledger = read_ledger(out)
+        if key is not None:
+            check_key(ledger, key, out)
+        fault = "" if ledger is not None else fault
+    except LedgerError as error:
+        fault = str(error)
+    return Folder(out, told, read_identity(out), ledger, fault, key)
+
+
+def complaints(folder: Folder, replayed: Sequence[Replayed]) -> Iterator[str]:
+    """Yield, in a line each, what an output folder claims and does not bear out.
+
+    Args:
+        folder: What it says.
+        replayed: Its records, played again.
+
+    Raises:
+        UserError: The suite's own file, or the opened secret, is not that of the results.
+    """
+    expected = expected_matches(folder.out, folder.told)
+    yield from _of_identity(folder)
+    yield from _of_suite(folder, replayed, expected)
+    yield from _of_rows(folder, match_counts(folder.out, folder.told))
+    yield from disagreements(replayed, folder.told, expected)
+    yield from _of_versions(folder.told, replayed)
+    yield from _of_ledger(folder)
+
+
+def _of_identity(folder: Folder) -> Iterator[str]:
+    """Compare the results with what was to be evaluated."""
+    told, identity = folder.told, folder.identity
+    if identity is None:
+        yield f"there is no {folder.out / IDENTITY_FILE}: nothing says who was to play"
+        return
+    for name in SAME:
+        if getattr(told, name) != getattr(identity, name):
+            yield (
+                f"{RESULTS_FILE} says {name} {_shown(told, name)}, {IDENTITY_FILE} {_shown(identity, name)}"
+            )
+    if told.seed_label != identity.seed:
+        yield f"{RESULTS_FILE} says seed {told.seed_label}, {IDENTITY_FILE} {identity.seed}"
+    entered = {
+        (track, one.name): (one.version, one.digest) for one in identity.submissions for track in one.tracks
+    }
+    found = {(one.track, one.submission): (one.version, one.digest) for one in told.evaluations}
+    for track, name in entered.keys() | found.keys():
+        who = f"{name} on {track}"
+        if (track, name) not in found:
+            yield f"{who}: {IDENTITY_FILE} says that it takes part, but there are no results"
+        elif (track, name) not in entered:
+            yield f"{who}: there are results, but {IDENTITY_FILE} does not say that it takes part"
+        elif found[track, name] != entered[track, name]:
+            yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name other versions or files of it"
+
+
+def _shown(part: Results | Identity, name: str) -> str:
+    value = getattr(part, name)
+    return "none" if value is None else str(value)
+
+
+def _of_suite(
+    folder: Folder, replayed: Sequence[Replayed], expected: Mapping[str, Sequence[MatchSpec]] | None
+) -> Iterator[str]:
+    """See that all entrants played the same matches, and those that were to be played."""
+    specs: dict[tuple[str, int], MatchSpec] = {}
+    for one in replayed:
+        if one.spec is not None and specs.setdefault((one.track, one.index), one.spec) != one.spec:
+            yield f"{one.record}: another submission played another match {one.index} of {one.track}"
+    identity = folder.identity
+    if identity is None or set(identity.tracks) != set(folder.told.tracks):
+        return
+    if expected is not None:
+        played = [spec for track in identity.tracks for spec in expected.get(track, ())]
+    else:
+        counts = match_counts(folder.out, folder.told)
+        places = [(track, index) for track in identity.tracks for index in range(counts.get(track, 0))]
+        if not all(place in specs for place in places):
+            return
+        played = [specs[place] for place in places]
+    if digest_of(played) != identity.matches:
+        yield f"the matches of the suite are not those that {IDENTITY_FILE} names"
+
+
+def _of_rows(folder: Folder, counts: Mapping[str, int]) -> Iterator[str]:
+    """See that every match of the suite is there, and that its parts agree with each other."""
+    for evaluation in folder.told.evaluations:
+        who, count = f"{evaluation.submission} on {evaluation.track}", counts.get(evaluation.track, 0)
+        indices = [row.index for row in evaluation.matches]
+        for index in sorted({*range(count)}.difference(indices)):
+            yield f"{who}: match {index} of the suite is not in the results"
+        for index in sorted({*indices}.difference(range(count))):
+            yield f"{who}: match {index} is in the results, but the suite has only {count}"
+        if len(indices) > len({*indices}):
+            yield f"{who}: a match is in the results twice"
+        for row in evaluation.matches:
+            yield from _of_row(folder, evaluation, row)
+
+
+def _of_row(folder: Folder, evaluation: Evaluation, row: MatchRow) -> Iterator[str]:
+    who = f"{evaluation.submission} on {evaluation.track}, match {row.index}"
+    if row.record is not None:
+        played = row.model_copy(update={"replay": None})
+        if not row.seats or MatchRow.of(row.index, row.seats, row.record) != played:
+            yield f"{who}: its summary is not that of its seats"
+        if any(seat.fault == "platform" for seat in row.seats) or row.fault == "platform":
+            yield f"{who}: it was played, and yet called the platform's fault"
+        return
+    if (row.status, row.fault) != (FAILED, "platform"):
+        yield f"{who}: there is no record of it, though it is said to have been played"
+    elif not folder.signed:
+        yield (
+            f"{who}: there is no record of it; that the platform failed is shown only by a ledger that "
+            "the organizer signed (--key)"
+        )
+
+
+def _of_versions(told: Results, replayed: Sequence[Replayed]) -> Iterator[str]:
+    for one in replayed:
+        if one.versions is not None and one.versions != told.versions:
+            yield f"{one.record}: was played by {one.versions}, but the results say {told.versions}"
+
+
+def _of_ledger(folder: Folder) -> Iterator[str]:
+    """Compare the results with all that happened."""
+    told, ledger = folder.told, folder.ledger
+    if folder.fault:
+        yield folder.fault
+    if ledger is None:
+        return
+    if folder.identity is not None and ledger.identity != folder.identity:
+        yield f"{IDENTITY_FILE} is not what {LEDGER_FILE} was opened with"
+    if ledger.closed is None:
+        yield f"{LEDGER_FILE} is not closed: the evaluation did not come to its end, or its end was cut off"
+    elif ledger.closed.results != sha256_of(folder.out / RESULTS_FILE):
+        yield f"{RESULTS_FILE} is not the file that {LEDGER_FILE} was closed with"
+    ended = ledger.ended
+    timings = {(one.submission, one.track, one.index): one for one in told.timings.matches}
+    for evaluation in told.evaluations:
+        for row in evaluation.matches:
+            match = stem_of(evaluation.track, row.index, evaluation.submission)
+            times = ended.pop(match, [])
+            timing = timings.get((evaluation.submission, evaluation.track, row.index))
+            if not times:
+                yield f"{match}: is in the results, but not in {LEDGER_FILE}"
+            elif (times[-1].row, times[-1].timing) != (row.model_copy(update={"replay": None}), timing):
+                yield f"{match}: {RESULTS_FILE} and {LEDGER_FILE} tell otherwise of it"
+            yield from _of_ended(folder.out, match, times)
+    for match in ended:
+        yield f"{match}: is in {LEDGER_FILE}, but not in the results"
+
+
+def _of_ended(out: Path, match: str, times: Sequence[Ended]) -> Iterator[str]:
+    """See that a match was played once, and that its record is the one that was entered."""
+    if any(one.record is not None for one in times[:-1]):
+        yield f"{match}: was played more than once"
+    last = times[-1] if times else None
+    if last is None or last.row.record is None or last.record is None:
+        return
+    path = out / last.row.record
+    if path.is_file() and sha256_of(path) != last.record:
+        yield f"{match}: its record is not the one that {LEDGER_FILE} names"
