@@ -17,7 +17,7 @@ from wildscav_engine.play import look, play_batch
 from wildscav_engine.rows import clear_rows, fills_of
 from wildscav_engine.sensors.visibility import Seen, allocate_seen
 from wildscav_engine.set_up import MatchSetupError, place_match, plan_match
-from wildscav_engine.snapshot import History, decode, encode, map_for, write
+from wildscav_engine.snapshot import History, check_size, decode, encode, map_for, write
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.state import State, allocate_state, with_room
 from wildscav_engine.threads import share
@@ -167,7 +167,7 @@ class Batch:
     def set_state(self, row: int, data: bytes) -> History | None:
         """Put a match that ``get_state`` gave into a row; the other rows are left alone.
 
-        What holds for ``restart`` holds for this, too.
+        What holds for ``restart`` holds for this, too: where it fails, no row has changed.
 
         Returns:
             What was played so far, if it was kept.
@@ -183,6 +183,7 @@ class Batch:
         _check_seats([spec], self.state.agents.present.shape[1])
         game_map = map_for(snapshot, self.maps)
         setup = plan_match(spec, game_map)
+        check_size(snapshot, self._tables)
         self._make_room(slots, phases)
         self._clear([row])
         self._is_seen = False

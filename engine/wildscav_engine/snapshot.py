@@ -146,9 +146,14 @@ def decode(data: bytes) -> Snapshot:
         raise StateError(f"the state's spec is not valid: {one_line(error)}") from None
     except KeyError as error:
         raise StateError(f"the state's header has no {error}") from None
-    content = np.frombuffer(payload, np.uint8, size).copy()
-    history = None if steps is None else _history(payload[size:], steps, len(spec.seats))
-    seats, slots, phases = counts
+    try:
+        content = np.frombuffer(payload, np.uint8, size).copy()
+        history = None if steps is None else _history(payload[size:], steps, len(spec.seats))
+        seats, slots, phases = counts
+    except (TypeError, ValueError) as error:
+        raise StateError(f"the state's payload does not fit its header: {error}") from None
+    if seats != len(spec.seats):
+        raise StateError(f"the state is of {seats} seats, but its spec has {len(spec.seats)}")
     return Snapshot(spec, header["map_digest"], (seats, slots, phases), content, history)
 
 
@@ -159,16 +164,22 @@ def _history(payload: memoryview, steps: int, seats: int) -> History:
     return History(actions.copy(), digests.copy())
 
 
-def write(snapshot: Snapshot, tables: Sequence[Addresses], row: int) -> None:
-    """Write a snapshot into a row that is clear and large enough.
+def check_size(snapshot: Snapshot, tables: Sequence[Addresses]) -> None:
+    """Refuse a snapshot that does not have the size that this engine's states have.
+
+    The size does not depend on how much room a batch has, so this may come before room is made.
 
     Raises:
-        StateError: It has not the size that this engine's states have.
+        StateError: It does not.
     """
     sizes = sizes_of(tables, snapshot.counts)
     if sum(int(part.sum()) for part in sizes) != len(snapshot.content):
         raise StateError("the state is of another build of this engine: its arrays have other sizes")
-    _copy(tables, row, sizes, snapshot.content, writes=True)
+
+
+def write(snapshot: Snapshot, tables: Sequence[Addresses], row: int) -> None:
+    """Write a snapshot, whose size was checked, into a row that is clear and large enough."""
+    _copy(tables, row, sizes_of(tables, snapshot.counts), snapshot.content, writes=True)
 
 
 def _copy(

@@ -12,6 +12,7 @@ from builders import box, flat_world, map_from
 from wildscav_engine import snapshot
 from wildscav_engine.actions import FIELDS
 from wildscav_engine.batch import Batch
+from wildscav_engine.container import pack, unpack
 from wildscav_engine.match import Match
 from wildscav_engine.record import record_of, verify_record
 from wildscav_engine.set_up import MatchSetupError
@@ -147,6 +148,28 @@ def test_what_is_no_state_of_this_engine_is_refused_in_one_line(monkeypatch: pyt
     with pytest.raises(StateError, match=r"of simulation version \d+; this engine has 999"):
         match.set_state(data)
     assert bytes_of(match) == before
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "fault"),
+    [
+        ("counts", [3, 1000, 0], "of another build of this engine: its arrays have other sizes"),
+        ("counts", [2, 60, 0], "of 2 seats, but its spec has 3"),
+        ("counts", 3, "payload does not fit its header"),
+        ("size", 10**9, "payload does not fit its header"),
+        ("steps", 10**6, "payload does not fit its header"),
+    ],
+)
+def test_a_state_whose_arrays_do_not_fit_leaves_the_match_as_it_was(
+    field: str, value: object, fault: str
+) -> None:
+    match = play(match_of("battle"), 0, STEPS)
+    header, payload = unpack(snapshot.LAYOUT, match.get_state())
+    before = bytes_of(match)
+    with pytest.raises(StateError, match=fault):
+        match.set_state(pack(snapshot.LAYOUT, header | {field: value}, payload))
+    assert bytes_of(match) == before
+    match.step()
 
 
 def test_a_state_on_a_map_that_is_not_made_here_is_refused() -> None:

@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from wildscav_engine.envs.actions import ActionError
 from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.config import EnvConfig, read_config
 from wildscav_engine.envs.episodes import Episodes
@@ -172,7 +173,7 @@ class BatchedArena:
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
-        self.action_space = batch_space(self.arena.mode.space, matches * self.num_agents)
+        self.action_space = batch_space(batch_space(self.arena.mode.space, self.num_agents), matches)
         self._resetter = Resetter(self.arena, self.autoreset_mode)
 
     def reset(self, *, seed: int | None = None, mask: Flags | None = None) -> Observation:
@@ -195,12 +196,23 @@ class BatchedArena:
         """Play one step in every match.
 
         Args:
-            actions: Of B × L learners, match after match, as ``action_space`` has them.
+            actions: (B, L, …) as ``action_space`` has them: an array, or a dictionary of arrays by field.
 
         Raises:
             ActionError: The actions are not of the action space.
         """
-        return self._resetter.step(actions)
+        return self._resetter.step(self._in_one_row(actions))
+
+    def _in_one_row(self, actions: Any) -> Any:
+        """Return the actions of all learners, match after match, along one leading axis.
+
+        Raises:
+            ActionError: They have another shape.
+        """
+        leading = (self.num_matches, self.num_agents)
+        if isinstance(actions, Mapping):
+            return {name: _joined(values, leading, f"action: {name}") for name, values in actions.items()}
+        return _joined(actions, (*leading, *(self.single_action_space.shape or ())), "actions")
 
     def get_state(self, row: int) -> bytes:
         """Return one match, and which episode comes next in its row, as bytes.
@@ -218,6 +230,23 @@ class BatchedArena:
             MatchSetupError: The match is of another track, or of other rules or seats.
         """
         return self._resetter.set_state(row, data).observation
+
+
+def _joined(values: Any, shape: tuple[int, ...], what: str) -> NDArray[Any]:
+    """Return values of (B, L, …) as (B × L, …).
+
+    Raises:
+        ActionError: They have another shape.
+    """
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        raise ActionError(f"{what}: no array, must be one of shape {shape}: matches, learners, …") from None
+    if array.shape != shape:
+        raise ActionError(
+            f"{what}: an array of shape {array.shape}, must have the shape {shape}: matches, learners, …"
+        )
+    return array.reshape(-1, *shape[2:])
 
 
 def several_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

@@ -23,3 +23,20 @@ def rank_teams(agents: Agents, matches: Matches, match: int) -> None:
         out = agents.eliminated[seat] != NOT_OUT and matches.members_left[match, agents.team[seat]] == 0
         if out and agents.placement[seat] == 0:
             agents.placement[seat] = matches.teams_left[match] + 1
+
+
+@kernel
+def placement_now(placement: int, teams_left: int, over: bool) -> int:
+    """Return the place of a team as it stands, for scores and rewards alike.
+
+    Teams that share a place share the best of it. So all that are left when the match is over are first.
+    Until then, a team that is still in has outlived those that are out, and no more.
+
+    Args:
+        placement: With which it went out, 0 if it is still in.
+        teams_left: How many are in.
+        over: Whether the match is.
+    """
+    if placement != 0:
+        return placement
+    return 1 if over else max(1, teams_left)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
 from wildscav_engine.state import Agents, Matches, State
+from wildscav_engine.systems.elimination import placement_now
 
 
 class Fact(IntEnum):
@@ -27,7 +28,7 @@ class Fact(IntEnum):
     DEATHS = 6
     HITS = 7
     HEALTH = 8  # hp
-    OUTLIVED = 9  # by placement, that of the teams left: 0 as the last team, 1 as the first
+    OUTLIVED = 9  # by the placement as it stands: 0 as the last team, 1 as the first
     STEPS = 10  # played, the dead and the eliminated included
     WALKED = 11  # m
     PICKED_UP_BY_NUMBER = 12  # by the team whose number is that of the row
@@ -72,7 +73,9 @@ REWARD_TERMS: dict[str, Term] = {
     "hit": Term("hits on enemies", Fact.HITS, Change.MORE),
     "damage_taken": Term("hp lost", Fact.HEALTH, Change.LOST),
     "outlived": Term(
-        "places won as other teams go out, 1 from the last to the first", Fact.OUTLIVED, Change.MORE
+        "places won, as other teams go out or time is up: 1 from the last to the first",
+        Fact.OUTLIVED,
+        Change.MORE,
     ),
     "step": Term("1 in every step", Fact.STEPS, Change.MORE),
 }
@@ -203,9 +206,7 @@ def _outlived(agents: Agents, matches: Matches, match: int, seat: int) -> float:
     others = matches.teams[match] - 1
     if others == 0:
         return 0.0
-    placement = agents.placement[match, seat]
-    if placement == 0:
-        placement = max(1, matches.teams_left[match])
+    placement = placement_now(agents.placement[match, seat], matches.teams_left[match], matches.over[match])
     return float((others + 1 - placement) / others)
 
 

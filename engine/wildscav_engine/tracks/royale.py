@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.actions import Field
 from wildscav_engine.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
+from wildscav_engine.systems.elimination import placement_now
 from wildscav_engine.tracks.base import (
     AGENTS_SEEN,
     PAPER_DEPTH,
@@ -61,7 +62,9 @@ class Royale(Track):
     def measure(self, match: "Match", seat: int) -> dict[str, float]:
         """Return points, the team's placement and supplies, and the seat's kills."""
         agents, matches = match.state.agents, match.state.matches
-        placement = int(agents.placement[0, seat]) or 1
+        placement = placement_now(
+            int(agents.placement[0, seat]), int(matches.teams_left[0]), bool(matches.over[0])
+        )
         others = int(matches.teams[0]) - 1
         outlived = (others + 1 - placement) / others if others else 0.0
         supplies = carried_by_team(match, seat)

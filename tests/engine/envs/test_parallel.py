@@ -9,7 +9,7 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 from tests.engine.envs.common import TRACK_NAMES, digest, many_options
 
 from wildscav_engine.envs import BatchedArena, aec_env, parallel_env
-from wildscav_engine.envs.actions import MODES
+from wildscav_engine.envs.actions import MODES, ActionError
 
 # What the library says of every Dict of observations and actions, which are allowed all the same.
 DICTS = [
@@ -129,8 +129,25 @@ def test_batched_matches_are_parallel_ones(track: str) -> None:
         outcome = batch.step(actions)
         told, starts = outcome.observation, []
         for row, env in enumerate(alone):
-            start, rewards, *_ = env.step({f"agent_{place}": actions[3 * row + place] for place in range(3)})
+            start, rewards, *_ = env.step({f"agent_{place}": actions[row, place] for place in range(3)})
             starts.append(start)
             assert outcome.rewards[row].tolist() == list(rewards.values())
     assert outcome.ended == (0, 1)
     assert outcome.metrics.shape == (2, 3, len(batch.arena.metrics))
+
+
+@pytest.mark.parametrize("mode", ["dict", "box", "baseline", "multidiscrete"])
+def test_actions_of_batched_matches_have_the_axes_of_their_observations(mode: str) -> None:
+    batch = BatchedArena("gathering", 2, **many_options("gathering", action_mode=mode))
+    observation = batch.reset(seed=3)
+    assert observation["position"].shape[:2] == (2, 3)
+    actions = batch.action_space.sample()
+    assert batch.action_space.contains(actions)
+    batch.step(actions)
+
+    def flat(values: np.ndarray) -> np.ndarray:
+        return values.reshape(6, *values.shape[2:])
+
+    in_a_row = {name: flat(values) for name, values in actions.items()} if mode == "dict" else flat(actions)
+    with pytest.raises(ActionError, match=r"shape \(6,.*must have the shape \(2, 3.*: matches, learners"):
+        batch.step(in_a_row)

@@ -9,6 +9,7 @@ from builders import act, flat_world, make_match, place
 from wildscav_engine.match import Match
 from wildscav_engine.spec import ZoneConfig, ZonePhase
 from wildscav_engine.systems.zone import plan_zone, zone_at
+from wildscav_engine.tracks.rewards import FACTS, RewardSum, read_facts
 
 NO_ZONE = ZoneConfig()
 
@@ -60,6 +61,27 @@ def test_when_all_die_together_all_are_first() -> None:
     act(match, 1)
     assert match.over
     assert [seat.metrics["placement"] for seat in match.result().seats] == [1, 1]
+
+
+def test_when_the_time_is_up_those_left_are_all_first_in_the_score_and_in_the_reward() -> None:
+    match = royale(4, time_limit=0.3)
+    rewards = [0.0] * 4
+    for step in range(3):
+        kill(match, *[3] * (step == 1))
+        before, after = (np.zeros((1, 4, FACTS), np.float32) for _ in range(2))
+        read_facts(match.state, before)
+        act(match, 1)
+        read_facts(match.state, after)
+        paid = RewardSum({"outlived": 1.0}).total(before, after)
+        rewards = [total + float(now) for total, now in zip(rewards, paid[0], strict=True)]
+        if step == 1:
+            assert rewards == [pytest.approx(1 / 3)] * 3 + [0]
+    result = match.result()
+    assert result.ending == "time_up"
+    assert [seat.metrics["placement"] for seat in result.seats] == [1, 1, 1, 4]
+    assert [seat.metrics["points"] for seat in result.seats] == pytest.approx(
+        [100 * reward for reward in rewards]
+    )
 
 
 def test_a_team_is_in_as_long_as_one_of_it_lives() -> None:
