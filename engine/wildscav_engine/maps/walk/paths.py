@@ -11,6 +11,7 @@ from wildscav_engine.maps.walk.explore import walk_straight
 from wildscav_engine.maps.walk.graph import WalkGraph
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
 from wildscav_engine.maps.walk.search import is_edge, pull_straight, shortest_way
+from wildscav_engine.maps.walk.tighten import tighten
 from wildscav_engine.systems.collision import Bodies, Point
 
 ATTACH = 1.5  # m, how far a place may lie from the node that stands for it
@@ -49,8 +50,9 @@ class Path:
 def find_path(graph: WalkGraph, start: Place, end: Place) -> Path | None:
     """Return the shortest known path between two places of a map.
 
-    The shortest way over the graph is pulled straight wherever a straight walk arrives too. What is left is
-    at most a few percent longer than the true shortest.
+    The shortest way over the graph is pulled straight wherever a straight walk arrives too, and its turns are
+    moved as near to the corners as leaves some room. A shorter way may lead through a gap so narrow that it
+    lies between the graph's nodes; none that keeps 0.25 m off everything is more than 2 % shorter.
 
     Args:
         graph: Of the map.
@@ -150,7 +152,7 @@ def _legs(
     first = 0
     for at, leaps in enumerate([*is_leap, True]):
         if leaps:
-            legs += [Leg(_triple(places[node])) for node in _pulled(graph, places, way[first : at + 1])[1:]]
+            legs += [Leg(_triple(turn)) for turn in _pulled(graph, places, way[first : at + 1])[1:]]
             first = at + 1
             if first < len(way):
                 jump = _begins_with_jump(graph, int(way[at]), int(way[first]))
@@ -158,14 +160,17 @@ def _legs(
     return legs
 
 
-def _pulled(graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return the nodes of a walk that are left when it is pulled straight, again while that helps."""
+def _pulled(graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Return (P, 3) m the turns of a walk that are left when it is pulled straight and tight."""
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     while True:
         kept = pull_straight(graph.world, nobody, places, way)
         if len(kept) == len(way):
-            return way
+            break
         way = kept
+    turns = tighten(graph.world, nobody, places[way])
+    kept = pull_straight(graph.world, nobody, turns, np.arange(len(turns), dtype=np.int32))
+    return turns[kept]
 
 
 def _begins_with_jump(graph: WalkGraph, start: int, end: int) -> bool:

@@ -8,6 +8,7 @@ from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.walk.components import successor
 from wildscav_engine.maps.walk.explore import leaves_room, walk_straight
 from wildscav_engine.maps.walk.lattice import DIRECTIONS, SAME_SURFACE, SPACING
+from wildscav_engine.maps.walk.lines import follow_line
 from wildscav_engine.systems.collision import Bodies, Point
 
 HEAP_FIRST = 1  # the heap's root is at 1, so that the parent of i is i // 2
@@ -27,7 +28,9 @@ def shortest_way(
 ) -> NDArray[np.int32]:
     """Return the nodes of the shortest way over edges and leaps, both ends included; empty if none.
 
-    A* (Hart, Nilsson & Raphael 1968); lengths are horizontal, as ``walked`` counts them.
+    Lazy Theta* (Nash, Koenig & Tovey 2010): A* whose ways run straight between nodes at any angle, so that
+    the eight directions of edges make none longer. That a node is seen from the turn before it is assumed
+    when it is found, and checked when the search comes to it. Lengths are horizontal, like ``walked``.
 
     Args:
         places: (N, 3) m, of the nodes.
@@ -39,17 +42,23 @@ def shortest_way(
     """
     count = places.shape[0]
     length = np.full(count, np.inf)  # m, of the shortest way known from the start
-    came = np.full(count, UNKNOWN, np.int32)
+    came = np.full(count, UNKNOWN, np.int32)  # the node before, by an edge or a leap
+    turn = np.full(count, UNKNOWN, np.int32)  # the last turn before, from where the way is straight
     done = np.zeros(count, np.bool_)
     heap = np.empty(16 * 1024, np.int32)
     urgency = np.empty(16 * 1024)
+    nowhere = np.empty(0, np.int32)
     length[start], heap[HEAP_FIRST], urgency[HEAP_FIRST], size = 0.0, start, 0.0, HEAP_FIRST
+    turn[start] = start
     while size >= HEAP_FIRST:
         node = heap[HEAP_FIRST]
         size = _pop(heap, urgency, size)
         if done[node]:
             continue
         done[node] = True
+        is_seen = turn[node] == came[node] or follow_line(places, edges, turn[node], node, nowhere) > 0
+        if node != start and not is_seen:
+            _turn_before(places, edges, done, length, came, turn, node)
         if node == end:
             break
         number, other = 0, 0
@@ -58,14 +67,38 @@ def shortest_way(
             number += 1
             if other < 0 or done[other]:
                 continue
-            far = length[node] + _apart(places, node, other)
+            # Behind a leap, no way is straight from before it.
+            before = turn[node] if number <= DIRECTIONS else node
+            far = length[before] + _apart(places, before, other)
             if far < length[other]:
-                length[other], came[other] = far, node
+                length[other], came[other], turn[other] = far, node, before
                 if size + 1 == heap.shape[0]:
                     heap = np.concatenate((heap, np.empty_like(heap)))
                     urgency = np.concatenate((urgency, np.empty_like(urgency)))
                 size = _push(heap, urgency, size, other, far + _apart(places, other, end))
-    return _way_back(came, start, end) if done[end] else np.empty(0, np.int32)
+    return _way_back(places, edges, came, turn, start, end) if done[end] else nowhere
+
+
+@kernel
+def _turn_before(
+    places: NDArray[np.float64],
+    edges: NDArray[np.int32],
+    done: NDArray[np.bool_],
+    length: NDArray[np.float64],
+    came: NDArray[np.int32],
+    turn: NDArray[np.int32],
+    node: int,
+) -> None:
+    """Let the way to a node that is not seen from the turn before it turn at its best neighbour instead."""
+    best = came[node]
+    shortest = length[best] + _apart(places, best, node)
+    for direction in range(DIRECTIONS):
+        other = edges[node, direction]
+        if other >= 0 and done[other] and edges[other, (direction + DIRECTIONS // 2) % DIRECTIONS] == node:
+            far = length[other] + _apart(places, other, node)
+            if far < shortest:
+                best, shortest = other, far
+    length[node], came[node], turn[node] = shortest, best, best
 
 
 @kernel
@@ -76,16 +109,33 @@ def _apart(places: NDArray[np.float64], one: int, other: int) -> float:
 
 
 @array_kernel
-def _way_back(came: NDArray[np.int32], start: int, end: int) -> NDArray[np.int32]:
-    """Return the way to the end, from where each node was come to."""
+def _way_back(
+    places: NDArray[np.float64],
+    edges: NDArray[np.int32],
+    came: NDArray[np.int32],
+    turn: NDArray[np.int32],
+    start: int,
+    end: int,
+) -> NDArray[np.int32]:
+    """Return the nodes of the way to the end, those along its straight parts included."""
     steps, node = 1, end
+    nowhere = np.empty(0, np.int32)
     while node != start:
-        node, steps = came[node], steps + 1
+        steps += 1 if turn[node] == came[node] else follow_line(places, edges, turn[node], node, nowhere)
+        node = turn[node]
     way = np.empty(steps, np.int32)
-    node = end
-    for step in range(steps - 1, -1, -1):
-        way[step] = node
-        node = came[node]
+    node, last = end, steps - 1
+    way[last] = end
+    while node != start:
+        before = turn[node]
+        if before == came[node]:
+            last -= 1
+        else:
+            far = follow_line(places, edges, before, node, nowhere)
+            follow_line(places, edges, before, node, way[last - far + 1 : last + 1])
+            last -= far
+        way[last] = before
+        node = before
     return way
 
 
@@ -167,8 +217,14 @@ def _farthest_straight(
 @kernel
 def _is_straight(world: World, nobody: Bodies, places: NDArray[np.float64], start: int, end: int) -> bool:
     """Return whether a body that walks straight from one node arrives at another."""
-    at = Point(places[start, 0], places[start, 1], places[start, 2])
-    x, height, z = places[end, 0], places[end, 1], places[end, 2]
+    here, there = places[start], places[end]
+    return is_straight(world, nobody, Point(here[0], here[1], here[2]), Point(there[0], there[1], there[2]))
+
+
+@kernel
+def is_straight(world: World, nobody: Bodies, at: Point, end: Point) -> bool:
+    """Return whether a body that walks straight from a place arrives at another, with room to each side."""
+    x, height, z = end.x, end.y, end.z
     if x == at.x and z == at.z:
         return bool(abs(height - at.y) <= SAME_SURFACE)
     for stride in (SPACING, LEG_STRIDE):  # great strides are quickly stopped where nobody gets through

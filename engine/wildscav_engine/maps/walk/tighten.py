@@ -1,0 +1,77 @@
+"""Pulling a path tight: its turns move from the graph's nodes to as near to the corners as a body fits."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import World
+from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.maps.walk.explore import walk_straight
+from wildscav_engine.maps.walk.lattice import SPACING
+from wildscav_engine.maps.walk.search import LEG_STRIDE, is_straight
+from wildscav_engine.systems.collision import Bodies, Point
+
+ROUNDS = 8
+LEAST_GAIN = 0.01  # m, a round that shortens the path by less is the last
+SHARES = (1.0, 0.5, 0.25, 0.125)  # of the way to the straight line that a turn is moved, if it can be
+
+
+@array_kernel
+def tighten(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points of a walk, (P, 3) m, with each turn moved towards the line between those beside it.
+
+    Args:
+        world: The static world.
+        nobody: No bodies.
+        turns: (P, 3) m, soles; each can be walked to straight from the one before. The ends stay.
+    """
+    tight = turns.copy()
+    for _ in range(ROUNDS):
+        gained = 0.0
+        for turn in range(1, tight.shape[0] - 1):
+            gained += _move_in(world, nobody, tight, turn)
+        if gained < LEAST_GAIN:
+            break
+    return tight
+
+
+@kernel
+def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int) -> float:
+    """Move a turn as far as it can be moved at once, and return by how many m that is shorter."""
+    before, here, after = _point(turns, turn - 1), _point(turns, turn), _point(turns, turn + 1)
+    old = _apart(before, here) + _apart(here, after)
+    foot_x, foot_z = _nearest_on(before, after, here)
+    for share in SHARES:
+        x, z = here.x + share * (foot_x - here.x), here.z + share * (foot_z - here.z)
+        if max(abs(x - before.x), abs(z - before.z)) < LEG_STRIDE:
+            continue
+        height = walk_straight(world, nobody, before, x, z, SPACING)
+        if not abs(height) < np.inf:
+            continue
+        there = Point(x, height, z)
+        gain = old - _apart(before, there) - _apart(there, after)
+        is_better = gain > 0.0 and is_straight(world, nobody, before, there)
+        if is_better and is_straight(world, nobody, there, after):
+            turns[turn, 0], turns[turn, 1], turns[turn, 2] = there.x, there.y, there.z
+            return gain
+    return 0.0
+
+
+@kernel
+def _point(turns: NDArray[np.float64], turn: int) -> Point:
+    return Point(turns[turn, 0], turns[turn, 1], turns[turn, 2])
+
+
+@kernel
+def _apart(one: Point, other: Point) -> float:
+    """Return the horizontal distance in m between two points."""
+    return float(np.sqrt((other.x - one.x) * (other.x - one.x) + (other.z - one.z) * (other.z - one.z)))
+
+
+@kernel
+def _nearest_on(start: Point, end: Point, here: Point) -> tuple[float, float]:
+    """Return x and z in m of the point between two others that is nearest to a third, seen from above."""
+    east, north = end.x - start.x, end.z - start.z
+    length = east * east + north * north
+    share = ((here.x - start.x) * east + (here.z - start.z) * north) / length if length > 0.0 else 0.0
+    share = min(1.0, max(0.0, share))
+    return start.x + share * east, start.z + share * north
