@@ -24,14 +24,16 @@ from wildscav_engine.trig import cosine, sine
 
 LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
 LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
-START_TRIES = 64  # draws for a start apart from the others before any place will do
+START_TRIES = 64  # draws for a start apart from the others, before one is looked for among all places
 START_DISTANCE = 3.0  # m between two starts, where the map has room
-NEAR_DISTANCE = 4.0 * BODY_RADIUS  # m between two starts around a target
+NEAR_DISTANCE = 4.0 * BODY_RADIUS  # m between two starts around a target, where the map has room
+LEAST_DISTANCE = 2.0 * BODY_RADIUS + 2.0 * SKIN  # m between two starts: nobody starts inside another
 TARGET_DISTANCE = 10.0  # m at least from the first start to the target, where the map has room
 KNOWN_PLACE = 6.0  # m, how far the nearest of the map's places may be from a start around the target
 KEPT_PLACES = 256  # given places of a map that are known to be good
 
 STARTS, TARGET = int(Stream.STARTS), int(Stream.TARGET)
+EVERYBODY = -1  # in place of the first seat that has no room
 
 
 class MatchSetupError(ValueError):
@@ -56,7 +58,7 @@ def choose_starts(
 
     Raises:
         MatchSetupError: A start or target is outside the map or inside something, or there is no way from the
-            start, or none to the target.
+            start, or none to the target; or the map has no room for so many starts.
     """
     starts, is_placed = _given_starts(spec, game_map)
     seed, spawns = np.uint64(spec.seed), game_map.world.spawns
@@ -67,11 +69,17 @@ def choose_starts(
         target = spawns[draw_place(spawns, seed)] if target is None else target
         reach = spec.rules.target_distance
         nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
-        draw_starts_near(game_map.world, nobody, target, reach, spec.start_range, seed, is_placed, starts)
+        spread = spec.start_range
+        left_out = draw_starts_near(game_map.world, nobody, target, reach, spread, seed, is_placed, starts)
     else:
-        draw_starts(spawns, seed, is_placed, starts)
+        left_out = draw_starts(spawns, seed, is_placed, starts)
         if has_target and target is None:
             target = spawns[draw_target(spawns, seed, starts[0])]
+    if left_out != EVERYBODY:
+        raise MatchSetupError(
+            f"{len(starts)} seats are too many for this map: it has {len(spawns)} places, "
+            f"and none of them has room for seat {left_out}"
+        )
     return starts, target
 
 
@@ -195,38 +203,67 @@ def _named(given: Given) -> str:
 @kernel
 def draw_starts(
     spawns: NDArray[np.float64], seed: Word, is_placed: NDArray[np.bool_], starts: NDArray[np.float64]
-) -> None:
+) -> int:
     """Draw the starts that are not given among a map's places, apart from each other.
+
+    Where no draw keeps apart, the start is the place that is farthest from all others.
 
     Args:
         spawns: (N, 3) m.
         seed: Of the match.
         is_placed: (A,) which starts are given; becomes all True.
         starts: (A, 3) m; the others are written.
+
+    Returns:
+        The first seat that would start inside another, EVERYBODY if all have room.
     """
     for seat in range(starts.shape[0]):
         if is_placed[seat]:
             continue
+        is_apart = False
         for attempt in range(START_TRIES):
             place = integer_in(0, spawns.shape[0] - 1, seed, STARTS, 0, seat, attempt)
-            for axis in range(3):
-                starts[seat, axis] = spawns[place, axis]
-            if _keeps_apart(starts, is_placed, seat, START_DISTANCE):
+            _put(spawns[place], starts[seat])
+            is_apart = _distance_to_nearest(starts, is_placed, starts[seat]) >= START_DISTANCE
+            if is_apart:
                 break
+        if not (is_apart or _take_farthest(spawns, starts, is_placed, seat)):
+            return seat
         is_placed[seat] = True
+    return EVERYBODY
 
 
 @kernel
-def _keeps_apart(
-    starts: NDArray[np.float64], is_placed: NDArray[np.bool_], seat: int, distance: float
-) -> bool:
-    """Return whether a start is a distance in m from all that are placed, seen from above."""
+def _put(place: NDArray[np.float64], start: NDArray[np.float64]) -> None:
+    for axis in range(3):
+        start[axis] = place[axis]
+
+
+@kernel
+def _distance_to_nearest(
+    starts: NDArray[np.float64], is_placed: NDArray[np.bool_], place: NDArray[np.float64]
+) -> float:
+    """Return how far in m a place (3,) is from the nearest start that is placed, seen from above."""
+    nearest = np.inf
     for other in range(starts.shape[0]):
-        if is_placed[other] and other != seat:
-            dx, dz = starts[seat, 0] - starts[other, 0], starts[seat, 2] - starts[other, 2]
-            if dx * dx + dz * dz < distance * distance:
-                return False
-    return True
+        if is_placed[other]:
+            dx, dz = place[0] - starts[other, 0], place[2] - starts[other, 2]
+            nearest = min(nearest, dx * dx + dz * dz)
+    return float(np.sqrt(nearest))
+
+
+@kernel
+def _take_farthest(
+    spawns: NDArray[np.float64], starts: NDArray[np.float64], is_placed: NDArray[np.bool_], seat: int
+) -> bool:
+    """Write the place farthest from all placed starts; return False if even there is one of them."""
+    best, farthest = 0, -np.inf
+    for place in range(spawns.shape[0]):
+        distance = _distance_to_nearest(starts, is_placed, spawns[place])
+        if distance > farthest:
+            best, farthest = place, distance
+    _put(spawns[best], starts[seat])
+    return bool(farthest >= LEAST_DISTANCE)
 
 
 @kernel
@@ -257,12 +294,12 @@ def draw_starts_near(
     seed: Word,
     is_placed: NDArray[np.bool_],
     starts: NDArray[np.float64],
-) -> None:
+) -> int:
     """Draw the starts that are not given around a target, as the paper's set-up of navigation has them.
 
     One lies in a random direction, as far away as ``reach`` and the size of N(0, spread), where a body can
     stand and get to the target. If none is found in some tries, it is the nearest of the map's places beyond
-    reach.
+    reach that is apart from the other starts.
 
     Args:
         world: The static world.
@@ -273,6 +310,9 @@ def draw_starts_near(
         seed: Of the match.
         is_placed: (A,) which starts are given; becomes all True.
         starts: (A, 3) m; the others are written.
+
+    Returns:
+        The first seat that would start inside another, EVERYBODY if all have room.
     """
     for seat in range(starts.shape[0]):
         if is_placed[seat]:
@@ -284,12 +324,18 @@ def draw_starts_near(
             starts[seat, 0] = target[0] + far * sine(turn)
             starts[seat, 2] = target[2] + far * cosine(turn)
             starts[seat, 1] = _height_near(world, nobody, target, starts[seat, 0], starts[seat, 2])
-            is_found = starts[seat, 1] > -np.inf and _keeps_apart(starts, is_placed, seat, NEAR_DISTANCE)
+            is_apart = _distance_to_nearest(starts, is_placed, starts[seat]) >= NEAR_DISTANCE
+            is_found = is_apart and starts[seat, 1] > -np.inf
             if is_found:
                 break
+        for distance in (NEAR_DISTANCE, LEAST_DISTANCE):
+            is_found = is_found or _take_nearest(
+                world.spawns, target, reach, distance, starts, is_placed, seat
+            )
         if not is_found:
-            _take_nearest(world.spawns, target, reach, starts[seat])
+            return seat
         is_placed[seat] = True
+    return EVERYBODY
 
 
 @kernel
@@ -324,14 +370,27 @@ def _height_near(world: World, nobody: Bodies, target: NDArray[np.float64], x: f
 
 @kernel
 def _take_nearest(
-    spawns: NDArray[np.float64], target: NDArray[np.float64], reach: float, start: NDArray[np.float64]
-) -> None:
-    """Write the place nearest to the target, but farther away than ``reach`` m, into a start (3,) m."""
-    best, nearest = 0, np.inf
+    spawns: NDArray[np.float64],
+    target: NDArray[np.float64],
+    reach: float,
+    distance: float,
+    starts: NDArray[np.float64],
+    is_placed: NDArray[np.bool_],
+    seat: int,
+) -> bool:
+    """Write the place nearest to the target, beyond ``reach`` m and ``distance`` m from all placed starts.
+
+    Returns:
+        Whether there is one.
+    """
+    best, nearest = -1, np.inf
     for place in range(spawns.shape[0]):
         dx, dz = spawns[place, 0] - target[0], spawns[place, 2] - target[2]
-        distance = dx * dx + dz * dz
-        if reach * reach < distance < nearest:
-            best, nearest = place, distance
-    for axis in range(3):
-        start[axis] = spawns[best, axis]
+        away = dx * dx + dz * dz
+        is_nearer = reach * reach < away < nearest
+        if is_nearer and _distance_to_nearest(starts, is_placed, spawns[place]) >= distance:
+            best, nearest = place, away
+    if best < 0:
+        return False
+    _put(spawns[best], starts[seat])
+    return True

@@ -7,7 +7,8 @@ from pydantic import ValidationError
 from builders import box, flat_world, map_from
 from wildscav_engine.actions import no_actions
 from wildscav_engine.batch import Batch
-from wildscav_engine.maps import load_map
+from wildscav_engine.body import BODY_RADIUS
+from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.match import Match
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.starts import START_DISTANCE, MatchSetupError, choose_starts, usable_place
@@ -119,6 +120,48 @@ def test_a_start_around_the_target_is_never_inside_anything() -> None:
 def test_seats_that_race_start_beside_each_other_and_not_in_each_other() -> None:
     starts = starts_of(spec(3, 4, target=(0.0, 0.0, 0.0), start_range=5.0))
     assert min(np.hypot(*(starts[a] - starts[b])[::2]) for a in range(4) for b in range(a)) >= 1.8
+
+
+def meadow_with(spots: list[tuple[float, float]], solids: tuple[object, ...] = ()) -> GameMap:
+    world = flat_world(solids=solids)
+    return map_from(world._replace(spawns=np.array([(x, 0.0, z) for x, z in spots])))
+
+
+def least_distance(starts: np.ndarray) -> float:
+    return min(
+        np.hypot(*(starts[one] - starts[other])[::2]) for one in range(len(starts)) for other in range(one)
+    )
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_where_places_are_few_every_seat_gets_one_of_its_own(seed: int) -> None:
+    crowded = meadow_with([(1.2 * n, 0.0) for n in range(12)])
+    assert least_distance(starts_of(spec(seed, 12, "battle"), crowded)) >= 1.2 - 1e-9
+    # A few of many keep as far apart as they can.
+    assert least_distance(starts_of(spec(seed, 4, "battle"), crowded)) >= 2.4 - 1e-9
+
+
+def test_drawn_starts_keep_off_given_ones_where_places_are_few() -> None:
+    crowded = meadow_with([(0.0, 0.0), (0.5, 0.0), (0.0, 5.0)])
+    starts = starts_of(spec(0, 2, "battle", starts=(None, (0.2, 0.0, 0.0))), crowded)
+    assert starts[0].tolist() == [0.0, 0.0, 5.0]
+
+
+@pytest.mark.parametrize("fields", [{"track": "battle"}, {"target": (0.0, 0.0, 0.0), "start_range": 0.5}])
+def test_more_seats_than_have_room_are_refused(fields: dict[str, object]) -> None:
+    # The target lies between two walls, where a few have room, and not thirty.
+    walls = (box((-20, 0, 0.6), (20, 3, 20)), box((-20, 0, -20), (20, 3, -0.6)))
+    pen = meadow_with([(3.0, 0.0), (3.3, 0.0), (5.0, 0.0)], walls if "target" in fields else ())
+    with pytest.raises(MatchSetupError, match=r"seats are too many for this map: it has 3 places"):
+        starts_of(spec(0, 30, **fields), pen)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_seats_that_race_in_a_narrow_place_do_not_start_in_each_other(seed: int) -> None:
+    walls = (box((-20, 0, 0.6), (20, 3, 20)), box((-20, 0, -20), (20, 3, -0.6)))
+    lane = meadow_with([(float(x), 0.0) for x in range(-18, 19)], walls)
+    starts = starts_of(spec(seed, 20, target=(0.0, 0.0, 0.0), start_range=0.3), lane)
+    assert least_distance(starts) >= 2 * BODY_RADIUS
 
 
 def test_a_varied_spec_is_as_one_made_anew() -> None:
