@@ -72,7 +72,9 @@ class Agents(NamedTuple):
     hit_by_seat: NDArray[np.int32]  # (B, A) who hit it, or NOBODY
     damage: NDArray[np.int32]  # (B, A) hp, lost at the end of a frame
     gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
-    # No state: these follow from where they are (``systems/crowd.py``).
+    # No state: the seats in the order of the frame (``systems/turns.py``), and what follows from where the
+    # agents are (``systems/crowd.py``).
+    turns: NDArray[np.int32]  # (B, A)
     next_in_square: NDArray[np.int32]  # (B, A) seat + 1 of the next agent in the same square, 0 = none
     near: NDArray[np.int32]  # (B, A) seats near the agent that moves
 
@@ -158,6 +160,7 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
         hit_by_seat=np.full((b, a), NOBODY, np.int32),
         damage=np.zeros((b, a), np.int32),
         gained=np.zeros((b, a), np.int32),
+        turns=np.zeros((b, a), np.int32),
         next_in_square=np.zeros((b, a), np.int32),
         near=np.zeros((b, a), np.int32),
     )

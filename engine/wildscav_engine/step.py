@@ -26,7 +26,7 @@ from wildscav_engine.systems.endings import (
 )
 from wildscav_engine.systems.motion import move_by
 from wildscav_engine.systems.supplies import index_boxes, pick_up
-from wildscav_engine.systems.turns import draw_turns, seat_at
+from wildscav_engine.systems.turns import draw_turns
 from wildscav_engine.systems.weapons import handle_weapons, shoot
 from wildscav_engine.systems.zone import hurt_outside
 from wildscav_engine.trig import cosine, sine, wrap
@@ -87,22 +87,21 @@ def play_frame(
     rules: Rules,
 ) -> None:
     """Play one frame, in place. The order below is the rulebook."""
-    seats = actions.shape[0]
-    turns = draw_turns(matches.seed[match], matches.frame[match], seats)
+    draw_turns(matches.seed[match], matches.frame[match], agents.turns)
     # Collisions and shots of the whole frame go by where everybody is now.
     index_agents(world, agents, matches, match)
     # Times are counted from the frame after: whoever dies now has the whole respawn time before it.
     bring_back(world, agents, matches, match, rules)
-    for turn in range(seats):
-        _turn_and_move(world, agents, matches, match, seat_at(turns, turn), actions, rules)
+    for turn in range(agents.turns.shape[0]):
+        _turn_and_move(world, agents, matches, match, agents.turns[turn], actions, rules)
     matches.frame[match] += 1
     # The target is tested every frame, so that nobody runs through it between two steps.
-    end_at_target(agents, matches, match, turns, rules)
-    pick_up(world, agents, supplies, matches, match, actions, turns, rules)
+    end_at_target(agents, matches, match, rules)
+    pick_up(world, agents, supplies, matches, match, actions, rules)
     end_at_supply_goal(agents, matches, match)
     handle_weapons(agents, actions, rules)
     # Everyone has moved before anyone shoots, so no agent gains by coming first.
-    shoot(world, agents, matches, match, actions, turns, rules)
+    shoot(world, agents, matches, match, actions, rules)
     # Damage lands after the last shot: two agents can kill each other in one frame.
     hurt_outside(agents, matches, match)
     apply_damage(world, agents, supplies, matches, match, rules)

@@ -12,7 +12,18 @@ from wildscav_engine.state import Agents
 
 RICH = SupplyConfig(waves=(SupplyWave(center=(0, 0), radius=1000, outdoor_richness=50),), spacing=2)
 # What a match is set up with and never changes, what says nothing, and what a frame sets anew or clears.
-FIXED = {"present", "team", "robot", "memory", "next_in_square", "near", "shot_end", "velocity", "in_water"}
+FIXED = {
+    "present",
+    "team",
+    "robot",
+    "memory",
+    "turns",
+    "next_in_square",
+    "near",
+    "shot_end",
+    "velocity",
+    "in_water",
+}
 FIXED |= {"clip_size", "full_health", "full_spare_ammo", "shot_damage", "start"}
 PLAYED_ANEW = {
     "damage",

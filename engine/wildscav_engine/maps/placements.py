@@ -13,10 +13,10 @@ from wildscav_engine.maps.footprints import Site, footprints_of, gap_between, he
 from wildscav_engine.maps.house import HousePlan, draw_plan
 from wildscav_engine.maps.land import BUSHES, ROCKS, TREES, Fields, Land, land_of
 from wildscav_engine.maps.plants import PARTS, grow
-from wildscav_engine.maps.plots import EDGE_MARGIN, SHORE_MARGIN
+from wildscav_engine.maps.plots import EDGE_MARGIN, SHARED_LEVEL, SHORE_MARGIN
 from wildscav_engine.maps.scatter import Spots, allocate_spots, place_one, scatter
 from wildscav_engine.maps.streets import height_at
-from wildscav_engine.maps.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint
+from wildscav_engine.maps.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint, room_of_join
 from wildscav_engine.maps.vegetation import conifers
 from wildscav_engine.maps.woods import shores
 from wildscav_engine.spec import MapConfig, Placement
@@ -111,7 +111,7 @@ def _check_apart(number: int, site: Site, numbers: Sequence[int], sites: Sequenc
 
 
 def _level(number: int, site: Site, sites: Sequence[Site], terrain: Terrain) -> float:
-    """Return the level in m for a house placed by hand; near others it is theirs."""
+    """Return the level in m for a house placed by hand; near others it is theirs, or near theirs."""
     footprint = np.array(site.footprint)
     lowest, highest, mean = heights_under(terrain.corner, terrain.heights, footprint)
     least = terrain.water_level + SHORE_MARGIN
@@ -125,10 +125,18 @@ def _level(number: int, site: Site, sites: Sequence[Site], terrain: Terrain) -> 
             f"placements.{number}.location is {(site.pose.x, site.pose.z)}: too steep for a house; "
             f"the ground differs by {highest - lowest:.1f} m, can differ by 0 to {STEEPEST_GROUND:.0f} m"
         )
+    least, most = -np.inf, np.inf
     for other, row in zip(sites, footprints_of(sites), strict=True):
-        if gap_between(footprint, row) < 2.0 * LEVEL_MARGIN + 0.5:
-            return other.ground
-    return mean
+        gap = gap_between(footprint, row)
+        room = 0.0 if gap < SHARED_LEVEL else room_of_join(gap - 2.0 * LEVEL_MARGIN)
+        least, most = max(least, other.ground - room), min(most, other.ground + room)
+    if least > most:
+        raise MapError(
+            f"placements.{number}.location is {(site.pose.x, site.pose.z)}: the houses around it stand too "
+            f"high and too low for one between them, which would have to be at {least:.1f} m or more for one "
+            f"of them and at {most:.1f} m or less for another"
+        )
+    return float(min(max(mean, least), most))
 
 
 def placed_solids(config: MapConfig, seed: int, terrain: Terrain) -> list[Solid]:

@@ -16,7 +16,13 @@ from wildscav_engine.maps.footprints import (
     heights_under,
     placed_footprints,
 )
-from wildscav_engine.maps.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint
+from wildscav_engine.maps.terrain import (
+    LEVEL_MARGIN,
+    LONGEST_JOIN,
+    Terrain,
+    distance_to_footprint,
+    room_of_join,
+)
 from wildscav_engine.spec import MapConfig
 from wildscav_engine.trig import cosine, sine
 
@@ -25,8 +31,9 @@ PLACED_MARGIN = 3.0  # m between a house and what is placed by hand
 LANE_MARGIN = 3.2  # m between a house and the axis of a street that it does not face
 SHORE_MARGIN = 0.25  # m that the natural ground under a house lies above the water
 STEEPEST_GROUND = 5.0  # m, greatest difference of natural heights under a house
-STEEPEST_JOIN = 0.3  # m up per m between the levels of two houses
-JOIN_REACH = 24.0  # m, from where on the levels of two houses do not meet
+STEEPEST_JOIN = 0.3  # m up per m between the levels of two houses that are near each other
+JOIN_REACH = 24.0  # m between their levels, from where on it may be steeper
+SHARED_LEVEL = 2.0 * LEVEL_MARGIN + 0.5  # m between two houses; nearer ones have one level
 DEEPEST_CUT = 1.5  # m between the level of a house and the mean height of the ground
 
 Place = tuple[float, float, float]  # x and z in m, and a yaw in degrees
@@ -163,18 +170,25 @@ def level_for(
     if lowest < water_level + SHORE_MARGIN or highest - lowest > STEEPEST_GROUND:
         return -np.inf
     ground = mean
-    # Houses whose level margins meet share one level; a bit farther away, levels may differ a bit.
+    # Houses whose level margins meet share one level.
     for other in range(others.shape[0]):
-        if not _may_meet(footprint, others[other], JOIN_REACH):
+        if not _may_meet(footprint, others[other], SHARED_LEVEL):
             continue
-        if gap_between(footprint, others[other]) < 2.0 * LEVEL_MARGIN + 0.5:
+        if gap_between(footprint, others[other]) < SHARED_LEVEL:
             ground = grounds[other]
     if abs(ground - mean) > DEEPEST_CUT:
         return -np.inf
     for other in range(others.shape[0]):
-        if not _may_meet(footprint, others[other], JOIN_REACH):
-            continue
-        apart = gap_between(footprint, others[other]) - 2.0 * LEVEL_MARGIN
-        if apart < JOIN_REACH and abs(ground - grounds[other]) > STEEPEST_JOIN * max(0.0, apart):
-            return -np.inf
+        if _may_meet(footprint, others[other], LONGEST_JOIN + 2.0 * LEVEL_MARGIN):
+            gap = gap_between(footprint, others[other])
+            if abs(ground - grounds[other]) > _most_apart(gap - 2.0 * LEVEL_MARGIN):
+                return -np.inf
     return ground
+
+
+@kernel
+def _most_apart(apart: float) -> float:
+    """Return how much in m the levels of two houses may differ whose level margins are ``apart`` m apart."""
+    if apart >= JOIN_REACH:
+        return room_of_join(apart)
+    return min(room_of_join(apart), STEEPEST_JOIN * max(0.0, apart))

@@ -190,11 +190,22 @@ def _limit(
                 x, z = corner[0] + column * CELL, corner[1] + row * CELL
                 away = max(0.0, distance_to_footprint(footprints[house], x, z) - LEVEL_MARGIN)
                 if away < LONGEST_JOIN:
-                    room = JOIN_SLOPE * away * away / (away + JOIN_START)
-                    share = (away / LONGEST_JOIN) * (away / LONGEST_JOIN)
-                    room = room / (1.0 - share * share)
+                    room = room_of_join(away)
                     least[row, column] = max(least[row, column], grounds[house] - room)
                     most[row, column] = min(most[row, column], grounds[house] + room)
+
+
+@kernel
+def room_of_join(away: float) -> float:
+    """Return how much in m the ground may differ from a level that begins so many m away.
+
+    Two levels that differ by no more than this at their distance are both level.
+    """
+    if away >= LONGEST_JOIN:
+        return np.inf
+    away = max(0.0, away)
+    share = (away / LONGEST_JOIN) * (away / LONGEST_JOIN)
+    return JOIN_SLOPE * away * away / (away + JOIN_START) / (1.0 - share * share)
 
 
 @kernel

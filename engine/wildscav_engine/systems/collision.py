@@ -89,10 +89,12 @@ def along(at: Point, way: Point, fraction: float) -> Point:
 def slide(world: World, bodies: Bodies, around: Around, at: Point, way: Point) -> Point:
     """Go a way; where something stops it, go on along its surface.
 
-    Floors and gentle roofs lead upwards, walls and steep faces only sideways.
+    Floors and gentle roofs lead upwards, walls and steep faces only sideways, and nothing leads over the edge
+    of the map.
     """
     first_x, first_z = way.x, way.z
     for _ in range(SLIDES):
+        way = inside_edges(world, at, way)
         contact = sweep(world, bodies, around, at, way)
         at = along(at, way, contact.fraction)
         if contact.fraction >= 1.0:
@@ -122,12 +124,12 @@ def clip(contact: Contact, way: Point) -> Point:
 
 
 @kernel
-def inside_edges(world: World, here: Point, way_x: float, way_z: float) -> tuple[float, float]:
-    """Cut a way so that it ends inside the map."""
+def inside_edges(world: World, here: Point, way: Point) -> Point:
+    """Cut a way so that it ends inside the map; from outside, so that it leads no farther out."""
     rows, columns = world.water.shape
     west, south = world.corner[0] + EDGE_MARGIN, world.corner[1] + EDGE_MARGIN
     east = world.corner[0] + columns * CELL - EDGE_MARGIN
     north = world.corner[1] + rows * CELL - EDGE_MARGIN
-    to_x = min(max(here.x + way_x, west), east)
-    to_z = min(max(here.z + way_z, south), north)
-    return to_x - here.x, to_z - here.z
+    way_x = max(min(way.x, max(east - here.x, 0.0)), min(west - here.x, 0.0))
+    way_z = max(min(way.z, max(north - here.z, 0.0)), min(south - here.z, 0.0))
+    return Point(way_x, way.y, way_z)

@@ -4,7 +4,6 @@ from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rules import Rules
 from wildscav_engine.state import NOBODY, Agents, Ending, Matches
 from wildscav_engine.systems.supplies import team_supplies
-from wildscav_engine.systems.turns import Turns, seat_at
 
 TIME_UP, GOAL, LAST_STANDING = int(Ending.TIME_UP), int(Ending.GOAL), int(Ending.LAST_STANDING)
 
@@ -18,7 +17,7 @@ def end(matches: Matches, match: int, ending: int) -> None:
 
 
 @inlined_kernel
-def end_at_target(agents: Agents, matches: Matches, match: int, turns: Turns, rules: Rules) -> None:
+def end_at_target(agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
     """End the match when agents are at the target (3D, from the soles): all of them have reached it.
 
     Who comes near a hidden target finds it, for the whole team.
@@ -26,8 +25,8 @@ def end_at_target(agents: Agents, matches: Matches, match: int, turns: Turns, ru
     if not matches.has_target[match]:
         return
     target, reach = matches.target[match], rules.target_distance
-    for turn in range(turns.seats):
-        seat = seat_at(turns, turn)
+    for turn in range(agents.turns.shape[0]):
+        seat = agents.turns[turn]
         if agents.health[seat] <= 0:
             continue
         dx = agents.position[seat, 0] - target[0]

@@ -17,6 +17,7 @@ from wildscav_engine.systems.collision import (
     Point,
     along,
     clip,
+    inside_edges,
     sideways,
     sweep,
 )
@@ -47,6 +48,7 @@ def fly_among(
     later, free_rise = rise_after(rise), flown(rise)
     landed, is_held = False, False
     for _ in range(SLIDES):
+        way = inside_edges(world, at, way)
         contact = sweep(world, bodies, around, at, way)
         at = along(at, way, contact.fraction)
         if contact.fraction >= 1.0:

@@ -73,7 +73,7 @@ def move_by(
     ground = ground_at(world, here.x, here.z)
     if here.y < ground.water:
         east, north, jump = east * water_speed_factor, north * water_speed_factor, False
-    way_x, way_z = inside_edges(world, here, east * FRAME, north * FRAME)
+    way_x, _, way_z = inside_edges(world, here, Point(east * FRAME, 0.0, north * FRAME))
     is_held = is_steep(ground) and here.y <= ground.height + TOUCHING
     walks = on_ground and not jump
     if not is_held:
@@ -109,7 +109,7 @@ def _is_open(
     """Return whether nothing but gentle ground counts on a way that ends ``height`` m high."""
     if there.height > here.y + LIFT or (is_steep(there) and height <= there.height):
         return False
-    if walks and (here.y > ground.height + TOUCHING or there.height < here.y - STEP_HEIGHT):
+    if walks and (here.y > ground.height + TOUCHING or there.height < here.y - LIFT):
         return False
     rows, columns = world.water.shape
     row, column = cell_of(world.corner[1], here.z, rows), cell_of(world.corner[0], here.x, columns)

@@ -17,7 +17,6 @@ from wildscav_engine.kernel import array_kernel, inlined_kernel, kernel
 from wildscav_engine.rng import Stream, Word, integer_in, uniform
 from wildscav_engine.rules import Rules
 from wildscav_engine.state import BOX_SQUARES, Agents, Matches, Supplies
-from wildscav_engine.systems.turns import Turns, seat_at
 from wildscav_engine.trig import exponential
 
 BOX_SQUARE = 16.0  # m, the least side of a square in the grid of boxes
@@ -188,14 +187,13 @@ def pick_up(
     matches: Matches,
     match: int,
     actions: NDArray[np.float32],
-    turns: Turns,
     rules: Rules,
 ) -> None:
     """Let every living agent that wants to pick up take the nearest box in reach, in the frame's order."""
     if supplies.quantity.shape[0] == 0:
         return
-    for turn in range(turns.seats):
-        seat = seat_at(turns, turn)
+    for turn in range(agents.turns.shape[0]):
+        seat = agents.turns[turn]
         if actions[seat, Field.PICK_UP] != 0.0 and agents.health[seat] > 0:
             _take_nearest(world, agents, supplies, matches, match, seat, rules.pick_up_distance)
 

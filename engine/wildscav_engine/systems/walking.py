@@ -7,6 +7,7 @@ leaves no room, the whole way is taken back. So nothing is ever passed through.
 import numpy as np
 
 from wildscav_engine.body import COS_SLOPE_LIMIT, SLIDE_SPEED, STEP_HEIGHT, TAN_SLOPE_LIMIT
+from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import Ground, ground_at, is_steep
 from wildscav_engine.geometry.world import World
 from wildscav_engine.kernel import kernel
@@ -26,7 +27,9 @@ from wildscav_engine.systems.collision import (
 
 GAINED = 0.999  # of a way, what has come less far was held up
 BURIED = 1e-9  # m below the ground that rounding may leave
-LIFT = STEP_HEIGHT + TOUCHING  # m that the ground may lift a body in one move
+# A body gets over what it is above, however little, and rests up to SKIN above what it stands on.
+CLIMB = STEP_HEIGHT + SKIN  # m that a body lifts itself before a step
+LIFT = STEP_HEIGHT + TOUCHING  # m that the ground may lift a body in one move, and that it may step down
 
 
 @kernel
@@ -120,7 +123,8 @@ def _off_steep_ground(world: World, here: Point, way_x: float, way_z: float) -> 
     down_x, down_z = _downhill(ground)
     way_x, way_z = way_x - ground.slope_x * uphill + down_x, way_z - ground.slope_z * uphill + down_z
     share = FARTHEST / max(FARTHEST, np.sqrt(way_x * way_x + way_z * way_z))
-    return inside_edges(world, here, way_x * share, way_z * share)
+    inside = inside_edges(world, here, Point(way_x * share, 0.0, way_z * share))
+    return inside.x, inside.z
 
 
 @kernel
@@ -135,7 +139,8 @@ def _over_ground(world: World, here: Point, way_x: float, way_z: float) -> Point
         up_x, up_z = ground.slope_x / steepness, ground.slope_z / steepness
         uphill = way_x * up_x + way_z * up_z
         if uphill > 0.0:
-            way_x, way_z = way_x - up_x * uphill, way_z - up_z * uphill
+            level = inside_edges(world, here, Point(way_x - up_x * uphill, 0.0, way_z - up_z * uphill))
+            way_x, way_z = level.x, level.z
             rise = ground_at(world, here.x + way_x, here.z + way_z).height - here.y
             if rise > TAN_SLOPE_LIMIT * np.sqrt(way_x * way_x + way_z * way_z):
                 return Point(0.0, 0.0, 0.0)
@@ -147,8 +152,8 @@ def _over_ground(world: World, here: Point, way_x: float, way_z: float) -> Point
 @kernel
 def _step_up(world: World, bodies: Bodies, around: Around, here: Point, way_x: float, way_z: float) -> Point:
     """Go up by the height of a step, then along the way: over what is low enough."""
-    up = sweep(world, bodies, around, here, Point(0.0, STEP_HEIGHT, 0.0))
-    lifted = Point(here.x, here.y + STEP_HEIGHT * up.fraction, here.z)
+    up = sweep(world, bodies, around, here, Point(0.0, CLIMB, 0.0))
+    lifted = Point(here.x, here.y + CLIMB * up.fraction, here.z)
     there = slide(world, bodies, around, lifted, Point(way_x, 0.0, way_z))
     ground = ground_at(world, there.x, there.z)
     if ground.height > there.y:
@@ -168,11 +173,11 @@ def _settle(world: World, bodies: Bodies, around: Around, at: Point) -> Point:
     if ground > at.y:
         up = sweep(world, bodies, around, at, Point(0.0, ground - at.y, 0.0))
         return Point(at.x, ground if up.fraction >= 1.0 else at.y + (ground - at.y) * up.fraction, at.z)
-    drop = max(ground - at.y, -STEP_HEIGHT)
+    drop = max(ground - at.y, -LIFT)
     down = sweep(world, bodies, around, at, Point(0.0, drop, 0.0))
     if down.fraction < 1.0:
         return Point(at.x, at.y + drop * down.fraction, at.z)
-    if ground < at.y - STEP_HEIGHT:
+    if ground < at.y - LIFT:
         return at  # nothing near below: it will fall
     return Point(at.x, ground, at.z)
 

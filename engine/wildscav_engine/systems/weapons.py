@@ -12,7 +12,6 @@ from wildscav_engine.kernel import inlined_kernel, kernel
 from wildscav_engine.rules import Rules, frames
 from wildscav_engine.state import NOBODY, Agents, Matches
 from wildscav_engine.systems.crowd import LAG, Crowd, crowd_of
-from wildscav_engine.systems.turns import Turns, seat_at
 from wildscav_engine.trig import cosine, sine
 
 
@@ -21,6 +20,8 @@ def handle_weapons(agents: Agents, actions: NDArray[np.float32], rules: Rules) -
     """Let the weapons of the living cool down, and start or finish reloads.
 
     A reload moves as many spare rounds into the clip as fit when it is done; until then the weapon is silent.
+    It begins whenever it is asked for and the clip is not full. So whoever holds both triggers fires one
+    round between two reloads.
     """
     for seat in range(agents.health.shape[0]):
         if agents.health[seat] <= 0:
@@ -48,12 +49,12 @@ def shoot(
     matches: Matches,
     match: int,
     actions: NDArray[np.float32],
-    turns: Turns,
     rules: Rules,
 ) -> None:
     """Fire the weapons of all agents that shoot in this frame.
 
-    Nobody is hurt yet, the damage is only noted: two agents can kill each other in one frame.
+    Nobody is hurt yet, the damage is only noted: two agents can kill each other in one frame. Of several hits
+    on one agent, the last in the frame's order counts as who hit it.
 
     Args:
         world: The static world.
@@ -61,11 +62,10 @@ def shoot(
         matches: All matches.
         match: Which one it is.
         actions: (A, FIELDS).
-        turns: The frame's order; of several hits on one agent, the last counts as who hit it.
         rules: The rules.
     """
-    for turn in range(turns.seats):
-        seat = seat_at(turns, turn)
+    for turn in range(agents.turns.shape[0]):
+        seat = agents.turns[turn]
         if actions[seat, Field.SHOOT] != 0.0 and can_fire(agents, seat):
             _fire(world, agents, matches, match, seat, rules)
 

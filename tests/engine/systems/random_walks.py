@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, GRAVITY, JUMP_SPEED
+from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EDGE_MARGIN, GRAVITY, JUMP_SPEED
 from wildscav_engine.geometry.near import solids_near
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
@@ -34,9 +34,10 @@ class Worst(NamedTuple):
     differences: float  # frames that the general path plays otherwise
     wedged: float  # bodies that could not get away
     not_finite: float  # frames
+    beyond: float  # m beyond what is kept from the edge of the map
 
 
-WORST = np.array([0.0, 0.0, -np.inf, -np.inf, -np.inf, 0.0, -np.inf, 0.0, 0.0, 0.0])
+WORST = np.array([0.0, 0.0, -np.inf, -np.inf, -np.inf, 0.0, -np.inf, 0.0, 0.0, 0.0, -np.inf])
 
 
 @kernel
@@ -65,7 +66,7 @@ def play(
         on_ground: (A,).
         frames: To play.
         seed: Of the actions.
-        worst: (10,) as in ``Worst``, raised.
+        worst: (11,) as in ``Worst``, raised.
         stuck: (3,) m, where a body could not get away.
     """
     for frame in range(frames):
@@ -105,6 +106,8 @@ def _judge_place(world: World, position: NDArray[np.float64], seat: int, worst: 
     if not (np.isfinite(x) and np.isfinite(y) and np.isfinite(z)):
         worst[9] += 1.0
         return
+    half = -world.corner[0] - EDGE_MARGIN
+    worst[10] = max(worst[10], abs(x) - half, abs(z) - half)
     worst[2] = max(worst[2], ground_at(world, x, z).height - y)
     worst[3] = max(worst[3], depth_inside(world, x, y, z))
     for other in range(position.shape[0] - 1):

@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 
 from builders import act, box, flat_world, make_match, map_from, place
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, JUMP_SPEED
+from wildscav_engine.geometry.shapes import box as solid_box
+from wildscav_engine.geometry.shapes import pose
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
-from wildscav_engine.geometry.world import Kind, Solid, World, convex_solid
+from wildscav_engine.geometry.world import Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
@@ -81,13 +83,27 @@ def test_water_halves_the_speed() -> None:
     assert match.state.agents.in_water[0, 0]
 
 
-@pytest.mark.parametrize(("top", "passes"), [(0.3, True), (0.5 - 2 * SKIN, True), (0.6, False)])
+@pytest.mark.parametrize(("top", "passes"), [(0.3, True), (0.4995, True), (0.5, True), (0.51, False)])
 def test_steps_up_to_half_a_metre_are_walked_onto(top: float, passes: bool) -> None:
     match = make_match(world=flat_world(solids=[box((3, 0, -5), (8, top, 5), Kind.STAIR)]))
     place(match, 0, (0, 0, 0))
     act(match, 10, seat_0={"walk_direction": 90, "walk_speed": 5})
     assert (position(match)[0] > 4) == passes
     assert position(match)[1] == pytest.approx(top if passes else 0, abs=3 * SKIN)
+
+
+def test_steps_of_just_half_a_metre_are_walked_up_and_down_and_never_fallen_off() -> None:
+    steps = [box((2 + n, 0, -5), (12, 0.5 * (n + 1), 5), Kind.STAIR) for n in range(4)]
+    match = make_match(world=flat_world(solids=steps), frames_per_action=1)
+    place(match, 0, (0, 0, 0))
+    highest = 0.0
+    for direction in (90, 270):
+        for _ in range(80):
+            act(match, 1, seat_0={"walk_direction": direction, "walk_speed": 5})
+            assert match.state.agents.on_ground[0, 0]
+            highest = max(highest, position(match)[1])
+    assert highest == pytest.approx(2.0, abs=3 * SKIN)
+    assert position(match) == pytest.approx([0, 0, 0], abs=0.01)
 
 
 def test_a_jump_rises_as_high_as_gravity_allows_and_takes_a_second() -> None:
@@ -286,6 +302,57 @@ def test_nobody_leaves_the_map() -> None:
     place(match, 0, (15, 0, 15))
     act(match, 30, seat_0={"walk_direction": 45, "walk_speed": 10})
     assert position(match) == pytest.approx([19.5, 0, 19.5])
+
+
+@pytest.mark.parametrize(
+    ("bodies", "solids"),
+    [
+        ([(0, 19.04)], []),
+        ([(1.2 * n, 19.04 - 0.05 * n) for n in range(8)], []),
+        ([], [solid_box(Kind.WALL, pose(0.0, 18.5, -12.0), (-6.0, 0.0, -0.25), (6.0, 2.0, 0.25))]),
+    ],
+)
+def test_what_stands_at_the_edge_leads_nobody_over_it(
+    bodies: list[tuple[float, float]], solids: list[Solid]
+) -> None:
+    """The edge of the map is at z = 20, and a body keeps half a metre off it."""
+    match = make_match(world=flat_world(solids=solids), seats=1 + len(bodies), frames_per_action=1)
+    place(match, 0, (-8, 0, 19.5))
+    for seat, (x, z) in enumerate(bodies, start=1):
+        place(match, seat, (x, 0, z))
+    for direction in (90, 80, 100, 45, 135):
+        for jump in (0, 1):
+            place(match, 0, (-8, 0, 19.5))
+            for _ in range(100):
+                before = position(match)
+                act(match, 1, seat_0={"walk_direction": direction, "walk_speed": 10, "jump": jump})
+                way = position(match) - before
+                assert position(match)[2] <= 19.5 + 1e-9
+                assert math.hypot(way[0], way[2]) <= 0.2 + 1e-9
+
+
+def test_a_body_beyond_the_margin_is_not_pulled_back_but_walks_back() -> None:
+    match = make_match(frames_per_action=1)
+    place(match, 0, (0, 0, 19.9))
+    act(match, 1, seat_0={"walk_direction": 0, "walk_speed": 10})
+    assert position(match) == pytest.approx([0, 0, 19.9])
+    act(match, 1, seat_0={"walk_direction": 135, "walk_speed": 10})
+    assert position(match) == pytest.approx([0.2 * math.sqrt(0.5), 0, 19.9 - 0.2 * math.sqrt(0.5)])
+
+
+@pytest.mark.parametrize(("along", "climbs"), [(0.5, True), (0.95, True), (1.1, False)])
+def test_between_steep_ground_and_the_edge_one_walks_along_as_in_a_gully(along: float, climbs: bool) -> None:
+    """The ground is 60° steep and falls to the edge in the east; northwards it rises ``along`` m a metre."""
+    side = np.arange(21) * 2.0 - 20.0
+    outwards = math.sqrt(3.0 - along * along)
+    heights = along * side[:, None] - outwards * side[None, :]
+    world = build_world((-20.0, -20.0), heights, np.full((20, 20), -np.inf), [], flat_world().spawns)
+    match = make_match(world=world)
+    for x, expected in ((19.5, climbs), (0.0, False)):
+        place(match, 0, (x, ground_at(world, x, 0.0).height, 0.0))
+        before = position(match)[1]
+        act(match, 6, seat_0={"walk_direction": 0, "walk_speed": 10})
+        assert (position(match)[1] > before + 0.5) == expected
 
 
 def test_a_thin_wall_stops_the_fastest_fall() -> None:

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 from tests.engine.systems.random_walks import WORST, Worst, play
 
-from builders import random_map_config
+from builders import box, map_from, random_map_config
 from wildscav_engine.body import FALL_SPEED_LIMIT, GRAVITY
+from wildscav_engine.geometry.shapes import box as solid_box
+from wildscav_engine.geometry.shapes import pose
 from wildscav_engine.geometry.sweep import SKIN
+from wildscav_engine.geometry.world import Kind, build_world
 from wildscav_engine.maps import GameMap, MapError, generate_map
 from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.rules import FRAME
@@ -46,6 +49,7 @@ def play_on(game_map: GameMap, agents: int, frames: int, seed: int) -> Worst:
 
 def check(worst: Worst) -> None:
     assert worst.not_finite == 0
+    assert worst.beyond <= 1e-9
     assert worst.speed <= 10.0 + 1e-9
     assert worst.fall <= FALL_SPEED_LIMIT
     assert worst.below_ground <= 1e-9
@@ -68,6 +72,29 @@ def test_nothing_bad_happens_to_a_few_in_a_village(country: GameMap) -> None:
 
 def test_nothing_bad_happens_in_a_crowd(country: GameMap) -> None:
     check(play_on(country, agents=30, frames=600, seed=2))
+
+
+def crowded_edges(steepness: float) -> GameMap:
+    """A map that rises diagonally, with turned blocks, a roof and steep rocks all along its edges."""
+    side = np.arange(21) * 2.0 - 20.0
+    heights = steepness * np.maximum(0.0, (side[:, None] + side[None, :]) * 0.5)
+    solids = []
+    for number, along in enumerate(range(-16, 17, 4)):
+        for x, z in ((along, 18.6), (along, -18.6), (18.6, along), (-18.6, along)):
+            ground = steepness * max(0.0, 0.5 * (x + z))
+            turned = pose(x, z, 23.0 * number - 40.0 + x)
+            high = ground + (0.5, 1.0, 3.0)[number % 3]
+            solids.append(solid_box(Kind.WALL, turned, (-1.5, ground - 3.0, -0.2), (1.5, high, 0.2)))
+    solids.append(box((-20, 2.2, -20), (-14, 2.5, -17), Kind.ROOF))
+    world = build_world((-20.0, -20.0), heights, np.full((20, 20), -np.inf), solids, np.zeros((0, 3)))
+    spots = [(x, z) for x in (-13.0, 0.0, 13.0) for z in (-13.0, 0.0, 13.0)]
+    places = [(x, steepness * max(0.0, 0.5 * (x + z)), z) for x, z in spots]
+    return map_from(world._replace(spawns=np.array(places)))
+
+
+@pytest.mark.parametrize("steepness", [0.0, 1.2, 2.2])
+def test_nobody_leaves_the_map_along_what_stands_at_its_edge(steepness: float) -> None:
+    check(play_on(crowded_edges(steepness), agents=9, frames=4_000, seed=3))
 
 
 @pytest.mark.slow
