@@ -100,6 +100,19 @@ def test_a_reload_takes_no_more_rounds_than_there_are() -> None:
     assert match.state.agents.spare_ammo[0, 0] == 0
 
 
+def test_who_shoots_and_reloads_all_the_time_fires_one_round_between_two_reloads() -> None:
+    """An action is held: as long as it asks for a reload, one follows whenever the clip is not full."""
+    match = duel()
+    act(match, 1, seat_0=SHOOT)
+    act(match, 20, seat_0={"shoot": 1, "reload": 1})
+    assert (match.state.agents.shots[0, 0], match.state.agents.clip[0, 0]) == (1, 14)
+    act(match, 60, seat_0={"shoot": 1, "reload": 1})
+    assert match.state.agents.shots[0, 0] == 4
+    act(match, 21, seat_0={"reload": 1})
+    act(match, 10, seat_0=SHOOT)
+    assert match.state.agents.shots[0, 0] == 9
+
+
 def test_a_full_clip_is_not_reloaded() -> None:
     match = duel()
     act(match, 1, seat_0={"reload": 1})
