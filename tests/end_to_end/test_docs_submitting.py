@@ -25,8 +25,11 @@ def rows(title: str) -> list[list[str]]:
 
 
 def test_the_manifest_shown_is_one() -> None:
-    (content,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
-    assert Manifest.model_validate(tomllib.loads(content)).name == "my-agent"
+    content, command = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    manifest = tomllib.loads(content)
+    assert Manifest.model_validate(manifest).name == "my-agent"
+    del manifest["entry_point"]
+    assert Manifest.model_validate(manifest | tomllib.loads(command)).command == ("node", "agent.js")
 
 
 def test_every_outcome_is_told_with_its_fault() -> None:

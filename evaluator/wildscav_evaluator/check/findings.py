@@ -85,7 +85,8 @@ def actions(report: SeatReport) -> Finding:
         return Finding("actions", Verdict.KEPT, f"{total:,} valid actions{note}")
     return Finding(
         "actions",
-        Verdict.DOUBTFUL,
+        # An agent that never acts plays as an empty seat does: that is no submission.
+        Verdict.BROKEN if invalid == total else Verdict.DOUBTFUL,
         f"{invalid:,} of {total:,} actions were invalid and played as no action",
         f"send a walk_speed of 0 to {MAX_WALK_SPEED:g} m/s and angles that are finite numbers",
     )

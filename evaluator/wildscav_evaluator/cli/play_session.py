@@ -31,6 +31,7 @@ from wildscav_evaluator.matches.play import Played, Seating, play_match, prepare
 from wildscav_evaluator.matches.seating import BATTLE_ROBOTS
 from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
+from wildscav_evaluator.sandbox.log import is_cut
 from wildscav_evaluator.scores.conduct import remark
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -103,6 +104,9 @@ def run_match(
     complaints = list(_write(played, seating, record, replay))
     if any(path.exists() for path in paths):
         console.print(f"what the agents printed is in {logs}", soft_wrap=True)
+    for path in filter(is_cut, paths):
+        kept = f"{int(seating.limits.output):,}"
+        console.print(f"  {path} was cut: of what an agent prints, {kept} bytes are kept", soft_wrap=True)
     raise_all([*complaints, *_failures(played, seating)])
 
 

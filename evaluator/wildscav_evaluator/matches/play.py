@@ -49,6 +49,8 @@ STANDSTILL = 10.0  # s without a turn of our loop, after which no agent is blame
 LOOK = 1.0  # s between two looks for one
 # Outcomes that the end of an agent's process explains.
 EARLY_ENDS = (SeatStatus.CRASHED, SeatStatus.OUT_OF_MEMORY, SeatStatus.DISQUALIFIED)
+# Outcomes that what an agent's code was doing explains.
+LATE_ENDS = (SeatStatus.TIMED_OUT, SeatStatus.NEVER_JOINED)
 # Errors of what was asked for: another try would end in the same way.
 WRONG_REQUESTS = (MatchSetupError, SensorError, UserError)
 
@@ -183,15 +185,22 @@ async def play_once(
 async def _play_hosted(
     hosted: HostedMatch, seating: Seating, addresses: Sequence[str], sandbox: Sandbox
 ) -> Played:
-    agents: list[RunningAgent] = []
+    agents: dict[int, RunningAgent] = {}
     watchers: dict[int, asyncio.Task[Ending]] = {}
     standstill = asyncio.create_task(_stand_still())
     try:
         entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
         for seat, submission, log, address in entries:
-            launch = launch_for(submission, address, hosted.tokens[seat], log, seating.limits)
-            agents.append(await sandbox.start(launch))
-            watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[-1]))
+            launch = launch_for(
+                submission,
+                address,
+                hosted.tokens[seat],
+                log,
+                seating.limits,
+                start_limit=hosted.clock.join_timeout,
+            )
+            agents[seat] = await sandbox.start(launch)
+            watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[seat]))
             hosted.launched(seat)
         outcome = await _outcome(hosted, watchers)
         await asyncio.wait(watchers.values(), timeout=FAREWELL)
@@ -199,7 +208,10 @@ async def _play_hosted(
         for seat, ending in endings.items():
             if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:
                 raise PlatformFaultError(ending.platform_fault)
-        reports = {seat: _explained(report, endings.get(seat)) for seat, report in outcome.seats.items()}
+        reports = {
+            seat: _explained(report, endings.get(seat), agents[seat])
+            for seat, report in outcome.seats.items()
+        }
         if standstill.done() and any(report.status.fault for report in reports.values()):
             raise PlatformFaultError(f"nothing was done for {standstill.result():.0f} s")
         return Played(outcome.match, reports, endings)
@@ -208,7 +220,7 @@ async def _play_hosted(
         standstill.cancel()
         for watcher in watchers.values():
             watcher.cancel()
-        ends = [*(agent.stop() for agent in agents), *watchers.values()]
+        ends = [*(agent.stop() for agent in agents.values()), *watchers.values()]
         await asyncio.gather(*ends, return_exceptions=True)
 
 
@@ -223,17 +235,24 @@ async def _stand_still() -> float:
 
 
 def launch_for(
-    submission: Submission, address: str, token: str, log: Path, limits: Limits = DEFAULT_LIMITS
+    submission: Submission,
+    address: str,
+    token: str,
+    log: Path,
+    limits: Limits = DEFAULT_LIMITS,
+    start_limit: float | None = None,
 ) -> Launch:
     """Return what a sandbox needs to start a submission at a seat."""
     return Launch(
         folder=submission.folder,
         image=submission.image,
-        entry_point=submission.manifest.entry_point,
+        entry_point=submission.manifest.entry_point or "",
+        command=submission.manifest.command or (),
         address=address,
         token=token,
         log=log,
         limits=limits,
+        start_limit=start_limit,
     )
 
 
@@ -270,11 +289,14 @@ def status_of(ending: Ending) -> SeatStatus:
     return SeatStatus.DISQUALIFIED if ending.limit else SeatStatus.CRASHED
 
 
-def _explained(report: SeatReport, ending: Ending | None) -> SeatReport:
-    """Return a report that says how the process ended, where that is why the seat was empty.
+def _explained(report: SeatReport, ending: Ending | None, agent: RunningAgent) -> SeatReport:
+    """Return a report that says what the agent's process shows of a failure.
 
-    The server may notice first that the agent's stream is gone, and knows no more than that.
+    That is how it ended, where that is why the seat was empty: the server may notice first that the agent's
+    stream is gone, and knows no more than that. And it is what the agent's code did when its time was up.
     """
+    if report.status in LATE_ENDS and (where := agent.overdue()):
+        return replace(report, detail=f"{report.detail}; when its time was up, its code was at {where}")
     if ending is None or report.status not in EARLY_ENDS:
         return report
     return replace(

@@ -19,12 +19,14 @@ class Launch:
     """All that a sandbox needs to start one agent for one match."""
 
     folder: Path  # the submission's; read-only for the agent, and its working directory
-    entry_point: str  # "module:Class"
+    entry_point: str  # "module:Class"; empty if it has a command
     address: str  # of the match server: "unix:/path" of a socket that is this seat's alone
     token: str  # of the seat
     log: Path  # where what the agent prints goes
     limits: Limits = field(default=DEFAULT_LIMITS)
     image: str | None = None  # of a submission that was built or came as an image
+    command: tuple[str, ...] = ()  # to run instead of Python
+    start_limit: float | None = None  # s that the agent has to start up
 
 
 class MemoryKill(Enum):
@@ -77,6 +79,10 @@ class RunningAgent(Protocol):
 
     async def ended(self) -> Ending:
         """Wait until the agent's process is gone by itself, or by a limit, and return how it ended."""
+        ...
+
+    def overdue(self) -> str:
+        """Say where the agent's code was when its time was up, in a few words; nothing if it is not known."""
         ...
 
     async def stop(self) -> None:

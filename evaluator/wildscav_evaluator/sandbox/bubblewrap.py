@@ -7,7 +7,6 @@ socket. It runs as a user that owns nothing. See ``docs/security.md``.
 import asyncio
 import os
 import shutil
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +15,7 @@ from wildscav_evaluator.sandbox import runtime
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.cgroup import AgentGroup, find_version
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
+from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, python_command, start_process
 from wildscav_evaluator.sandbox.seccomp import bpf_filter
 from wildscav_evaluator.sandbox.staging import readable_copy
 from wildscav_evaluator.sandbox.users import agent_user
@@ -66,7 +65,7 @@ async def _start(launch: Launch, hold: "GroupHold") -> AgentProcess:
     try:
         os.write(filter_fd, bpf_filter())
         os.lseek(filter_fd, 0, os.SEEK_SET)
-        variables = runtime.host_runtime().variables() | agent_variables(runtime.ADDRESS, launch.token)
+        variables = runtime.host_runtime().variables() | agent_variables(launch, runtime.ADDRESS)
         return await start_process(
             _command(launch, hold, filter_fd, status),
             launch,
@@ -137,8 +136,7 @@ def _command(launch: Launch, hold: GroupHold, filter_fd: int, status_fd: int) ->
         *("--die-with-parent", "--new-session", "--hostname", "agent", *as_user),
         *("--seccomp", str(filter_fd), "--json-status-fd", str(status_fd)),
         *_mounts(launch, hold.folder, int(limits.tmp_size)),
-        *("--chdir", str(runtime.CODE), "--", *drop),
-        *(sys.executable, "-m", "wildscav.sdk", launch.entry_point),
+        *("--chdir", str(runtime.CODE), "--", *drop, *python_command(launch)),
     ]
 
 

@@ -1,14 +1,15 @@
 """What an agent prints: kept in a file up to a limit, its last lines in memory."""
 
 import asyncio
+import os
 from pathlib import Path
 
-TAIL = 4096  # bytes remembered for the reason of a failure
+TAIL = 32_768  # bytes remembered for the reason of a failure
 LAST_LINES = 20  # of the tail
 CHUNK = 65_536  # bytes
 BEYOND = 0.005  # s between chunks beyond the limit, so that a flood costs its writer and not us
 LINE = 200  # characters of a line
-TRACEBACK = "Traceback (most recent call last):"
+CUT = "[the log is cut here]"
 
 
 class CappedLog:
@@ -35,25 +36,15 @@ class CappedLog:
     def _keep(self, chunk: bytes) -> None:
         self._left -= len(chunk) if self._append(chunk) else self._left
         if self._left == 0:
-            self._append(b"\n[the log is cut here]\n")
+            self._append(f"\n{CUT}\n".encode())
 
-    def last_words(self) -> str:
-        """Return the first line of the exception that the log ends with, else its last line, or nothing."""
-        lines = self._lines()
-        starts = [number for number, line in enumerate(lines) if line.startswith(TRACEBACK)]
-        if starts:
-            # The frames are indented; a message may have many lines after its first.
-            for line in lines[starts[-1] + 1 :]:
-                if line.strip() and not line[0].isspace():
-                    return line.strip()
-        return next((line.strip() for line in reversed(lines) if line.strip()), "")
+    def lines(self) -> list[str]:
+        """Return the last lines, as far as they are remembered."""
+        return [_shortened(line) for line in self._tail.decode("utf-8", "replace").splitlines()]
 
     def last_lines(self) -> tuple[str, ...]:
         """Return the last lines, at most twenty of them."""
-        return tuple(self._lines()[-LAST_LINES:])
-
-    def _lines(self) -> list[str]:
-        return [line[:LINE] for line in self._tail.decode("utf-8", "replace").splitlines()]
+        return tuple(self.lines()[-LAST_LINES:])
 
     def _append(self, content: bytes) -> bool:
         try:
@@ -62,3 +53,22 @@ class CappedLog:
         except OSError:
             return False
         return True
+
+
+def is_cut(path: Path) -> bool:
+    """Return whether a log that was written is not all that its agent printed."""
+    ending = f"\n{CUT}\n".encode()
+    try:
+        with path.open("rb") as file:
+            file.seek(-min(len(ending), path.stat().st_size), os.SEEK_END)
+            return file.read() == ending
+    except OSError:
+        return False
+
+
+def _shortened(line: str) -> str:
+    """Return a line, or the whole words at its beginning."""
+    if len(line) <= LINE:
+        return line
+    words = line[:LINE].rpartition(" ")[0]
+    return f"{words if words.strip() else line[:LINE]} …"

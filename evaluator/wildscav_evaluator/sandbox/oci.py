@@ -13,7 +13,6 @@ import os
 import resource
 import shutil
 import signal
-import sys
 import tempfile
 from pathlib import Path
 
@@ -29,7 +28,13 @@ from wildscav_evaluator.sandbox.engine import (
 )
 from wildscav_evaluator.sandbox.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.sandbox.running import SIGNALLED, AgentProcess, agent_variables, start_process
+from wildscav_evaluator.sandbox.running import (
+    SIGNALLED,
+    AgentProcess,
+    agent_variables,
+    python_command,
+    start_process,
+)
 from wildscav_evaluator.sandbox.seccomp import container_profile
 from wildscav_evaluator.sandbox.staging import readable_copy
 from wildscav_evaluator.sandbox.users import agent_user
@@ -43,6 +48,7 @@ ENGINE_FAILED = (
 )  # exit codes of engines whose container did not start; agents may have them, too
 # Asking the engine takes longer than all else of an end, so it is asked where it could tell something new.
 ASKED_ABOUT = (*ENGINE_FAILED, SIGNALLED + signal.SIGKILL)
+NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or is not there
 NEVER = "0001-01-01"  # when a container started that did not
 MOUNT_POINTS = (
     *("/proc", "/dev", "/sys", "/tmp", "/etc", "/run"),  # noqa: S108
@@ -69,6 +75,7 @@ class OciSandbox:
         """Start an agent. See ``Sandbox.start``."""
         engine = await asyncio.to_thread(find_engine)
         hold = ContainerHold(engine, f"wildscav-{os.getpid()}-{next(_numbers)}")
+        hold.has_command = bool(launch.command)
         try:
             environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
             arguments = await asyncio.to_thread(_create_command, launch, hold)
@@ -94,6 +101,7 @@ class ContainerHold:
         self.folder = Path(tempfile.mkdtemp(prefix=folder_prefix(os.getpid())))  # for the engine
         self.identity = ""  # that the engine has given to the container
         self.never_started = False
+        self.has_command = False  # of the submission's own
         self._removed = False
 
     async def kill(self) -> None:
@@ -140,10 +148,16 @@ class Container:
     async def ended(self) -> Ending:
         """Wait for the container to end. See ``RunningAgent.ended``."""
         ending = await self._process.ended()
+        if ending.exit_code in NO_COMMAND and self._hold.has_command:
+            return ending  # there is no such program in it, says the engine
         if ending.exit_code in ENGINE_FAILED and self._hold.never_started:
             engine = self._hold.engine.name
             return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
         return ending
+
+    def overdue(self) -> str:
+        """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
+        return self._process.overdue()
 
     async def stop(self) -> None:
         """Remove the container. See ``RunningAgent.stop``."""
@@ -199,7 +213,7 @@ def _limits(limits: Limits, engine: Engine) -> list[str]:
 
 def _variables(launch: Launch) -> list[str]:
     """Return the options for an agent's variables. The token is in the engine's own: nobody lists it."""
-    variables = agent_variables(runtime.ADDRESS, launch.token) | {"HOME": "/tmp"}  # noqa: S108
+    variables = agent_variables(launch, runtime.ADDRESS) | {"HOME": "/tmp"}  # noqa: S108
     if launch.image is None:
         variables |= runtime.host_runtime().variables()
     del variables["WILDSCAV_TOKEN"]
@@ -215,7 +229,7 @@ def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
     places = {*MOUNT_POINTS, *(str(there) for there in host.folders if not there.is_file())}
     folders = tuple(sorted(places | {str(there.parent) for there in host.links} - {"/"}))
     links = tuple((str(there), target) for there, target in host.links.items())
-    return bare_image(engine, folders, links), [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
+    return bare_image(engine, folders, links), python_command(launch)
 
 
 def _host_runtime(engine: Engine) -> runtime.Runtime:

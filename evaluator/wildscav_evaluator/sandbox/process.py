@@ -22,14 +22,19 @@ WARNING = (
     "For code that you would not run yourself use --sandbox oci or bubblewrap (`wildscav doctor`)"
 )
 
-# Like `python -m wildscav.sdk`, but on Linux the kernel ends the agent when its parent is gone, so that not
-# even a killed evaluation leaves agents behind.
+# Like `python -m wildscav.sdk`, or like a submission's own command, but on Linux the kernel ends the agent
+# when its parent is gone, so that not even a killed evaluation leaves agents behind.
 STARTER = """
 import ctypes, os, runpy, signal, sys
 if sys.platform == "linux":
     ctypes.CDLL(None).prctl(1, signal.SIGKILL)
     if os.getppid() != int(sys.argv.pop(1)):
         sys.exit(4)
+if sys.argv[1] == "--":
+    try:
+        os.execvp(sys.argv[2], sys.argv[2:])
+    except OSError as error:
+        sys.exit(f"cannot run {sys.argv[2]}: {error.strerror}")
 runpy.run_module("wildscav.sdk", run_name="__main__", alter_sys=True)
 """
 
@@ -53,7 +58,7 @@ class ProcessSandbox:
             arguments.append(str(os.getpid()))
         hold = SessionHold()
         agent = await start_process(
-            [*arguments, launch.entry_point],
+            [*arguments, *(("--", *launch.command) if launch.command else (launch.entry_point,))],
             launch,
             hold,
             environment=environment(launch),
@@ -66,7 +71,7 @@ class ProcessSandbox:
 def environment(launch: Launch) -> dict[str, str]:
     """Return the agent's environment variables: what Python and the SDK need, nothing of the user's own."""
     passed_on = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
-    return passed_on | agent_variables(launch.address, launch.token)
+    return passed_on | agent_variables(launch, launch.address)
 
 
 class SessionHold:

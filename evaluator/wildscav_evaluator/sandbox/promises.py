@@ -15,6 +15,7 @@ from typing import Any
 
 from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits
+from wildscav_evaluator.sandbox.log import CUT
 
 PROBE = Path(__file__).parent / "probe" / "agent.py"
 # Small enough to be tried quickly: what holds for these holds for others.
@@ -27,7 +28,6 @@ TRIED = {
     "wall_clock": 30.0,
 }
 TOLERANCE = 1.3  # of processor time, which is shared out in slices
-CUT = "\n[the log is cut here]"
 NO_CAPABILITIES = "0" * 16
 HAS_FILTER = "2"
 
@@ -102,7 +102,7 @@ async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> dict[str, An
         found: dict[str, Any] = json.loads(text.partition("\n")[0])
     except ValueError:
         raise SandboxError(f"the probe did not run: {ending}") from None
-    return found | {"printed": len(text.partition(CUT)[0]), "left": _processes_with(token)}
+    return found | {"printed": len(text.partition(f"\n{CUT}")[0]), "left": _processes_with(token)}
 
 
 def _processes_with(token: str) -> int:

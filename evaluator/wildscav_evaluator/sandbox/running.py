@@ -3,16 +3,20 @@
 import asyncio
 import os
 import signal
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
+from wildscav_evaluator.sandbox import runtime
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, signal_name
 from wildscav_evaluator.sandbox.log import CappedLog
+from wildscav_evaluator.sandbox.tracebacks import last_words, overdue_stack
 
 GRACE = 0.5  # s, for an ended agent's output to end; less than a match waits for the agent's last words
 SHORT_OF_MEMORY = "this machine is short of memory: the kernel killed an agent that was within its limit"
 SIGNALLED = 128  # exit codes beyond are signals, by the custom of shells, bubblewrap and containers
+LAST_SIGNAL = 64
 
 # Numerics libraries start a thread a core each; matches run side by side, one a core.
 ONE_THREAD = dict.fromkeys(
@@ -20,20 +24,37 @@ ONE_THREAD = dict.fromkeys(
 )
 
 
-def agent_variables(address: str, token: str) -> dict[str, str]:
+def signal_of(code: int) -> int:
+    """Return the signal that an exit code tells of, 0 if none.
+
+    Args:
+        code: As Python tells it (below 0 is a signal) or as shells and containers pass it on.
+    """
+    if code < 0:
+        return -code
+    return code - SIGNALLED if SIGNALLED < code <= SIGNALLED + LAST_SIGNAL else 0
+
+
+def agent_variables(launch: Launch, address: str) -> dict[str, str]:
     """Return the environment variables that every agent gets.
 
     Args:
+        launch: What is started.
         address: Of the match server, as the agent sees it.
-        token: Of its seat.
     """
     return {
         **ONE_THREAD,
         "PYTHONUNBUFFERED": "1",  # so that the log has the last words of an agent that is killed
         "PYTHONDONTWRITEBYTECODE": "1",  # a submission's folder stays as it was digested
         "WILDSCAV_ADDRESS": address,
-        "WILDSCAV_TOKEN": token,
+        "WILDSCAV_TOKEN": launch.token,
+        **({} if launch.start_limit is None else {"WILDSCAV_START_LIMIT": f"{launch.start_limit:g}"}),
     }
+
+
+def python_command(launch: Launch) -> list[str]:
+    """Return the command that an agent names itself, or that of its class with this machine's Python."""
+    return list(launch.command) or [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
 
 
 class Hold(Protocol):
@@ -63,6 +84,7 @@ class AgentProcess:
         hold: Hold,
     ) -> None:
         self._process, self._hold = process, hold
+        self._folders = (runtime.CODE, launch.folder)  # what the agent's code is called
         stream, self._pipe = output
         self._log = CappedLog(launch.log, launch.limits.output)
         self._limit = ""  # that ended it
@@ -82,16 +104,20 @@ class AgentProcess:
         # Whatever it left behind ends with it, and so does its output.
         await self._hold.kill()
         await self._finish_log()
-        signalled = -code if code < 0 else code - SIGNALLED if code > SIGNALLED else 0
+        signalled = signal_of(code)
         return Ending(
             exit_code=None if signalled else code,
             killed_by=signal_name(signalled) if signalled else "",
             out_of_memory=kill is MemoryKill.OWN and signalled == signal.SIGKILL and not self._limit,
             limit=self._limit,
-            last_words=self._log.last_words(),
+            last_words=last_words(self._log.lines(), self._folders),
             last_lines=self._log.last_lines(),
             platform_fault=SHORT_OF_MEMORY if kill is MemoryKill.MACHINES and not self._limit else "",
         )
+
+    def overdue(self) -> str:
+        """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
+        return overdue_stack(self._log.lines(), self._folders)
 
     async def stop(self) -> None:
         """Kill all of the agent. See ``RunningAgent.stop``."""

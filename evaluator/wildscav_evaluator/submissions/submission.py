@@ -5,7 +5,7 @@ import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
@@ -24,7 +24,17 @@ _HINTS = {
     "name": "2 to 40 of a-z, 0-9 and -, a letter or digit first",
     "version": 'text of 1 to 40 of A-Z, a-z, 0-9 and . + - _, a letter or digit first, such as "1.0.0"',
     "entry_point": 'text of the form "module:Class", such as "agent:MyAgent"',
+    "command": 'a list of texts, such as ["node", "agent.js"]',
+    "author": "text of at most 200 characters",
+    "authors": "a list of 1 to 50 texts of at most 200 characters",
+    "description": "text of at most 2,000 characters",
+    "license": "text of at most 200 characters",
+    "url": "text of at most 500 characters that begins with https:// or http://",
 }
+
+
+_Name = Annotated[str, Field(max_length=200)]
+_Word = Annotated[str, Field(max_length=4096, pattern=r"^[^\x00]*$")]
 
 
 class SubmissionError(UserError):
@@ -41,9 +51,16 @@ class Manifest(BaseModel):
 
     name: Annotated[str, Field(pattern=_NAME)]
     version: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9.+_-]{0,39}$")]
-    entry_point: Annotated[str, Field(pattern=_ENTRY_POINT)]
+    entry_point: Annotated[str | None, Field(pattern=_ENTRY_POINT)] = None  # of an agent in Python
+    command: Annotated[tuple[_Word, ...] | None, Field(min_length=1, max_length=100)] = None  # of any other
     tracks: Annotated[tuple[str, ...], Field(min_length=1)]
     sensors: dict[str, dict[str, Any]] = {}
+    # What only people read.
+    author: Annotated[str | None, Field(max_length=200)] = None
+    authors: Annotated[tuple[_Name, ...] | None, Field(min_length=1, max_length=50)] = None
+    description: Annotated[str | None, Field(max_length=2000)] = None
+    license: Annotated[str | None, Field(max_length=200)] = None
+    url: Annotated[str | None, Field(max_length=500, pattern=r"^https?://\S+$")] = None
 
     @field_validator("tracks")
     @classmethod
@@ -97,7 +114,7 @@ def load_submission(folder: Path) -> Submission:
     if not path.is_file():
         raise SubmissionError(f"{path} is missing: `wildscav init DIR` makes a folder with one")
     manifest = read_manifest(path)
-    _check_entry_point(path, manifest.entry_point)
+    _check_program(path, manifest)
     return Submission(folder=folder.resolve(), manifest=manifest, digest=folder_digest(folder))
 
 
@@ -119,11 +136,22 @@ def _read_toml(path: Path) -> dict[str, Any]:
 
 def _parse(path: Path, content: Mapping[str, Any]) -> Manifest:
     try:
-        return Manifest.model_validate(content)
+        manifest = Manifest.model_validate(content)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         field = ".".join(str(part) for part in first["loc"])
         raise SubmissionError(f"{path}: {field}: {_explain(first)}") from error
+    if manifest.entry_point is None and manifest.command is None:
+        raise SubmissionError(
+            f"{path}: entry_point: is missing: {_HINTS['entry_point']}; or, for a program in another "
+            f"language, command: {_HINTS['command']}"
+        )
+    if manifest.entry_point is not None and manifest.command is not None:
+        raise SubmissionError(
+            f"{path}: command: stands beside entry_point: give entry_point for an agent in Python, or "
+            "command for any other program"
+        )
+    return manifest
 
 
 def _explain(error: Any) -> str:
@@ -143,13 +171,34 @@ def _explain(error: Any) -> str:
             return f"is {error['input']!r}: {error['msg']}"
 
 
-def _check_entry_point(path: Path, entry_point: str) -> None:
-    module, _, _ = entry_point.partition(":")
-    base = path.parent.joinpath(*module.split("."))
-    if not base.with_suffix(".py").is_file() and not (base / "__init__.py").is_file():
-        raise SubmissionError(
-            f"{path}: entry_point: is {entry_point!r}, but there is no file {base.with_suffix('.py')}"
-        )
+def _check_program(path: Path, manifest: Manifest) -> None:
+    """Refuse a manifest whose program is not in its folder."""
+    if manifest.entry_point is not None:
+        module, _, _ = manifest.entry_point.partition(":")
+        base = path.parent.joinpath(*module.split("."))
+        if not base.with_suffix(".py").is_file() and not (base / "__init__.py").is_file():
+            raise SubmissionError(
+                f"{path}: entry_point: is {manifest.entry_point!r}, but there is no file "
+                f"{base.with_suffix('.py')}"
+            )
+    elif manifest.command is not None:
+        _check_command(path, manifest.command[0])
+
+
+def _check_command(path: Path, program: str) -> None:
+    """Refuse a program that is named by a path and is no executable file of the submission.
+
+    One without a slash is looked up on the PATH of the sandbox.
+    """
+    if not program:
+        raise SubmissionError(f"{path}: command: is {program!r}, must name a program")
+    if "/" not in program or PurePosixPath(program).is_absolute():
+        return
+    file = path.parent / program
+    if ".." in PurePosixPath(program).parts or not file.is_file():
+        raise SubmissionError(f"{path}: command: is {program!r}, but there is no file {file}")
+    if not os.access(file, os.X_OK):
+        raise SubmissionError(f"{path}: command: {file} is not executable: chmod +x {file}")
 
 
 def folder_digest(folder: Path) -> str:

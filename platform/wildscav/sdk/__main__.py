@@ -1,7 +1,8 @@
 """Start an agent: ``python -m wildscav.sdk agent:Homing``, in the submission's folder.
 
-Or ``python -m wildscav.sdk FOLDER``: the entry point stands in the folder's submission.toml. Exit codes:
-0 the match was played, 2 usage, 3 the agent's code failed, 4 the server cannot be reached or refuses.
+Or ``python -m wildscav.sdk FOLDER``: the entry point stands in the folder's submission.toml, or a command
+that takes the place of this process. Exit codes: 0 the match was played, 2 usage, 3 the agent's code failed,
+4 the server cannot be reached or refuses.
 """
 
 import asyncio
@@ -13,10 +14,12 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
+from typing import Any, NoReturn
 
 import wildscav
 from wildscav.errors import RefusedError, ServerUnreachableError, UserError
 from wildscav.sdk.agent import Agent
+from wildscav.sdk.overdue import watch_start_up
 from wildscav.sdk.run import run
 
 PLAYED, USAGE, AGENT_FAILED, NO_SERVER = 0, 2, 3, 4
@@ -28,6 +31,7 @@ def main(arguments: list[str]) -> int:
         return _fail(USAGE, "usage: python -m wildscav.sdk MODULE:CLASS  (or FOLDER with a submission.toml)")
     try:
         entry_point = _enter(arguments[0])
+        watch_start_up()
         run(_load(entry_point))
     except UserError as error:
         return _fail(error.exit_code, str(error))
@@ -47,23 +51,47 @@ def _fail(code: int, message: str) -> int:
 
 
 def _enter(target: str) -> str:
-    """Go to the submission's folder, put it first on the path, and return the entry point."""
+    """Go to the submission's folder, put it first on the path, and return the entry point.
+
+    A submission with a command becomes that command here.
+    """
     if ":" not in target and Path(target).is_dir():
-        entry_point = _entry_point(Path(target) / "submission.toml")
+        manifest = _manifest(Path(target) / "submission.toml")
         os.chdir(target)
+        if "command" in manifest:
+            _become(manifest["command"])
+        entry_point = _entry_point(manifest)
     else:
         entry_point = target
     sys.path.insert(0, str(Path.cwd()))
     return entry_point
 
 
-def _entry_point(path: Path) -> str:
+def _manifest(path: Path) -> dict[str, Any]:
     try:
-        return str(tomllib.loads(path.read_text("utf-8"))["entry_point"])
+        return tomllib.loads(path.read_text("utf-8"))
     except OSError as error:
         raise UserError(f"cannot read {path}: {error.strerror}", USAGE) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError) as error:
-        raise UserError(f"{path} has no readable entry_point: {error}", USAGE) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise UserError(f"{path} is not valid TOML: {error}", USAGE) from None
+
+
+def _entry_point(manifest: dict[str, Any]) -> str:
+    entry_point = manifest.get("entry_point")
+    if not isinstance(entry_point, str):
+        raise UserError("submission.toml has neither an entry_point nor a command", USAGE)
+    return entry_point
+
+
+def _become(command: Any) -> NoReturn:
+    """Run a submission's command in place of this process."""
+    if not isinstance(command, list) or not command or not all(isinstance(word, str) for word in command):
+        raise UserError("submission.toml: command must be a list of texts", USAGE)
+    try:
+        os.execvp(command[0], command)  # noqa: S606 - there is nothing for a shell in it
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise UserError(f"cannot run the command {command[0]!r}: {reason}", USAGE) from None
 
 
 def _load(entry_point: str) -> Callable[[], Agent]:

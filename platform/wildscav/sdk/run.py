@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from wildscav.errors import AgentError, UserError
 from wildscav.sdk.agent import Agent, check_action
+from wildscav.sdk.overdue import OverdueWatch, end_watch
 
 if TYPE_CHECKING:
     from wildscav.proto.match_pb2 import MatchOver
@@ -91,10 +92,17 @@ async def _play(agent: Agent, address: str, token: str) -> "MatchOver":
     aside = Aside()
     async with Connection(address, token, __version__) as connection:
         aside.call(agent.reset, connection.match)
+        end_watch()  # of the start
         observation = await connection.first()
-        while observation is not None:
-            action = check_action(agent, aside.call(agent.act, observation))
-            observation = await connection.answer(observation.step, action)
+        watch = OverdueWatch(connection.match)
+        watching = asyncio.create_task(watch.run())
+        try:
+            while observation is not None:
+                watch.observation = observation
+                action = check_action(agent, aside.call(agent.act, observation))
+                observation = await connection.answer(observation.step, action)
+        finally:
+            watching.cancel()
         return connection.over
 
 

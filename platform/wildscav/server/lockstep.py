@@ -105,15 +105,22 @@ class Lockstep:
         if self._charge(seat, now):
             self._accept(seat, message)
         else:
-            seat.conduct.late_steps += 1
+            self._count_late(seat)
             seat.conduct.dropped_actions += 1
         self._settle()
 
     def _charge(self, seat: Seat, now: float) -> bool:
         """Charge a seat for the open step, and return whether it had the time."""
-        elapsed = now - self._asked_at(seat)
+        # What the server has given back can be more than what has gone by.
+        elapsed = max(0.0, now - self._asked_at(seat))
         seat.times.append(elapsed)
         return seat.bank.charge(elapsed)
+
+    def _count_late(self, seat: Seat) -> None:
+        """Count that the open step is played without a seat's answer."""
+        seat.conduct.late_steps += 1
+        if seat.first_late is None:
+            seat.first_late = self._step
 
     def _asked_at(self, seat: Seat) -> float:
         """Return from when a seat's time for the open step counts: it may still owe an older answer."""
@@ -172,7 +179,7 @@ class Lockstep:
             return
         for seat in self._pending:
             self._charge(seat, now)
-            seat.conduct.late_steps += 1
+            self._count_late(seat)
         self._close(now)
 
     def _close(self, now: float) -> None:

@@ -44,6 +44,7 @@ class Seat:
         self.asked = -1  # step of the last observation that it was handed
         self.asked_at = 0.0  # when it was sent, by the loop's clock
         self.conduct = Conduct()
+        self.first_late: int | None = None  # the first step that was played without its answer
         self.times = array("d")  # s, of each step
         self.called = False  # whether its stream is about to fetch an observation
         self._waiter: asyncio.Future[None] | None = None  # done when it is called

@@ -72,7 +72,12 @@ def test_an_agent_that_cannot_play_is_told_why_and_what_to_do(
 @pytest.mark.parametrize(
     ("name", "body", "check", "seen"),
     [
-        ("fast", "    def act(self, o): return Action(walk_speed=99.0)", "actions", "actions were invalid"),
+        (
+            "fast",
+            "    def act(self, o): return Action(walk_speed=99.0 * (o.step % 2))",
+            "actions",
+            "actions were invalid",
+        ),
         (
             "loud",
             "    def act(self, o): print('x' * 100_000); return Action()",
@@ -114,6 +119,19 @@ def test_what_is_not_as_it_should_be_is_named(
     assert found[check].verdict != Verdict.KEPT
     assert seen in found[check].seen
     assert found[check].mend
+
+
+def test_an_agent_that_never_sends_a_valid_action_fails(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    fast = submit("fast", "    def act(self, observation): return Action(walk_speed=99.0)")
+
+    done = wildscav("check", fast.folder, "--sandbox=process", "--logs", tmp_path / "logs")
+
+    assert done.returncode == 1
+    assert "600 of 600 actions were invalid" in done.stdout
+    assert "fast fails 1 check" in done.stderr
+    assert "may be submitted" not in done.stdout
 
 
 def test_every_outcome_has_a_way_to_mend_it() -> None:

@@ -43,6 +43,9 @@ class Ended:
         await self._agent.ended()
         return self._ending
 
+    def overdue(self) -> str:
+        return self._agent.overdue()
+
     async def stop(self) -> None:
         await self._agent.stop()
 
@@ -123,6 +126,7 @@ def test_an_agent_that_does_not_take_its_seat_in_time_never_joined(submit: Submi
 
     assert played.seats[0].status == SeatStatus.NEVER_JOINED
     assert played.seats[0].steps_played == 0
+    assert "its code was at agent.py:6, in __init__" in played.seats[0].detail
 
 
 CRASHES_FIRST = """

@@ -18,6 +18,15 @@ pytestmark = pytest.mark.usefixtures("compiled")
 
 MAP = MapSpec(config=MapConfig(size=40, houses=1), seed=3)
 STEPS = 60
+THINKER = """
+    def think(self):
+        time.sleep(600)
+
+    def act(self, observation):
+        if observation.step == 3:
+            self.think()
+        return Action()
+"""
 
 
 def battle(*submissions: Submission, tmp_path: Path) -> Seating:
@@ -87,6 +96,11 @@ def test_an_agent_killed_in_mid_match_leaves_the_others_whole(submit: Submit, tm
         ("crasher", "    def act(self, observation): return 1 / 0", "ZeroDivisionError"),
         ("speechless", "    def act(self, observation): pass", "it must return an Action"),
         (
+            "locating",
+            "    def act(self, observation): raise ValueError('no reason')",
+            "ValueError: no reason (agent.py:6, in act)",
+        ),
+        (
             "verbose",
             "    def act(self, observation): raise ValueError('no reason\\nat all\\n  whatever')",
             "ValueError: no reason",
@@ -119,12 +133,14 @@ def test_an_agent_that_fails_is_named_with_its_last_words(
 
 @pytest.mark.slow
 def test_an_agent_that_thinks_for_ever_uses_up_its_own_time_alone(submit: Submit, tmp_path: Path) -> None:
-    thinker = submit("thinker", "    def act(self, observation): time.sleep(600)")
+    thinker = submit("thinker", THINKER)
     seating = battle(thinker, submit("other", WALKER), tmp_path=tmp_path)
 
-    played = play(seating, clock=Clock(step_budget=0.05, time_bank=0.2))
+    played = play(seating, clock=Clock(step_budget=0.1, time_bank=0.2, game_time_factor=10.0))
 
     assert played.seats[0].status == SeatStatus.TIMED_OUT
+    assert "step 3 was the first without its answer" in played.seats[0].detail
+    assert "its code was at agent.py:8, in think, called from agent.py:12, in act" in played.seats[0].detail
     assert played.seats[1].status == SeatStatus.FINISHED
 
 

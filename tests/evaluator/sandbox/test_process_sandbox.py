@@ -51,7 +51,9 @@ def test_an_agent_that_does_not_import_says_so_in_its_last_words(submit: Submit,
     ending = run_to_end(submission, tmp_path / "log")
 
     assert ending.exit_code == 3
-    assert ending.last_words == "ModuleNotFoundError: No module named 'no_such_module'"
+    assert (
+        ending.last_words == "ModuleNotFoundError: No module named 'no_such_module' (agent.py:1, in <module>)"
+    )
     assert str(ending) == f"the agent's process ended (exit code 3): {ending.last_words}"
     assert "import no_such_module" in "".join(ending.last_lines)
     assert "agent.py" in (tmp_path / "log").read_text()
@@ -192,3 +194,18 @@ def wait_until(condition: Callable[[], bool], seconds: float = 120.0) -> None:
     while not condition():
         assert time.monotonic() < end, "it took too long"
         time.sleep(0.05)
+
+
+@pytest.mark.parametrize(("code", "signal_name"), [(255, ""), (192, "SIGRTMAX"), (139, "SIGSEGV"), (128, "")])
+def test_only_what_is_a_signal_is_told_as_one(
+    submit: Submit, tmp_path: Path, code: int, signal_name: str
+) -> None:
+    ending = run_to_end(submit("ending", code=f"import os\nos._exit({code})"), tmp_path / "log")
+
+    assert (ending.exit_code, ending.killed_by) == (None if signal_name else code, signal_name)
+
+
+def test_a_long_line_is_told_in_whole_words(submit: Submit, tmp_path: Path) -> None:
+    ending = run_to_end(submit("wordy", code="print('wonderful ' * 50)"), tmp_path / "log")
+
+    assert ending.last_lines[0] == " ".join(["wonderful"] * 20) + " …"

@@ -32,6 +32,30 @@ def test_a_good_folder_is_read_whole(tmp_path: Path) -> None:
     assert submission.folder.is_absolute()
 
 
+def test_a_manifest_may_say_who_made_it_and_where_it_comes_from(tmp_path: Path) -> None:
+    more = """
+author = "Ann"
+authors = ["Ann", "Bob"]
+description = "walks"
+license = "MIT"
+url = "https://example.org/walker"
+"""
+    manifest = load_submission(make(tmp_path, GOOD + more)).manifest
+
+    assert (manifest.author, manifest.authors, manifest.license) == ("Ann", ("Ann", "Bob"), "MIT")
+
+
+def test_a_program_in_any_language_may_be_the_agent(tmp_path: Path) -> None:
+    folder = make(tmp_path, GOOD.replace('entry_point = "agent:Walker"', 'command = ["./go", "--fast"]'))
+    (folder / "go").write_text("#!/bin/sh\n")
+    (folder / "go").chmod(0o755)
+
+    manifest = load_submission(folder).manifest
+
+    assert manifest.command == ("./go", "--fast")
+    assert manifest.entry_point is None
+
+
 @pytest.mark.parametrize(
     ("was", "becomes", "says"),
     [
@@ -45,6 +69,16 @@ def test_a_good_folder_is_read_whole(tmp_path: Path) -> None:
             '"agent.py"',
             "entry_point: is 'agent.py', must be text of the form \"module:Class\"",
         ),
+        ('entry_point = "agent:Walker"', "", "entry_point: is missing: text of the form"),
+        ("\n", "\ncommand = 'node'\n", "command: is 'node', must be a list of texts"),
+        ("\n", "\ncommand = []\n", "command: is [], must be a list of texts"),
+        ("\n", "\ncommand = ['node']\n", "command: stands beside entry_point: give entry_point for"),
+        ('entry_point = "agent:Walker"', 'command = [""]', "command: is '', must name a program"),
+        ('entry_point = "agent:Walker"', 'command = ["./go"]', "command: is './go', but there is no file"),
+        ('entry_point = "agent:Walker"', 'command = ["../go"]', "command: is '../go', but there is no file"),
+        ('entry_point = "agent:Walker"', 'command = ["./agent.py"]', "agent.py is not executable: chmod +x"),
+        ("\n", "\nauthor = ['Ann']\n", "author: is ['Ann'], must be text of at most 200 characters"),
+        ("\n", "\nurl = 'ftp://ann'\n", "url: is 'ftp://ann', must be text of at most 500"),
         ('"agent:Walker"', '"brain:Walker"', "entry_point: is 'brain:Walker', but there is no file"),
         ('["navigation"]', '["fishing"]', "tracks: there is no track 'fishing'; the tracks are navigation"),
         ('["navigation"]', "[]", "tracks: is []"),

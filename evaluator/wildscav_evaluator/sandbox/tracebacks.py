@@ -1,0 +1,109 @@
+"""What the output of an agent says about its failure: Python's tracebacks, read line by line.
+
+Two kinds occur. An exception's traceback names the innermost frame last, and then the exception. The stacks
+that the SDK has printed when an agent's time is up (``wildscav.sdk.overdue``) name the innermost frame first.
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path, PurePosixPath
+from typing import NamedTuple
+
+EXCEPTION = "Traceback (most recent call last):"
+TIME_IS_UP = re.compile(r"Timeout \(\d+:\d\d:\d\d(\.\d+)?\)!")
+THREAD = re.compile(r"(Current t|T)hread 0x[0-9a-f]+.* \(most recent call first\):")
+FRAME = re.compile(r'  File "(?P<file>[^"]+)", line (?P<line>\d+),? in (?P<function>.+)')
+SDK = re.compile(r"wildscav/sdk/\w+\.py$")
+CALLERS = 3  # frames of a stack that are told
+
+
+class Frame(NamedTuple):
+    """One line of code that was being run."""
+
+    file: str  # as Python names it
+    line: int
+    function: str
+
+
+def last_words(lines: Sequence[str], folders: Sequence[Path]) -> str:
+    """Return the exception that the output ends with and where it was raised, else the last line, or nothing.
+
+    Args:
+        lines: Of the output.
+        folders: Of the agent's code, as it may be named; places outside are named where none is inside.
+    """
+    starts = [number for number, line in enumerate(lines) if line.startswith(EXCEPTION)]
+    if starts:
+        # The frames are indented; a message may have many lines after its first.
+        for number in range(starts[-1] + 1, len(lines)):
+            line = lines[number]
+            if line.strip() and not line[0].isspace():
+                frames = read_frames(lines[starts[-1] : number])
+                return line.strip() + _where(list(reversed(frames)), folders)
+    return next((line.strip() for line in reversed(lines) if line.strip()), "")
+
+
+def _where(frames: Sequence[Frame], folders: Sequence[Path]) -> str:
+    """Return where the first frame is that is in the agent's code, or the first of all, in brackets."""
+    own = [frame for frame in frames if _within(frame.file, folders)]
+    return f" ({_place((own or frames)[0], folders)})" if frames else ""
+
+
+def overdue_stack(lines: Sequence[str], folders: Sequence[Path]) -> str:
+    """Return where the agent's code was when its time was up, in a few words; nothing if it was not printed.
+
+    Args:
+        lines: Of the output.
+        folders: Of the agent's code, as it may be named.
+    """
+    starts = [number for number, line in enumerate(lines) if TIME_IS_UP.fullmatch(line)]
+    if not starts:
+        return ""
+    # The first traceback of a match is of the step that used its time up.
+    threads = _threads(lines[starts[0] + 1 :])
+    stacks = [stack for frames in threads if (stack := _above_sdk(frames))]
+    stack = stacks[-1] if stacks else []  # the thread that the SDK runs in is the main one, which comes last
+    # What the agent called of others is left out, so that its own code is named.
+    own = [frame for frame in stack if _within(frame.file, folders)]
+    return ", called from ".join(_place(frame, folders) for frame in (own or stack)[:CALLERS])
+
+
+def _threads(lines: Sequence[str]) -> list[list[Frame]]:
+    """Return the stacks that stand at the beginning of some lines, one for each thread."""
+    threads: list[list[Frame]] = []
+    for line in lines:
+        if THREAD.match(line):
+            threads.append([])
+        elif threads and (found := read_frames([line])):
+            threads[-1] += found
+        elif line.strip():
+            break
+    return threads
+
+
+def _above_sdk(frames: Sequence[Frame]) -> list[Frame]:
+    """Return the frames of a stack, innermost first, that the SDK's code called; none if it called none."""
+    for number, frame in enumerate(frames):
+        if SDK.search(frame.file):
+            return list(frames[:number])
+    return []
+
+
+def read_frames(lines: Sequence[str]) -> list[Frame]:
+    """Return the frames that some lines of a traceback name, in their order."""
+    found = (FRAME.fullmatch(line) for line in lines)
+    return [Frame(one["file"], int(one["line"]), one["function"]) for one in found if one]
+
+
+def _within(file: str, folders: Sequence[Path]) -> bool:
+    return any(PurePosixPath(file).is_relative_to(folder) for folder in folders)
+
+
+def _place(frame: Frame, folders: Sequence[Path]) -> str:
+    """Return a place such as "agent.py:12, in act", files of the agent's own named as in its folder."""
+    path = PurePosixPath(frame.file)
+    for folder in folders:
+        if path.is_relative_to(folder):
+            path = path.relative_to(folder)
+            break
+    return f"{path}:{frame.line}, in {frame.function}"
