@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
+from wildscav import leftovers
 from wildscav.console import PREPARING, command, console
 from wildscav.errors import UserError, describe
 from wildscav.server import HostedMatch
@@ -208,8 +208,8 @@ def _write(played: Played, seating: Seating, record: Path | None, replay: Path |
 def _render(played: Played, seating: Seating, replay: Path) -> None:
     from wildscav_engine.view import write_replay
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"match{SUFFIX}"
+    with leftovers.temporary_folder("record-") as folder:
+        path = folder / f"match{SUFFIX}"
         write_record(path, played.match, seating.names)
         write_replay(read_record(path), replay, follow=seating.seats[0])
 

@@ -5,14 +5,12 @@ sandbox) is no outcome: the match is played again from its start, and in the end
 """
 
 import asyncio
-import os
-import shutil
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from wildscav import leftovers
 from wildscav.console import counted
 from wildscav.errors import SensorError, UserError, WildscavError, describe
 from wildscav.server import (
@@ -39,8 +37,6 @@ from wildscav_evaluator.sandbox import (
 from wildscav_evaluator.submissions.submission import Submission
 
 SOCKET = "match.sock"
-SOCKET_PATH_LIMIT = 100  # bytes; the systems' own limits begin at 104
-SHORT_PLACE = "/tmp"  # noqa: S108 - for sockets, where temporary files are elsewhere; folders in it are private
 CONNECTIONS = 16  # that an agent may have open to its seat's socket at one time
 FAREWELL = 3.0  # s for an agent's process to end by itself after the match; a container takes one
 TRIES = 3  # for a match that the platform breaks
@@ -311,29 +307,12 @@ def _explained(report: SeatReport, ending: Ending | None, agent: RunningAgent) -
 
 @contextmanager
 def socket_folders(count: int) -> Iterator[list[Path]]:
-    """Make private folders for a unix socket each, with paths short enough for one."""
-    folder = Path(tempfile.mkdtemp(prefix=_sockets_of(os.getpid())))
-    if len(bytes(folder / str(count) / SOCKET)) > SOCKET_PATH_LIMIT:
-        folder.rmdir()
-        folder = Path(tempfile.mkdtemp(prefix=_sockets_of(os.getpid()), dir=SHORT_PLACE))
-    try:
+    """Make private folders for a unix socket each."""
+    with leftovers.temporary_folder("sockets-") as folder:
         folders = [folder / str(number) for number in range(count)]
         for each in folders:
             each.mkdir(mode=0o700)
         yield folders
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def remove_sockets(process: int) -> None:
-    """Remove the folders of sockets that a process has left behind which was killed."""
-    for place in {tempfile.gettempdir(), SHORT_PLACE}:
-        for folder in Path(place).glob(f"{_sockets_of(process)}*"):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _sockets_of(process: int) -> str:
-    return f"wildscav-{process}-"
 
 
 def prepare_logs(logs: Sequence[Path]) -> None:

@@ -19,9 +19,9 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
+from wildscav import leftovers
 from wildscav.processes import be_worker, starting_workers
 from wildscav_evaluator.matches.jobs import Broken, Job, JobResult, Told, after_death, run_job
-from wildscav_evaluator.matches.play import remove_sockets
 from wildscav_evaluator.matches.warm import Wanted, warm
 from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog
 from wildscav_evaluator.output.lock import Lock
@@ -113,8 +113,7 @@ class Worker:
         if self.process.is_alive():
             self.process.kill()
             self.process.join(STOP_TIME)  # even a kill must wait for a disk that hangs; we need not
-        if self.process.pid is not None:
-            remove_sockets(self.process.pid)
+        leftovers.sweep()
 
 
 class Workers:

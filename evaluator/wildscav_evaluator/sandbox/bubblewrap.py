@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox import runtime
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.cgroup import AgentGroup, find_version
@@ -91,7 +92,7 @@ class GroupHold:
     def stage(self, folder: Path) -> None:
         """Take a submission's folder, or a copy of it if the agent's user could not read it."""
         if os.getuid() == 0 and not runtime.everybody_reads(folder):
-            self._copy = Path(tempfile.mkdtemp(prefix="wildscav-code-"))
+            self._copy = Path(tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder()))
             folder = readable_copy(folder, self._copy)
         self.folder = folder
 

@@ -7,20 +7,23 @@ on the evaluation hold for its agents, too.
 
 import contextlib
 import itertools
+import json
 import os
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox.base import MemoryKill, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 
 CONTROLLERS = ("cpu", "memory", "pids")
 PERIOD = 100_000  # µs in which an agent gets its share of processor time
 OVERHEAD = 2  # processes of the sandbox itself
-PREFIX = "wildscav-"  # then the process that made the group, and a number
+PREFIX = "wildscav-"  # then the owner of the group, as `wildscav.leftovers` names it, and a number
+KIND = "control group"  # in the lists of owners
 AT_ONCE = 1 << 20  # bytes; less is what the kernel kills for if it cannot be had (8 pages)
 KILL_TIME = 10.0  # s
 MOUNTS = Path("/proc/self/mountinfo")
@@ -106,8 +109,10 @@ class AgentGroup:
 
     def __init__(self, version: Version1 | Version2, limits: Limits) -> None:
         self._version = version
-        name = f"{PREFIX}{os.getpid()}-{next(_numbers)}"
+        name = f"{PREFIX}{leftovers.owner()}-{next(_numbers)}"
         self._folders = {controller: parent / name for controller, parent in version.parents.items()}
+        self._entry = json.dumps([str(folder) for folder in self._folders.values()])
+        leftovers.enter(KIND, self._entry)
         try:
             for controller, files in version.settings(limits).items():
                 self._folders[controller].mkdir()
@@ -128,24 +133,32 @@ class AgentGroup:
 
     def kill(self) -> None:
         """Kill every process of the group."""
-        folder = self._folders["memory"]
-        with contextlib.suppress(OSError):
-            (folder / "cgroup.kill").write_text("1")  # version 2, from Linux 5.14 on
-        end = time.monotonic() + KILL_TIME
-        while (members := _members(folder)) and time.monotonic() < end:
-            for process in members:
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(process, signal.SIGKILL)
-            time.sleep(0.001)
+        _kill(self._folders["memory"])
 
     def remove(self) -> None:
         """Remove the group, which has no processes any more."""
-        for folder in self._folders.values():
-            _remove(folder)
+        if _remove_all(self._folders.values()):
+            leftovers.cross_out(KIND, self._entry)
+
+
+def remove_left_group(entry: str) -> None:
+    """Remove a group that was entered in the list of a dead owner, and kill what is in it.
+
+    Raises:
+        OSError: It is still there.
+    """
+    folders = [Path(folder) for folder in json.loads(entry)]
+    for folder in folders:
+        _kill(folder)
+    if not _remove_all(folders):
+        raise OSError(f"{folders[0]} cannot be removed")
+
+
+leftovers.register(KIND, remove_left_group)
 
 
 def find_version() -> Version1 | Version2:
-    """Return where groups can be made, and remove those of evaluations that are no more.
+    """Return where groups can be made.
 
     Raises:
         SandboxError: Nowhere; says why.
@@ -162,7 +175,6 @@ def find_version() -> Version1 | Version2:
     for controller, parent in version.parents.items():
         if not os.access(parent, os.W_OK):
             raise SandboxError(f"no limit on {controller} can be set: {parent} is not writable; {REMEDY}")
-        _remove_orphans(parent)
     return version
 
 
@@ -256,22 +268,33 @@ def _members(folder: Path) -> list[int]:
         return []
 
 
-def _remove(folder: Path) -> None:
+def _kill(folder: Path) -> None:
+    """Kill every process of a group."""
+    with contextlib.suppress(OSError):
+        (folder / "cgroup.kill").write_text("1")  # version 2, from Linux 5.14 on
+    end = time.monotonic() + KILL_TIME
+    while (members := _members(folder)) and time.monotonic() < end:
+        for process in members:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+        time.sleep(0.001)
+
+
+def _remove_all(folders: Iterable[Path]) -> bool:
+    """Remove groups, every one that can be removed, and return whether all are gone."""
+    gone = [_remove(folder) for folder in folders]
+    return all(gone)
+
+
+def _remove(folder: Path) -> bool:
+    """Remove a group, and return whether it is gone."""
     for _ in range(100):  # the dead leave a group a little later than they die
         try:
             folder.rmdir()
         except FileNotFoundError:
-            return
+            return True
         except OSError:
             time.sleep(0.002)
         else:
-            return
-
-
-def _remove_orphans(parent: Path) -> None:
-    """Remove the groups of processes that are no more."""
-    for folder in parent.glob(f"{PREFIX}*"):
-        maker = folder.name.removeprefix(PREFIX).partition("-")[0]
-        if maker.isdecimal() and not Path(f"/proc/{maker}").exists() and not _members(folder):
-            with contextlib.suppress(OSError):
-                folder.rmdir()
+            return True
+    return False

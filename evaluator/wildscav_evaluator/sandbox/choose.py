@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wildscav import __version__
+from wildscav import __version__, leftovers
 from wildscav_evaluator.sandbox.base import Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.process import WARNING, ProcessSandbox
@@ -40,9 +40,12 @@ def choose(
         limits: That it must keep.
         images: Whether submissions are images, which only containers run.
 
+    What earlier commands left behind that were killed is removed first.
+
     Raises:
         SandboxError: What was asked for does not keep its promises; says which.
     """
+    leftovers.sweep()
     if asked is not None:
         sandbox = next(one for one in sandboxes if one.name == asked)
         why = whats_missing(sandbox, limits)

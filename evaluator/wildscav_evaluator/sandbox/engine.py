@@ -6,22 +6,30 @@ import functools
 import io
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
+import sys
 import tarfile
-import tempfile
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox.base import SandboxError
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
 CHOICE = "WILDSCAV_ENGINE"  # the variable that names the one to use
 PATIENCE = 120.0  # s for a command that makes, removes or looks up something
-OWNER = "wildscav.owner"  # label of containers: the process that started them
+OWNER = "wildscav.owner"  # label of containers: whose they are, as `wildscav.leftovers` names it
+KIND = "container"  # in the lists of owners
+NOT_THERE = re.compile(rb"no such container|no container with", re.IGNORECASE)
+UNDER_WAY = re.compile(rb"removal of container .* is already in progress")
+CREATION_TIME = 20.0  # s that the making of a container may take
+SETTLING = 2.0  # s in which Docker's daemon may still make what a killed command asked it for
 BARE = "localhost/wildscav-bare"  # an image of nothing, for agents that run with this machine's Python
 INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
 LONGEST = 300  # characters of a complaint that are told
@@ -180,37 +188,133 @@ def bare_image(engine: Engine, folders: Sequence[str], links: tuple[tuple[str, s
     return name
 
 
+@functools.cache
+def image_command(engine: Engine, image: str) -> tuple[str, ...]:
+    """Return the command that an image runs by itself.
+
+    Raises:
+        SandboxError: It has none, or there is no such image.
+    """
+    settings = image_settings(engine, image)
+    command = (*(settings.get("Entrypoint") or ()), *(settings.get("Cmd") or ()))
+    if not command:
+        raise SandboxError(f"image {image} says nothing to run: it needs an ENTRYPOINT or a CMD")
+    return command
+
+
+def image_settings(engine: Engine, image: str) -> dict[str, Any]:
+    """Return what an image says of how it is to be run.
+
+    Raises:
+        SandboxError: There is no such image.
+    """
+    settings: dict[str, Any] = _ask(engine, "image", "inspect", "--format", "{{json .Config}}", image)
+    return settings
+
+
 def _digest(content: bytes) -> str:
     import hashlib
 
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 
-def folder_prefix(process: int) -> str:
-    """Return what the names of the folders begin with that a process makes for its containers."""
-    return f"wildscav-oci-{process}-"
+def enter_container(engine: Engine, name: str) -> None:
+    """Enter a container in this process's list, before it is made."""
+    leftovers.enter(KIND, _entry(engine, name))
+
+
+def cross_out_container(engine: Engine, name: str) -> None:
+    """Note that a container is gone."""
+    leftovers.cross_out(KIND, _entry(engine, name))
+
+
+def _entry(engine: Engine, name: str) -> str:
+    return json.dumps([engine.name, *engine.options, name])
+
+
+def removal(engine: Engine, name: str) -> tuple[str, ...]:
+    """Return the arguments that remove a container, running or not, with the volumes made for it."""
+    return ("rm", "-f", "-v", *(("-t", "0") if engine.name == "podman" else ()), name)
+
+
+def remove_left_container(entry: str) -> None:
+    """Remove a container that was entered in the list of a dead owner.
+
+    Raises:
+        OSError: It may still be there.
+    """
+    command, *options, name = json.loads(entry)
+    engine = Engine(command, tuple(options))
+    _wait_for_creation(name)
+    now = time.monotonic()
+    settled, end = now + (SETTLING if engine.name == "docker" else 0.0), now + PATIENCE
+    while not _is_removed(engine, name, settled):
+        if time.monotonic() > end:
+            raise OSError(f"{engine.name} does not get {name} removed")
+        time.sleep(0.1)
+
+
+def _is_removed(engine: Engine, name: str, settled: float) -> bool:
+    """Remove a container, and return whether it is gone for good.
+
+    Args:
+        engine: Whose it is.
+        name: The container's.
+        settled: Until when (by the monotonic clock) one that is not there may still come to be.
+
+    Raises:
+        OSError: It cannot be removed.
+    """
+    try:
+        removed = call(engine, *removal(engine, name))
+    except SandboxError as error:
+        raise OSError(str(error)) from None
+    if removed.returncode == 0:
+        # Docker's newer commands do not complain about what is not there.
+        return bool(removed.stdout.strip()) or time.monotonic() >= settled
+    if NOT_THERE.search(removed.stderr):
+        return time.monotonic() >= settled
+    if UNDER_WAY.search(removed.stderr):
+        return False
+    raise OSError(last_line(removed.stderr))
+
+
+def _wait_for_creation(name: str) -> None:
+    """Wait for an engine's command that is still making a container, its starter being dead already."""
+    end = time.monotonic() + CREATION_TIME
+    while _is_created_now(name) and time.monotonic() < end:
+        time.sleep(0.02)
+
+
+def _is_created_now(name: str) -> bool:
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            words = path.read_bytes().split(b"\0")
+            if b"create" in words and name.encode() in words:
+                return True
+    return False
+
+
+leftovers.register(KIND, remove_left_container)
 
 
 @functools.cache
-def owner(engine: Engine, process: int) -> str:
-    """Return the label of the containers of a process, and see to it that they end when it does.
+def start_reaper(process: int) -> None:
+    """Have a process wait for the end of this one, and remove what it leaves behind if it was killed.
 
-    Containers belong to the engine: they would outlive a process that was killed. So another waits for its
-    end and then removes them and their folders. That one must be in a session of its own, or it would be
-    killed with it.
+    Containers belong to the engine: they would outlive a process that was killed until the next command
+    comes. The reaper is in a session of its own and nobody's child, so that it is not killed along.
 
     Args:
-        engine: Which runs the containers.
-        process: This one.
+        process: This one, so that there is one reaper for each.
     """
-    label = f"{OWNER}={process}"
-    command = shlex.join(engine.command)
-    containers = f"{command} ps -aq --filter label={label} | xargs -r {command} rm -f"
-    folders = f"rm -rf {shlex.quote(f'{tempfile.gettempdir()}/{folder_prefix(process)}')}*"
-    script = f"cat; cd /; {containers}; {folders}"
+    del process
+    sweep = [sys.executable, "-c", "from wildscav_evaluator.sandbox import engine; engine.leftovers.sweep()"]
+    after = f"cat <&3; cd /; [ -e {shlex.quote(str(leftovers.own_folder()))} ] && exec {shlex.join(sweep)}"
     reading, _ = os.pipe()  # the other end stays open as long as this process lives
     quiet = [(os.POSIX_SPAWN_OPEN, output, os.devnull, os.O_WRONLY, 0) for output in (1, 2)]
     files = [(os.POSIX_SPAWN_DUP2, reading, 0), *quiet]
-    os.posix_spawn("/bin/sh", ["sh", "-c", script], os.environ, file_actions=files, setsid=True)
+    command = ["sh", "-c", f"exec 3<&0; ({after}) &"]
+    shell = os.posix_spawn("/bin/sh", command, os.environ, file_actions=files, setsid=True)
     os.close(reading)
-    return label
+    os.waitpid(shell, 0)

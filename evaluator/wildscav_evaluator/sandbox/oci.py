@@ -14,17 +14,23 @@ import resource
 import shutil
 import signal
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox import runtime
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.engine import (
+    OWNER,
     Engine,
     bare_image,
+    cross_out_container,
+    enter_container,
     find_engine,
-    folder_prefix,
+    image_command,
     old_groups,
-    owner,
+    removal,
+    start_reaper,
 )
 from wildscav_evaluator.sandbox.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.limits import Limits
@@ -38,6 +44,7 @@ from wildscav_evaluator.sandbox.running import (
 from wildscav_evaluator.sandbox.seccomp import container_profile
 from wildscav_evaluator.sandbox.staging import readable_copy
 from wildscav_evaluator.sandbox.users import agent_user
+from wildscav_evaluator.sandbox.wall_clock import GUARD, guard_files, guarded, podman_options
 
 INIT = 1  # process of the sandbox itself, which buries the dead
 MOST_PROCESSES = 32_768  # of a user; what engines set for themselves
@@ -52,10 +59,12 @@ NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or is not
 NEVER = "0001-01-01"  # when a container started that did not
 MOUNT_POINTS = (
     *("/proc", "/dev", "/sys", "/tmp", "/etc", "/run"),  # noqa: S108
-    str(runtime.SOCKET.parent),
+    *(str(runtime.SOCKET.parent), str(GUARD)),
     str(runtime.CODE),
 )
 SBIN = Path("/sbin")
+# No writable folders but ours: neither for a read-only root, nor for the volumes of an image.
+PODMAN_ONLY = ("--read-only-tmpfs=false", "--image-volume", "ignore")
 _numbers = itertools.count()
 
 
@@ -74,7 +83,8 @@ class OciSandbox:
     async def start(self, launch: Launch) -> "Container":
         """Start an agent. See ``Sandbox.start``."""
         engine = await asyncio.to_thread(find_engine)
-        hold = ContainerHold(engine, f"wildscav-{os.getpid()}-{next(_numbers)}")
+        start_reaper(os.getpid())
+        hold = ContainerHold(engine, f"wildscav-{leftovers.owner()}-{next(_numbers)}")
         hold.has_command = bool(launch.command)
         try:
             environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
@@ -98,7 +108,10 @@ class ContainerHold:
 
     def __init__(self, engine: Engine, container: str) -> None:
         self.engine, self.container = engine, container
-        self.folder = Path(tempfile.mkdtemp(prefix=folder_prefix(os.getpid())))  # for the engine
+        self.folder = Path(
+            tempfile.mkdtemp(prefix="container-", dir=leftovers.own_folder())
+        )  # for the engine
+        enter_container(engine, container)
         self.identity = ""  # that the engine has given to the container
         self.never_started = False
         self.has_command = False  # of the submission's own
@@ -107,10 +120,10 @@ class ContainerHold:
     async def kill(self) -> None:
         """Remove the container, and with it every process. See ``Hold.kill``."""
         if not self._removed:
-            time = ("-t", "0") if self.engine.name == "podman" else ()
             with contextlib.suppress(SandboxError):
-                await self.engine.run("rm", "-f", *time, self.container)
+                await self.engine.run(*removal(self.engine, self.container))
                 self._removed = True
+                cross_out_container(self.engine, self.container)
 
     async def memory_kill(self, code: int) -> MemoryKill:
         """Return for want of whose memory the kernel killed, as it says or as the engine knows it.
@@ -167,19 +180,36 @@ class Container:
 def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
     """Return the arguments that make an agent's container, without starting it."""
     engine = hold.engine
-    image, entry = _image(launch, engine)
+    image, command = _image(launch, engine)
+    clock, entry = _with_wall_clock(command, launch, engine)
     return [
-        *("create", "--name", hold.container, "--label", owner(engine, os.getpid()), "--pull", "never"),
-        *("--network", "none", "--hostname", "agent", "--user", _user(engine), "--init"),
+        *("create", "--name", hold.container, "--label", f"{OWNER}={leftovers.owner()}", "--pull", "never"),
+        *("--network", "none", "--hostname", "agent", "--user", _user(engine), "--no-healthcheck"),
         *("--cap-drop", "all", "--security-opt", "no-new-privileges"),
         *("--security-opt", f"seccomp={_profile(hold.folder)}", "--log-driver", "none", "--read-only"),
-        *(("--read-only-tmpfs=false",) if engine.name == "podman" else ()),
+        *(PODMAN_ONLY if engine.name == "podman" else ()),
+        *clock,
         *_limits(launch.limits, engine),
         *_variables(launch),
         *_mounts(launch, hold),
         *(("--workdir", str(runtime.CODE)) if launch.image is None else ()),
         *(image, *entry),
     ]
+
+
+def _with_wall_clock(command: Sequence[str], launch: Launch, engine: Engine) -> tuple[list[str], list[str]]:
+    """Return the options that keep a container's wall clock, and the command in it.
+
+    Args:
+        command: In the image; none for its own.
+        launch: What is started.
+        engine: Which runs it.
+    """
+    seconds = launch.limits.wall_clock
+    if engine.name == "podman":
+        return podman_options(seconds), list(command)
+    first, *others = guarded([*(command or image_command(engine, str(launch.image)))], seconds)
+    return ["--entrypoint", first], others
 
 
 def _user(engine: Engine) -> str:
@@ -222,7 +252,7 @@ def _variables(launch: Launch) -> list[str]:
 
 
 def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
-    """Return an agent's image, and the command in it; an image that it was built into has one of its own."""
+    """Return an agent's image, and the command in it: none for an image's own."""
     if launch.image is not None:
         return launch.image, []
     host = _host_runtime(engine)
@@ -249,6 +279,8 @@ def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:
     socket = runtime.socket_path(launch.address)
     socket.chmod(0o666)  # the folder that it is in keeps others from it
     mounts = {runtime.SOCKET: socket}
+    if hold.engine.name == "docker":
+        mounts |= guard_files()
     if launch.image is None:
         folder = launch.folder
         if not runtime.everybody_reads(folder):

@@ -7,12 +7,12 @@ import secrets
 import shutil
 import socket
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits
 from wildscav_evaluator.sandbox.log import CUT
@@ -51,9 +51,8 @@ def try_promises(sandbox: Sandbox, limits: Limits) -> tuple[Promise, ...]:
 @contextmanager
 def _probe_folder(limits: Limits) -> Iterator[Path]:
     """Make a folder with the probe, its orders, and a socket as a match has one."""
-    folder = Path(tempfile.mkdtemp(prefix="wildscav-probe-"))
-    code = folder / "code"
-    try:
+    with leftovers.temporary_folder("probe-") as folder:
+        code = folder / "code"
         code.mkdir(mode=0o755)
         shutil.copy(PROBE, code / "agent.py")
         orders = {
@@ -67,8 +66,6 @@ def _probe_folder(limits: Limits) -> Iterator[Path]:
             listener.bind(str(folder / "match.sock"))
             listener.listen()
             yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _home_files() -> list[str]:

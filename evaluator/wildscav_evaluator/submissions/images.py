@@ -1,19 +1,31 @@
 """Submissions as container images: built from a folder, or brought along."""
 
+import contextlib
 import functools
 import hashlib
 import io
 import os
+import secrets
 import shutil
+import subprocess
 import tarfile
-import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import wildscav
+from wildscav import leftovers
 from wildscav_evaluator.sandbox.base import SandboxError
-from wildscav_evaluator.sandbox.engine import Engine, call, find_engine, last_line
+from wildscav_evaluator.sandbox.engine import (
+    Engine,
+    call,
+    cross_out_container,
+    enter_container,
+    find_engine,
+    image_settings,
+    last_line,
+    removal,
+)
 from wildscav_evaluator.sandbox.staging import make_readable
 from wildscav_evaluator.submissions.cache import cache_folder
 from wildscav_evaluator.submissions.submission import (
@@ -30,6 +42,7 @@ BASE = "localhost/wildscav/agent-base"
 PYTHON = "WILDSCAV_PYTHON_IMAGE"  # the variable that names the image with Python to make the base of
 DOCKERFILES = Path(__file__).parents[3] / "docker"
 LARGEST_MANIFEST = 100_000  # bytes
+LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, beside the file
 
 
 @functools.cache
@@ -79,9 +92,9 @@ def build_image(
             own = ["--build-arg", f"PYTHON={python}"] if python else []
             _build(engine, base, DOCKERFILES.parent, _dockerfile("base.Dockerfile"), [*own, *options])
     name = built_name(submission)
-    with tempfile.TemporaryDirectory(prefix="wildscav-build-") as folder:
+    with leftovers.temporary_folder("build-") as folder:
         # Exactly what its digest is of, for every user to read.
-        context = Path(folder) / "context"
+        context = folder / "context"
         shutil.copytree(
             submission.folder, context, ignore=shutil.ignore_patterns(*IGNORED_FOLDERS), symlinks=True
         )
@@ -101,8 +114,6 @@ def _dockerfile(name: str) -> Path:
 
 
 def _build(engine: Engine, name: str, context: Path, dockerfile: Path, options: Sequence[str]) -> None:
-    import subprocess
-
     command = [*engine.command, "build", "--file", str(dockerfile), "--tag", name, *options]
     if subprocess.run([*command, str(context)], check=False).returncode != 0:  # it tells its user itself
         raise SandboxError(f"{name} could not be built: {engine.name} has said above why")
@@ -130,6 +141,7 @@ def _with_image(submission: Submission, sandbox: str) -> Submission:
         return submission
     name = built_name(submission)
     if _exists(find_engine(), name):
+        _refuse_volumes(find_engine(), name)
         return replace(submission, image=name)
     if lacks_packages(submission):
         raise SubmissionError(
@@ -155,28 +167,72 @@ def load_image(reference: str) -> Submission:
     found = call(engine, "image", "inspect", "--format", "{{.Id}}", reference)
     if found.returncode != 0 or reference.startswith("-"):
         raise SubmissionError(f"there is no image {reference} on this machine ({last_line(found.stderr)})")
-    digest = found.stdout.decode("ascii").strip().removeprefix("sha256:")[:32]
+    identity = found.stdout.decode("ascii").strip()
+    # By its identity from here on: a name can be given to another image at any moment.
+    _refuse_volumes(engine, identity, reference)
+    digest = identity.removeprefix("sha256:")[:32]
     folder = cache_folder("images") / digest
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / MANIFEST).write_bytes(_manifest_in(engine, reference))
-    return Submission(folder, read_manifest(folder / MANIFEST), digest, image=reference)
+    (folder / MANIFEST).write_bytes(_manifest_in(engine, identity, reference))
+    return Submission(folder, read_manifest(folder / MANIFEST), digest, image=identity)
 
 
-def _manifest_in(engine: Engine, reference: str) -> bytes:
-    created = call(engine, "create", "--network", "none", "--pull", "never", reference, "nothing")
-    container = created.stdout.decode("ascii", "replace").strip()
+def _refuse_volumes(engine: Engine, image: str, reference: str | None = None) -> None:
+    """Refuse an image with volumes: an engine would keep what an agent writes there on this machine's disk.
+
+    Raises:
+        SubmissionError: It has volumes; names them.
+    """
+    volumes = sorted(image_settings(engine, image).get("Volumes") or ())
+    if volumes:
+        raise SubmissionError(
+            f"image {reference or image} has volumes ({', '.join(volumes)}), which agents may not have: "
+            "build it without VOLUME; what it writes belongs into /tmp"
+        )
+
+
+def _manifest_in(engine: Engine, image: str, reference: str) -> bytes:
+    container = f"wildscav-{leftovers.owner()}-manifest-{secrets.token_hex(4)}"
+    enter_container(engine, container)
+    options = ("--name", container, "--network", "none", "--pull", "never")
+    created = call(engine, "create", *options, image, "nothing")
     if created.returncode != 0:
         raise SubmissionError(f"image {reference} cannot be read: {last_line(created.stderr)}")
     try:
-        copied = call(engine, "cp", f"{container}:/submission/{MANIFEST}", "-")
+        packed = _beginning(engine, "cp", f"{container}:/submission/{MANIFEST}", "-")
     finally:
-        call(engine, "rm", "-f", container)
-    if copied.returncode == 0:
-        with tarfile.open(fileobj=io.BytesIO(copied.stdout)) as archive:
-            for entry in archive:
-                content = archive.extractfile(entry) if entry.isreg() else None
-                if content is not None:
-                    return content.read(LARGEST_MANIFEST)
-    raise SubmissionError(
-        f"image {reference} has no /submission/{MANIFEST}: it tells name, version and tracks"
-    )
+        if call(engine, *removal(engine, container)).returncode == 0:
+            cross_out_container(engine, container)
+    manifest = _first_file(packed)
+    if manifest is None:
+        raise SubmissionError(
+            f"image {reference} has no /submission/{MANIFEST}: it tells name, version and tracks"
+        )
+    if len(manifest) > LARGEST_MANIFEST:
+        raise SubmissionError(
+            f"image {reference}: /submission/{MANIFEST} has more than {LARGEST_MANIFEST:,} bytes"
+        )
+    return manifest
+
+
+def _beginning(engine: Engine, *arguments: str) -> bytes:
+    """Return as much of what a command of the engine prints as a manifest can take."""
+    with subprocess.Popen(
+        [*engine.command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    ) as process:
+        assert process.stdout is not None  # noqa: S101 - as it was asked for
+        content = process.stdout.read(LARGEST_MANIFEST + LARGEST_HEADERS)
+        process.kill()
+    return content
+
+
+def _first_file(packed: bytes) -> bytes | None:
+    """Return the beginning of the first plain file of a tar archive, which may be cut off; None: no file."""
+    with contextlib.suppress(tarfile.TarError), tarfile.open(fileobj=io.BytesIO(packed)) as archive:
+        for entry in archive:
+            content = archive.extractfile(entry) if entry.isreg() else None
+            if content is not None:
+                # More than is allowed is enough to see that it is more.
+                size = min(entry.size, LARGEST_MANIFEST + 1)
+                return packed[entry.offset_data : entry.offset_data + size]
+    return None

@@ -3,14 +3,13 @@
 import asyncio
 import json
 import secrets
-import tempfile
 from collections import OrderedDict
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import grpc
 
+from wildscav.leftovers import temporary_folder
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.proto.match_pb2_grpc import ArenaServicer
 from wildscav.server.deadlines import Clock
@@ -124,8 +123,8 @@ def _options(text: str) -> Mapping[str, Mapping[str, Any]]:
 def _finished(outcome: MatchOutcome, hosted: HostedMatch) -> GetMatchResponse:
     from wildscav_engine.record import write_record
 
-    with tempfile.TemporaryDirectory(prefix="wildscav-") as folder:
-        path = Path(folder) / "match.wsr"
+    with temporary_folder("record-") as folder:
+        path = folder / "match.wsr"
         write_record(path, outcome.match, hosted.names)
         record = path.read_bytes()
     result = outcome.match.result()

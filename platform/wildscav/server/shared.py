@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wildscav.leftovers import own_folder
 from wildscav.logs import open_log
 from wildscav.server.addresses import UNIX, check_free, split
 from wildscav.server.desk import FrontDesk
@@ -45,7 +46,7 @@ class SharedServer:
     ) -> None:
         self._organizer = Organizer(organizer_token)
         self._count, self._log_format, self._metrics_port = workers, log_format, metrics_port
-        self._folder = tempfile.TemporaryDirectory(prefix="wildscav-serve-")
+        self._folder = tempfile.TemporaryDirectory(prefix="serve-", dir=own_folder())
         self._log = open_log(log_format)
         self._diary = Diary(self._log)
         self._entrances: list[Entrance] = []

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.world import GROUPS, LIMITS, listening, processes_with, tight_group, wait_until
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox import Ending, Launch, Sandbox, bubblewrap, cgroup, oci
 from wildscav_evaluator.sandbox.engine import call, find_engine, old_groups
 from wildscav_evaluator.sandbox.kernel_log import logged_kill
@@ -178,12 +179,20 @@ time.sleep(60)
         starter.wait()
 
         wait_until(lambda: not processes_with(marker))
-        wait_until(lambda: not list(Path(tempfile.gettempdir()).glob(f"wildscav-*-{starter.pid}-*")))
+        wait_until(lambda: not folders_of(starter.pid))
+
+
+def folders_of(process: int) -> list[Path]:
+    """Return the folders of a process for temporary things, once those of the dead are removed."""
+    leftovers.sweep()
+    locks = Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
+    return [lock.parent for lock in locks if lock.read_text().strip() == str(process)]
 
 
 STARTER = """
 import asyncio, sys
 from pathlib import Path
+from wildscav import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch
 
 async def run():

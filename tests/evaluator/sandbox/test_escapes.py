@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.world import FLOOD, LIMITS, Report, attack
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox import Sandbox
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the attacks are on Linux")
@@ -52,7 +53,7 @@ def test_without_a_sandbox_daemons_outlive_the_match_and_code_can_be_changed(unp
 def test_nothing_is_left_of_a_sandboxed_agent(sandboxed: Report) -> None:
     assert sandboxed.survivors == []
     assert not sandboxed.written
-    assert list(Path("/sys/fs/cgroup").glob(f"**/wildscav-{os.getpid()}-*")) == []
+    assert list(Path("/sys/fs/cgroup").glob(f"**/wildscav-{leftovers.owner()}-*")) == []
 
 
 def test_a_flood_of_output_ends_at_the_limit(sandboxed: Report) -> None:

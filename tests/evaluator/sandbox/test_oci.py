@@ -1,7 +1,6 @@
 """Containers: which engine runs them, and what is said where none can."""
 
 import asyncio
-import os
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -11,6 +10,7 @@ import pytest
 from tests.evaluator.sandbox.conftest import missing
 from tests.evaluator.sandbox.world import LIMITS, listening, wait_until
 
+from wildscav import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError, engine
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -58,7 +58,7 @@ def test_a_container_that_cannot_be_made_leaves_nothing(submit: Submit, tmp_path
     with listening(tmp_path / "match.sock") as address, missing_image:
         asyncio.run(start("nobody/has-this"))
 
-    ours = f"label={engine.OWNER}={os.getpid()}"
+    ours = f"label={engine.OWNER}={leftovers.owner()}"
     assert engine.call(engine.find_engine(), "ps", "-aq", "--filter", ours).stdout == b""
 
 

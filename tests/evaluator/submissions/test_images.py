@@ -1,16 +1,20 @@
 """Submissions as images, by each container engine; nothing is fetched."""
 
+import asyncio
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from tests.evaluator.sandbox.conftest import engine_named, missing
+from tests.evaluator.sandbox.world import listening
+from tests.evaluator.submissions.python_image import python_image
 
 from wildscav_evaluator.cli.selection import load_submissions
-from wildscav_evaluator.sandbox import SandboxError
+from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, SandboxError
 from wildscav_evaluator.sandbox.engine import ENGINES, bare_image, call, find_engine
 from wildscav_evaluator.submissions.images import (
     IMAGE,
+    _manifest_in,
     build_image,
     built_name,
     load_image,
@@ -20,6 +24,7 @@ from wildscav_evaluator.submissions.submission import Submission, SubmissionErro
 
 pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
+PYTHON = "localhost/wildscav/test-python-volumes"
 CODE_ALONE = "ARG BASE\nFROM ${BASE}\nCOPY . /submission\n"
 
 
@@ -77,10 +82,15 @@ def test_a_prebuilt_image_tells_its_own_manifest(submit: Submit, tmp_path: Path)
     (loaded,) = load_submissions([Path(IMAGE + name)])
 
     assert loaded.name == "brought"
-    assert loaded.image == name
+    assert loaded.image == image_identity(name)
     assert len(loaded.digest) == 32
     with pytest.raises(SubmissionError, match="which --sandbox bubblewrap does not run"):
         with_images([loaded], "bubblewrap")
+
+
+def image_identity(name: str) -> str:
+    """Return what an engine calls an image that may be given another name."""
+    return call(find_engine(), "image", "inspect", "--format", "{{.Id}}", name).stdout.decode().strip()
 
 
 def test_an_image_that_is_not_there_or_has_no_manifest_is_refused() -> None:
@@ -96,3 +106,63 @@ def test_a_build_that_fails_is_told(submit: Submit, tmp_path: Path) -> None:
 
     with pytest.raises(SandboxError, match="could not be built"):
         build_image(submit("broken"), base="scratch", dockerfile=broken)
+
+
+def test_an_image_with_volumes_is_refused_and_its_manifest_read_without_leaving_one(
+    submit: Submit, tmp_path: Path
+) -> None:
+    """An engine keeps what is written to a volume on the machine's disk, without any limit."""
+    submission = submit("hoarder")
+    dockerfile = tmp_path / "volumes.Dockerfile"
+    dockerfile.write_text(f"{CODE_ALONE}VOLUME /data\n")
+    base = bare_image(find_engine(), ("/tmp",), ())  # noqa: S108
+    name = build_image(submission, base=base, dockerfile=dockerfile)
+    before = volumes()
+
+    with pytest.raises(SubmissionError, match=r"has volumes \(/data\).*build it without VOLUME"):
+        load_image(name)
+    with pytest.raises(SubmissionError, match=r"has volumes \(/data\)"):
+        with_images([submission], "oci")
+    _manifest_in(find_engine(), name, name)
+
+    assert volumes() == before
+
+
+def test_whoever_starts_an_image_with_volumes_gets_no_writable_disk(submit: Submit, tmp_path: Path) -> None:
+    if find_engine().name == "docker":
+        pytest.skip("Docker has no option for it: such images are refused before")
+    submission = submit("hoarder")
+    dockerfile = tmp_path / "volumes.Dockerfile"
+    dockerfile.write_text(
+        f'{CODE_ALONE}VOLUME /data\nENTRYPOINT ["python3", "-c", "open(\'/data/x\', \'w\')"]\n'
+    )
+    name = build_image(submission, base=python_image(find_engine(), PYTHON), dockerfile=dockerfile)
+    before = volumes()
+
+    async def to_end(address: str) -> Ending:
+        launch = Launch(submission.folder, "agent:Player", address, "t", tmp_path / "log", image=name)
+        agent = await SANDBOXES["oci"].start(launch)
+        try:
+            return await agent.ended()
+        finally:
+            await agent.stop()
+
+    with listening(tmp_path / "match.sock") as address:
+        ending = asyncio.run(to_end(address))
+
+    assert "/data/x" in ending.last_words
+    assert ending.exit_code == 1
+    assert volumes() == before
+
+
+def volumes() -> set[str]:
+    return set(call(find_engine(), "volume", "ls", "-q").stdout.decode().split())
+
+
+def test_a_manifest_that_never_ends_is_refused(submit: Submit, tmp_path: Path) -> None:
+    submission = submit("long")
+    with (submission.folder / "submission.toml").open("a") as file:
+        file.write("# more\n" * 100_000)
+
+    with pytest.raises(SubmissionError, match=r"submission\.toml has more than 100,000 bytes"):
+        load_image(build(submission, tmp_path))

@@ -1,0 +1,145 @@
+"""Whoever starts agents may be killed at any moment, with all of its children: the next command tidies up."""
+
+import contextlib
+import functools
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from tests.evaluator.sandbox.world import GROUPS, listening, processes_with, wait_until
+
+from wildscav import leftovers
+from wildscav_evaluator.sandbox import Sandbox
+from wildscav_evaluator.sandbox.engine import OWNER, call, find_engine
+from wildscav_evaluator.submissions.submission import Submission
+
+pytestmark = pytest.mark.slow
+Submit = Callable[..., Submission]
+
+# Starts agents one after the other, in the middle of which it is killed.
+STARTER = """
+import asyncio, sys
+from pathlib import Path
+from wildscav_evaluator.sandbox import SANDBOXES, Launch
+from wildscav_evaluator.sandbox.engine import find_engine
+from wildscav import leftovers
+
+async def run():
+    sandbox = SANDBOXES[sys.argv[1]]
+    launch = Launch(Path(sys.argv[2]), "agent:Player", sys.argv[3], "of the seat", Path(sys.argv[4]))
+    while True:
+        agent = await sandbox.start(launch)
+        await asyncio.sleep(0.2)
+        await agent.stop()
+
+print(leftovers.owner(), flush=True)
+asyncio.run(run())
+"""
+KILLS = 6
+
+
+def test_nothing_is_left_of_who_was_killed_at_any_moment(
+    real: Sandbox, submit: Submit, tmp_path: Path
+) -> None:
+    marker = f"left-{os.getpid()}-{time.monotonic_ns()}"
+    submission = submit("stubborn", code=STUBBORN.format(marker=marker))
+    dice = random.Random(7)  # noqa: S311
+    with listening(tmp_path / "match.sock") as address:
+        for _ in range(int(os.environ.get("WILDSCAV_TEST_KILLS", KILLS))):
+            starter, owner = start(real, submission, address, tmp_path / "log")
+            time.sleep(dice.uniform(0.0, 1.5))
+            kill_tree(starter)
+
+            # A child that was just being started may outlive the others for a moment, and holds the lock.
+            wait_until(functools.partial(is_swept, owner, real))
+            wait_until(lambda: not processes_with(marker))
+
+
+def is_swept(owner: str, sandbox: Sandbox) -> bool:
+    """Sweep as the next command does, and return whether nothing of an owner is left."""
+    leftovers.sweep()
+    return left_of(owner, sandbox) == []
+
+
+STUBBORN = """
+import os, signal, subprocess, sys, time
+for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+    signal.signal(number, signal.SIG_IGN)
+subprocess.Popen([sys.executable, "-c", "import time; time.sleep(90)", "{marker}"], start_new_session=True)
+time.sleep(90)
+"""
+
+
+def test_a_container_ends_by_its_wall_clock_even_if_nobody_watches_it(
+    real: Sandbox, submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if real.name != "oci":
+        pytest.skip("the agents of other sandboxes die with whoever started them")
+    marker = f"left-{os.getpid()}-{time.monotonic_ns()}"
+    submission, log = submit("stubborn", code=STUBBORN.format(marker=marker)), tmp_path / "log"
+    with listening(tmp_path / "match.sock") as address:
+        short = STARTER.replace("argv[4]))", "argv[4]), Limits(wall_clock=1.0))").replace("(0.2)", "(60)")
+        short = short.replace("import SANDBOXES", "import Limits, SANDBOXES")
+        starter, _ = start(real, submission, address, log, short)
+        wait_until(lambda: bool(processes_with(marker)))
+        kill_tree(starter)
+
+        wait_until(lambda: not processes_with(marker), 60.0)
+
+    leftovers.sweep()
+
+
+def start(
+    sandbox: Sandbox, submission: Submission, address: str, log: Path, code: str = STARTER
+) -> "tuple[subprocess.Popen[str], str]":
+    """Start a process that starts agents; return it, and its name as an owner."""
+    command = [sys.executable, "-c", code, sandbox.name, str(submission.folder), address, str(log)]
+    starter = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert starter.stdout is not None
+    return starter, starter.stdout.readline().strip()
+
+
+def kill_tree(starter: "subprocess.Popen[str]") -> None:
+    """Kill a process and all that it has started, its reaper of containers included."""
+    processes = [starter.pid, *descendants(starter.pid), *reapers(starter.pid)]
+    for process in processes:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(process, signal.SIGKILL)
+    starter.communicate()
+
+
+def descendants(process: int) -> Iterator[int]:
+    with contextlib.suppress(OSError):
+        for task in Path(f"/proc/{process}/task").iterdir():
+            for child in (task / "children").read_text().split():
+                yield int(child)
+                yield from descendants(int(child))
+
+
+def reapers(process: int) -> list[int]:
+    """Return the processes that wait for the end of one, to remove what it leaves."""
+    lock = [
+        path.parent
+        for path in Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
+        if path.read_text().strip() == str(process)
+    ]
+    return [reaper for folder in lock for reaper in processes_with(f"[ -e {folder}")]
+
+
+def left_of(owner: str, sandbox: Sandbox) -> list[str]:
+    """Return the folders, control groups and containers of an owner that are still there."""
+    name = f"{leftovers.PREFIX}{owner}"
+    folders = [str(path) for path in Path(tempfile.gettempdir()).glob(f"*{owner}*")]
+    groups = [str(path) for path in GROUPS.glob(f"**/{name}-*")]
+    containers: list[str] = []
+    if sandbox.name == "oci":
+        listed = call(find_engine(), "ps", "-aq", "--filter", f"label={OWNER}={owner}")
+        containers = listed.stdout.decode().split()
+    return [*folders, *groups, *containers]
