@@ -39,7 +39,7 @@ SPEC = MatchSpec(
     seed=5,
 )
 NAMES = tuple(f"fighter {seat + 1}" for seat in range(6))
-FOLLOWED, MOMENT = 4, 0.8  # seat; s
+FOLLOWED, MOMENT = 1, 6.4  # seat; s
 TITLE_BAR = 37  # pixels at the top that say what the machine draws with
 SIZE = (1280, 720)
 

@@ -97,7 +97,7 @@ def things_of(match: "Match") -> Things:
     write_parts(BOX, CRATE, supplies.position.astype(np.float64), turns, slots, bodies, solids)
     instance, color = np.empty(bodies + crates, np.int32), np.empty((bodies + crates, 3))
     teams, invincible_left = agents.team[0], agents.invincible_left[0]
-    looks = _bodies_of_teams(int(teams.max(initial=0)) + 1)
+    looks = colors_of_bodies(int(teams.max(initial=0)) + 1)
     _write_looks_of_agents(seats, looks, teams, invincible_left, instance[:bodies], color[:bodies])
     _write_looks_of_boxes(supplies.serial, slots, instance[bodies:], color[bodies:])
     return Things(solids, instance, color)
@@ -118,7 +118,7 @@ def as_things(solids: Solids) -> Things:
 
 
 @lru_cache(maxsize=8)
-def _bodies_of_teams(teams: int) -> NDArray[np.float64]:
+def colors_of_bodies(teams: int) -> NDArray[np.float64]:
     """Return (T, P, 3) the colours of the parts of each team's bodies."""
     colors = np.array([of_seat(team) for team in range(teams)], np.float64)[:, None]
     return np.asarray(BODY_COLORS + (colors - BODY_COLORS) * TEAM_SHARE[:, None])

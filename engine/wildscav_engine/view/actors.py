@@ -1,4 +1,4 @@
-"""The agents of a replay: bodies, names, view directions, trails and their numbers over time."""
+"""The agents of a replay: bodies, names, trails and their numbers over time."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,15 +6,14 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.palette import of_seat
-from wildscav_engine.view import colors, frame
+from wildscav_engine.view import colors, figures, frame
 from wildscav_engine.view.columns import Columns
 from wildscav_engine.view.history import History, changes
 
 LABEL_HEIGHT = 2.6  # m above the soles, where the name is
-DOT = rr.Radius.ui_points(3.0)  # in the agent's colour above it, to be seen from afar
-ARROW = 1.6  # m, length of the view direction
+DOT = rr.Radius.ui_points(3.5)  # in the agent's colour above it, to be seen from afar
+TRAIL = rr.Radius.ui_points(1.5)
 TRAIL_STEP_LIMIT = 4.0  # m; more than that in one step is a respawn, not a way
 
 
@@ -30,22 +29,28 @@ def distinct(names: Sequence[str]) -> tuple[str, ...]:
 
 def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str, rr.AsComponents]]:
     """Yield what never changes about the agents."""
+    body = figures.figure()
     for seat, name in enumerate(names):
-        path, color = path_of(seat), of_seat(seat)
-        yield f"{path}/body", rr.Capsules3D.from_fields(radii=BODY_RADIUS, fill_mode="solid")
+        path, team = path_of(seat), history.team_of(seat)
+        yield (
+            f"{path}/body",
+            rr.Mesh3D.from_fields(
+                vertex_positions=body.positions,
+                vertex_normals=body.normals,
+                triangle_indices=body.triangles,
+            ),
+        )
         yield (
             f"{path}/name",
             rr.Points3D.from_fields(positions=(0, 0, LABEL_HEIGHT), radii=DOT, show_labels=True),
         )
-        yield (
-            f"{path}/view",
-            rr.Arrows3D.from_fields(origins=(0, 0, EYE_HEIGHT), radii=0.06, colors=[color]),
-        )
-        yield f"trails/seat_{seat}", rr.LineStrips3D.from_fields(radii=0.04, colors=[(*color, 150)])
+        yield f"trails/seat_{seat}", rr.LineStrips3D.from_fields(radii=TRAIL, colors=[of_seat(team)])
         for measure in measures(history):
             yield (
                 f"{path}/{measure}",
-                rr.SeriesLines(colors=[color], names=[name], interpolation_mode="StepAfter"),
+                rr.SeriesLines(
+                    colors=[colors.of_team(team)], names=[name], widths=[2.0], interpolation_mode="StepAfter"
+                ),
             )
 
 
@@ -53,7 +58,8 @@ def moving_agents(history: History, names: Sequence[str]) -> Iterator[Columns]:
     """Yield all that changes about the agents."""
     for seat, name in enumerate(names):
         yield from _moving(history, seat)
-        yield from _body(history, seat, name)
+        yield from _body(history, seat)
+        yield _name(history, seat, name)
         for measure, values in measures(history).items():
             rows = np.union1d(changes(values[:, seat]), history.rows[-1:])
             scalars = rr.Scalars.columns(scalars=values[rows, seat].astype(np.float64))
@@ -68,21 +74,18 @@ def measures(history: History) -> dict[str, NDArray[np.generic]]:
         "ammo": agents.clip + agents.spare_ammo,
         "supplies": agents.supplies,
     }
+    if history.has_teammates:
+        found["team_supplies"] = history.supplies_of_team
     if history.target is not None:
-        found["distance"] = np.round(np.linalg.norm(agents.position - history.target, axis=-1), 2)
+        found["distance"] = np.round(history.distance_to_target, 2)
     return found
 
 
 def _moving(history: History, seat: int) -> Iterator[Columns]:
-    agents, path = history.agents, path_of(seat)
-    position = agents.position[:, seat]
+    """Yield where an agent is, and the ways that its trail is made of."""
+    position = history.agents.position[:, seat]
     rows = changes(position)
-    yield Columns(path, rows, rr.Transform3D.columns(translation=frame.points(position[rows])))
-
-    alive = agents.health[:, seat] > 0
-    gaze = frame.directions(agents.yaw[:, seat], agents.pitch[:, seat]) * (ARROW * alive)[:, None]
-    rows = changes(gaze)
-    yield Columns(f"{path}/view", rows, rr.Arrows3D.columns(vectors=frame.points(gaze[rows])))
+    yield Columns(path_of(seat), rows, rr.Transform3D.columns(translation=frame.points(position[rows])))
 
     ways = np.stack([position[:-1], position[1:]], axis=1)
     length = np.linalg.norm(ways[:, 1] - ways[:, 0], axis=-1)
@@ -91,22 +94,27 @@ def _moving(history: History, seat: int) -> Iterator[Columns]:
     yield Columns(f"trails/seat_{seat}", rows, rr.LineStrips3D.columns(strips=strips))
 
 
-def _body(history: History, seat: int, name: str) -> Iterator[Columns]:
-    """Yield the capsule, pale while it cannot be hurt, a grey ball on the ground while dead, and its name."""
-    agents, path = history.agents, path_of(seat)
-    rows = changes(agents.health[:, seat], agents.invincible_left[:, seat] > 0)
-    health, safe = agents.health[rows, seat], agents.invincible_left[rows, seat] > 0
-    dead = health <= 0
-    color = np.array(of_seat(seat))
-    tint = np.where(safe[:, None], (color + 255) // 2, color)
-    tint = np.where(dead[:, None], np.array(colors.DEAD), tint).astype(np.uint8)
-    capsules = rr.Capsules3D.columns(
-        lengths=np.where(dead, 0.0, BODY_HEIGHT - 2 * BODY_RADIUS),
-        translations=np.tile([0.0, 0.0, BODY_RADIUS], (len(rows), 1)),
-        colors=tint,
-    )
-    yield Columns(f"{path}/body", rows, capsules)
-    labels = [
-        f"{name} · dead" if gone else f"{name} · {left}" for gone, left in zip(dead, health, strict=True)
-    ]
-    yield Columns(f"{path}/name", rows, rr.Points3D.columns(labels=labels, colors=tint))
+def _body(history: History, seat: int) -> Iterator[Columns]:
+    """Yield the figure: it turns with the agent, is pale while it cannot be hurt, and lies grey when dead."""
+    agents, path = history.agents, f"{path_of(seat)}/body"
+    dead = agents.health[:, seat] <= 0
+    rows = changes(agents.yaw[:, seat], dead)
+    rotations, offsets = figures.stances(agents.yaw[rows, seat], dead[rows])
+    yield Columns(path, rows, rr.Transform3D.columns(quaternion=rotations, translation=offsets))
+
+    safe = agents.invincible_left[:, seat] > 0
+    rows = changes(dead, safe)
+    looks = figures.looks_of(history.team_of(seat))
+    tints = [looks.dead if dead[row] else looks.safe if safe[row] else looks.usual for row in rows]
+    columns = rr.Mesh3D.columns(vertex_colors=np.concatenate(tints))
+    yield Columns(path, rows, columns.partition([len(looks.usual)] * len(rows)))
+
+
+def _name(history: History, seat: int, name: str) -> Columns:
+    """Return the label over an agent: its name and how much health it has left."""
+    health = history.agents.health[:, seat]
+    rows = changes(health)
+    labels = [f"{name} · {left}" if left > 0 else f"{name} · dead" for left in health[rows].tolist()]
+    alive, dead = colors.of_team(history.team_of(seat)), colors.readable(colors.DEAD)
+    tints = np.where(health[rows, None] > 0, np.array(alive), np.array(dead)).astype(np.uint8)
+    return Columns(f"{path_of(seat)}/name", rows, rr.Points3D.columns(labels=labels, colors=tints))

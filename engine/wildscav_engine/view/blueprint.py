@@ -1,63 +1,113 @@
 """How a replay is laid out when it is opened: the blueprint in the file."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
+import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
 from wildscav_engine.view import frame
 from wildscav_engine.view.actors import path_of
 from wildscav_engine.view.columns import MATCH_TIME, STEP
-from wildscav_engine.view.follow import BEHIND, COLOR, DEPTH, EYES
-from wildscav_engine.view.history import History
+from wildscav_engine.view.depth import DEPTH, SCALE_HEIGHT
+from wildscav_engine.view.events import EVENTS, KILLS
+from wildscav_engine.view.follow import ABOVE, COLOR, EYES
+from wildscav_engine.view.history import DEPTH_CAMERA
+from wildscav_engine.view.overview import Overview
+from wildscav_engine.view.standings import PATH as STANDINGS
 
 TRAIL_TIME, TRAIL_STEPS = 6.0, 60  # s; on the time line of steps
 SKY = (150, 190, 225)
-WHOLE_MAP = 150.0  # m, up to which the free view shows all of a map
-NEAREST_FRAME, MARGIN = 60.0, 6.0  # m, least extent that it frames; around what moved
+MARGIN = 2.0  # pixels around a depth map
+ALL = rrb.TimeRangeBoundary.infinite()  # plots show the whole match
 TITLES = {
     "distance": "Distance to the target",
+    "team_supplies": "Score: supplies of the team",
     "supplies": "Supplies",
     "health": "Health",
     "ammo": "Ammunition",
 }
+# What stands between the camera and whom it follows is glass there; roofs are left out altogether.
+GLASS = (255, 255, 255, 70)
+ROOFS = "world/houses/roofs"
+LIKE_GLASS = (
+    *("world/houses/walls", "world/houses/floors", "world/houses/stairs"),
+    *("world/vegetation/crowns", "world/vegetation/trunks", "world/rocks"),
+)
+
+
+ON_THE_GROUND = ("heat", "zone/outside")  # colours that would float before an agent's eyes
 
 
 class Layout(NamedTuple):
-    """What the blueprint depends on besides the history."""
+    """What the blueprint depends on."""
 
     names: tuple[str, ...]
     follow: int
-    plots: tuple[str, ...]  # measures, the most telling first
+    plots: tuple[str, ...]  # measures, the score first
     images: bool  # whether depth maps and pictures are in the file
-    map_size: float  # m
+    kills: bool  # whether agents can kill each other
+    glass: tuple[str, ...]  # those of ``LIKE_GLASS`` that are there
 
 
-def blueprint(history: History, layout: Layout) -> rrb.Blueprint:
-    """Return the layout: the free view, two follow views, plots, the event log and what the agent sees."""
+def blueprint(layout: Layout, overview: Overview) -> rrb.Blueprint:
+    """Return the layout: standings, the whole match, one agent from above and through its eyes, and plots."""
     name, followed = layout.names[layout.follow], path_of(layout.follow)
-    follow_views: list[rrb.View] = [
-        _spatial(f"Behind {name}", _follow_contents(BEHIND, f"/{followed}/name"), _eye_of(BEHIND)),
-        _spatial(f"Eyes of {name}", _follow_contents(EYES, f"/{followed}/**"), _eye_of(EYES)),
-    ]
-    free = _spatial("Match", _free_contents(), _overview(history, layout.map_size), trails=len(layout.names))
-    below: list[rrb.View | rrb.Container] = [_plots(layout), _log()]
+    glass = {path: rr.Mesh3D.from_fields(albedo_factor=GLASS).visualizer() for path in layout.glass}
+    free = _spatial("Match", ["+ /**", *_hidden("follow")], _eye(overview), trails=len(layout.names))
+    follow_views = (
+        _spatial(
+            f"Following {name}",
+            ["+ /**", *_hidden("follow", "trails", *ON_THE_GROUND, ROOFS), f"+ /{ABOVE}"],
+            rrb.EyeControls3D(tracking_entity=f"/{ABOVE}"),
+            overrides=glass,
+        ),
+        _spatial(
+            f"Eyes of {name}",
+            ["+ /**", *_hidden("follow", "trails", *ON_THE_GROUND, followed), f"+ /{EYES}"],
+            rrb.EyeControls3D(tracking_entity=f"/{EYES}"),
+        ),
+    )
+    above = rrb.Horizontal(
+        rrb.Vertical(rrb.TextDocumentView(origin=STANDINGS, name="Standings"), _logs(layout)),
+        free,
+        rrb.Vertical(*follow_views),
+        column_shares=[3, 6, 4],
+    )
+    below: list[rrb.View | rrb.Container] = [_plots(layout)]
     if layout.images:
         below.append(rrb.Spatial2DView(origin=COLOR, name=f"Camera of {name}"))
-        below.append(rrb.Spatial2DView(origin=DEPTH, name=f"Depth map of {name}"))
-    above = rrb.Horizontal(free, rrb.Vertical(*follow_views), column_shares=[2, 1])
+        below.append(
+            rrb.Spatial2DView(origin=DEPTH, name=f"Depth map of {name}", visual_bounds=_depth_bounds())
+        )
     return rrb.Blueprint(
-        rrb.Vertical(
-            above, rrb.Horizontal(*below, column_shares=[4, 4, 3, 3][: len(below)]), row_shares=[5, 2]
-        ),
+        rrb.Vertical(above, rrb.Horizontal(*below, column_shares=[7, 3, 3][: len(below)]), row_shares=[5, 2]),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=MATCH_TIME, play_state="playing"),
     )
 
 
-def _spatial(name: str, contents: list[str], eye: rrb.EyeControls3D, trails: int = 0) -> rrb.Spatial3DView:
+def _depth_bounds() -> rrb.VisualBounds2D:
+    """Return what a depth map fills with its scale, so that no number of that is cut."""
+    return rrb.VisualBounds2D(
+        x_range=(-MARGIN, DEPTH_CAMERA.width + MARGIN),
+        y_range=(-MARGIN, DEPTH_CAMERA.height + SCALE_HEIGHT),
+    )
+
+
+def _hidden(*paths: str) -> list[str]:
+    """Return what is not seen in a 3D view: some entities, and those that are no part of the scene."""
+    return [f"- /{path}/**" for path in (*paths, EVENTS, KILLS, STANDINGS)]
+
+
+def _spatial(
+    name: str,
+    contents: list[str],
+    eye: rrb.EyeControls3D,
+    trails: int = 0,
+    overrides: dict[str, rrb.Visualizer] | None = None,
+) -> rrb.Spatial3DView:
+    shown: dict[Any, Any] = {f"trails/seat_{seat}": _trail() for seat in range(trails)} | (overrides or {})
     return rrb.Spatial3DView(
         origin="/",
         name=name,
@@ -65,7 +115,7 @@ def _spatial(name: str, contents: list[str], eye: rrb.EyeControls3D, trails: int
         eye_controls=eye,
         background=SKY,
         line_grid=False,
-        overrides={f"trails/seat_{seat}": _trail() for seat in range(trails)},
+        overrides=shown,
     )
 
 
@@ -82,56 +132,34 @@ def _trail() -> rrb.VisibleTimeRanges:
     )
 
 
-def _free_contents() -> list[str]:
-    return ["+ /**", "- /follow/**", "- /events"]
-
-
-def _follow_contents(camera: str, hidden: str) -> list[str]:
-    """Everything and one camera; the followed agent's name, or from its eyes all of it, is not seen."""
-    return ["+ /**", "- /follow/**", f"+ /{camera}", "- /trails/**", "- /events", f"- {hidden}"]
-
-
-def _eye_of(camera: str) -> rrb.EyeControls3D:
-    return rrb.EyeControls3D(tracking_entity=f"/{camera}")
-
-
-def _overview(history: History, map_size: float) -> rrb.EyeControls3D:
-    """Look from the south-west, from above: at the whole map, or on a large one at all that moves."""
-    low, high = _extent(history)
-    if map_size <= WHOLE_MAP:
-        low[[0, 2]], high[[0, 2]] = -map_size / 2, map_size / 2
-    middle = (low + high) / 2
-    extent = max(NEAREST_FRAME, float(high[0] - low[0]), float(high[2] - low[2])) + 2 * MARGIN
-    eye = middle + extent * np.array([-0.27, 0.48, -0.54])
-    target = middle + extent * np.array([-0.02, 0.0, -0.06])
+def _eye(overview: Overview) -> rrb.EyeControls3D:
     return rrb.EyeControls3D(
-        kind=rrb.Eye3DKind.Orbital, position=frame.points(eye), look_target=frame.points(target)
+        kind=rrb.Eye3DKind.Orbital,
+        position=frame.points(overview.eye),
+        look_target=frame.points(overview.target),
     )
 
 
-def _extent(history: History) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the corners of the box around every place of every agent, and the target."""
-    places = history.agents.position.reshape(-1, 3)
-    if history.target is not None:
-        places = np.concatenate([places, history.target[None]])
-    return places.min(axis=0), places.max(axis=0)
-
-
-def _log() -> rrb.TextLogView:
-    columns = [rrb.encodings.TextLogColumn(kind) for kind in ("LogLevel", "Body")]
-    return rrb.TextLogView(
-        origin="events", name="Events", columns=rrb.TextLogColumns(text_log_columns=columns)
-    )
+def _logs(layout: Layout) -> rrb.View | rrb.Container:
+    """Return the log of all events, behind the feed of kills where there can be any."""
+    level, body = rrb.encodings.TextLogColumn("LogLevel"), rrb.encodings.TextLogColumn("Body")
+    views = []
+    for path, name, columns in ((KILLS, "Kills", [body]), (EVENTS, "All events", [level, body])):
+        views.append(
+            rrb.TextLogView(origin=path, name=name, columns=rrb.TextLogColumns(text_log_columns=columns))
+        )
+    return rrb.Tabs(*views) if layout.kills else views[1]
 
 
 def _plots(layout: Layout) -> rrb.Container:
-    """Return one plot a measure, in tabs."""
+    """Return one plot a measure, in tabs; the first is the score."""
     seats = range(len(layout.names))
     views = [
         rrb.TimeSeriesView(
             name=TITLES[measure],
             contents=[f"+ /{path_of(seat)}/{measure}" for seat in seats],
-            plot_legend=rrb.PlotLegend(visible=len(seats) > 1),
+            axis_x=rrb.TimeAxis(view_range=rrb.TimeRange(start=ALL, end=ALL)),
+            plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=len(seats) > 1),
         )
         for measure in layout.plots
     ]

@@ -1,4 +1,4 @@
-"""Where the two cameras that follow an agent stand: at its eyes, and behind it."""
+"""Where the two cameras that follow an agent stand: at its eyes, and above and behind it."""
 
 from typing import NamedTuple
 
@@ -6,17 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.body import EYE_HEIGHT
-from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
 from wildscav_engine.state import Agents
 from wildscav_engine.view.frame import directions
+from wildscav_engine.view.ground import lay_on_ground
 
-BEHIND = 5.0  # m, from the head to the camera
-PITCH_BEHIND = 13.0  # degrees downwards, when the agent looks level
-HEAD = 1.9  # m above the soles, what the camera behind looks at
-CLEARANCE = 0.3  # m that the camera stays before a wall
-SMOOTH_STEPS = 3  # the camera behind turns with the mean of so many steps before and after
+BACK, ABOVE = 7.0, 6.0  # m from the agent's head to the camera
+HEAD = 1.7  # m above the soles, what the camera looks at
+CLEARANCE = 1.0  # m that the camera stays above the ground; walls and trees it shows as glass
+SMOOTH_STEPS = 5  # the camera turns with the mean of so many steps before and after
 
 
 class Poses(NamedTuple):
@@ -33,14 +31,16 @@ def at_the_eyes(agents: Agents, seat: int) -> Poses:
     return Poses(position, agents.yaw[:, seat], agents.pitch[:, seat])
 
 
-def behind(world: World, agents: Agents, seat: int) -> Poses:
-    """Return a camera behind and above the agent, nearer where a wall or a slope is in the way."""
+def above(world: World, agents: Agents, seat: int) -> Poses:
+    """Return a camera above and behind an agent that looks at it; never below the ground."""
     forwards = _smoothed(directions(agents.yaw[:, seat], np.zeros(len(agents.yaw))))
     yaw = np.degrees(np.arctan2(forwards[:, 0], forwards[:, 2]))
-    pitch = PITCH_BEHIND + 0.5 * _smoothed(agents.pitch[:, seat, None])[:, 0]
     head = agents.position[:, seat] + np.array([0.0, HEAD, 0.0])
-    position = np.empty_like(head)
-    _pull_back(world, head, -directions(yaw, pitch), BEHIND, position)
+    position = head - BACK * directions(yaw, np.zeros(len(yaw)))
+    ground = position.copy()
+    lay_on_ground(world, CLEARANCE, ground)
+    position[:, 1] = np.maximum(head[:, 1] + ABOVE, ground[:, 1])
+    pitch = np.degrees(np.arctan2(position[:, 1] - head[:, 1], BACK))
     return Poses(position, yaw, pitch)
 
 
@@ -49,20 +49,3 @@ def _smoothed(values: NDArray[np.float64]) -> NDArray[np.float64]:
     padded = np.pad(values, ((SMOOTH_STEPS, SMOOTH_STEPS), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_STEPS + 1, axis=0)
     return np.asarray(windows.mean(axis=-1), np.float64)
-
-
-@kernel
-def _pull_back(
-    world: World,
-    start: NDArray[np.float64],
-    way: NDArray[np.float64],
-    length: float,
-    ends: NDArray[np.float64],
-) -> None:
-    """Go from (T, 3) points along (T, 3) unit vectors, up to a length, and stop short of what is hit."""
-    for row in range(start.shape[0]):
-        x, y, z = start[row, 0], start[row, 1], start[row, 2]
-        hit = cast_ray(world, x, y, z, way[row, 0], way[row, 1], way[row, 2], length + CLEARANCE)
-        far = length if hit.solid == NOTHING_HIT else max(0.0, min(length, hit.distance - CLEARANCE))
-        for axis in range(3):
-            ends[row, axis] = start[row, axis] + way[row, axis] * far

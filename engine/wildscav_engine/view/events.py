@@ -11,6 +11,8 @@ from wildscav_engine.view import colors
 from wildscav_engine.view.columns import Columns
 from wildscav_engine.view.history import History, seats_where
 
+EVENTS, KILLS = "events", "kills"  # the entities
+
 
 class Event(NamedTuple):
     """One line of the log."""
@@ -18,29 +20,46 @@ class Event(NamedTuple):
     row: int
     kind: str
     text: str
-    color: tuple[int, int, int]
+    color: colors.Color
 
 
-def events_of(history: History, names: Sequence[str]) -> list[Event]:
-    """Return all events in time order."""
+def events_of(
+    history: History,
+    names: Sequence[str],
+    opening: str = "The match begins",
+    ending: str = "The match is over",
+) -> list[Event]:
+    """Return all events in time order.
+
+    Args:
+        history: The match.
+        names: What its seats are called.
+        opening: The first line.
+        ending: The last.
+    """
     found = [
         *(event for events in KINDS for event in events(history, names)),
-        Event(0, "START", "The match begins", colors.START_END),
-        Event(int(history.rows[-1]), "END", "The match is over", colors.START_END),
+        Event(0, "START", opening, colors.START_END),
+        Event(int(history.rows[-1]), "END", ending, colors.START_END),
     ]
     # What happens in one step is told in the order of KINDS, within the start and the end.
     return sorted(found, key=lambda event: (event.row, event.kind == "END", event.kind != "START"))
 
 
-def event_columns(events: Sequence[Event]) -> Columns:
-    """Return the text log."""
+def kills_of(history: History, names: Sequence[str]) -> list[Event]:
+    """Return who killed whom, in time order, in the colour of the team that did it."""
+    return list(_deaths(history, names, feed=True))
+
+
+def event_columns(path: str, events: Sequence[Event]) -> Columns:
+    """Return a text log."""
     rows = np.array([event.row for event in events], np.int64)
     values = rr.TextLog.columns(
         text=[event.text for event in events],
         level=[event.kind for event in events],
         color=[event.color for event in events],
     )
-    return Columns("events", rows, values)
+    return Columns(path, rows, values)
 
 
 def _pick_ups(history: History, names: Sequence[str]) -> Iterator[Event]:
@@ -55,19 +74,23 @@ def _hits(history: History, names: Sequence[str]) -> Iterator[Event]:
     for row, seat in seats_where(agents.fired & (agents.hit_seat != NOBODY)):
         victim = int(agents.hit_seat[row, seat])
         text = f"{names[seat]} hits {names[victim]}, {agents.health[row, victim]} hp left"
-        yield Event(row, "HIT", text, colors.SHOT)
+        yield Event(row, "HIT", text, colors.HURT)
 
 
-def _deaths(history: History, names: Sequence[str]) -> Iterator[Event]:
+def _deaths(history: History, names: Sequence[str], *, feed: bool = False) -> Iterator[Event]:
+    """Yield deaths; in the feed of kills the killer comes first, in its team's colour."""
     agents = history.agents
     died = np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0
     for row, seat in seats_where(died):
         by = int(agents.hit_by_seat[row, seat])
         out = agents.eliminated[row, seat] != NOT_OUT
-        text = (
-            f"{names[seat]} {'is out' if out else 'dies'}{'' if by == NOBODY else f', shot by {names[by]}'}"
-        )
-        yield Event(row, "OUT" if out else "DEATH", text, colors.DEATH)
+        end, kind = ("is out", "OUT") if out else ("dies", "DEATH")
+        if feed and by != NOBODY:
+            text = f"{names[by]} shoots {names[seat]}{', who is out' if out else ''}"
+            yield Event(row, "KILL", text, colors.of_team(history.team_of(by)))
+        else:
+            text = f"{names[seat]} {end}{'' if by == NOBODY else f', shot by {names[by]}'}"
+            yield Event(row, kind, text, colors.DEATH)
 
 
 def _respawns(history: History, names: Sequence[str]) -> Iterator[Event]:

@@ -54,6 +54,32 @@ class History(NamedTuple):
         """All rows, (T + 1,)."""
         return np.arange(len(self.frame))
 
+    @property
+    def teams(self) -> NDArray[np.int32]:
+        """The team of each seat, (A,)."""
+        return np.asarray(self.agents.team[0], np.int32)
+
+    @property
+    def has_teammates(self) -> bool:
+        """Whether some team has more than one seat."""
+        return len(np.unique(self.teams)) < len(self.teams)
+
+    @property
+    def supplies_of_team(self) -> NDArray[np.int64]:
+        """What the team of each seat carries, (T + 1, A)."""
+        together = self.teams[:, None] == self.teams
+        return np.asarray(self.agents.supplies.astype(np.int64) @ together)
+
+    @property
+    def distance_to_target(self) -> NDArray[np.float64]:
+        """How far each seat is from the target, (T + 1, A) m; infinite where there is none."""
+        target = np.full(3, np.inf) if self.target is None else self.target
+        return np.asarray(np.linalg.norm(self.agents.position - target, axis=-1))
+
+    def team_of(self, seat: int) -> int:
+        """Return the team of a seat."""
+        return int(self.teams[seat])
+
 
 def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tuple[Match, History]:
     """Play a re-simulation to its end.

@@ -32,6 +32,15 @@ def write_replay(record: Record, path: Path, *, follow: int | None = None, image
         ViewError: Rerun is not installed, or there is no such seat.
         OSError: The file cannot be written.
     """
+    write_whole(path, rendered(record, follow=follow, images=images))
+
+
+def rendered(record: Record, *, follow: int | None = None, images: bool = True) -> bytes:
+    """Render a record as the content of a Rerun file; see ``write_replay``.
+
+    Raises:
+        ViewError: Rerun is not installed, or there is no such seat.
+    """
     seat = _followed(record) if follow is None else follow
     if not 0 <= seat < len(record.names):
         raise ViewError(
@@ -45,8 +54,7 @@ def write_replay(record: Record, path: Path, *, follow: int | None = None, image
         raise ViewError("replays need Rerun: pip install 'wildscav[view]'") from error
     match, history = collect(resimulate(record), len(record.actions), seat if images else None)
     with RENDERING:
-        content = render(record, match.game_map, history, seat)
-    write_whole(path, content)
+        return render(record, match.game_map, history, seat)
 
 
 def _followed(record: Record) -> int:

@@ -1,5 +1,6 @@
 """The Rerun recording of one match, put together."""
 
+from collections.abc import Iterator
 from hashlib import blake2b
 from typing import Any
 
@@ -8,14 +9,16 @@ import rerun as rr
 from wildscav_engine.actions import Field
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.record import Record
+from wildscav_engine.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
-from wildscav_engine.view import actors, follow, scenery, things, zone
-from wildscav_engine.view.blueprint import Layout, blueprint
-from wildscav_engine.view.columns import send
-from wildscav_engine.view.events import event_columns, events_of
+from wildscav_engine.view import actors, follow, heat, scenery, standings, things, zone
+from wildscav_engine.view.blueprint import LIKE_GLASS, Layout, blueprint
+from wildscav_engine.view.columns import Columns, send
+from wildscav_engine.view.draped import Net
+from wildscav_engine.view.events import EVENTS, KILLS, event_columns, events_of, kills_of
 from wildscav_engine.view.history import History
-
-APPLICATION = "wildscav"
+from wildscav_engine.view.overview import overview
+from wildscav_engine.view.verdict import clock, verdict
 
 
 def render(record: Record, game_map: GameMap, history: History, seat: int) -> bytes:
@@ -28,29 +31,60 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
         seat: Whom the cameras follow.
     """
     names = actors.distinct(record.names)
-    layout = Layout(names, seat, _plots(record), history.depth is not None, record.spec.map.config.size)
-    recording = rr.RecordingStream(APPLICATION, recording_id=_identity(record, layout), send_properties=False)
+    net = Net(game_map.world)
+    scene = dict(scenery.static_scene(game_map))
+    layout = _layout(record, history, names, seat, scene)
+    identity = _identity(record, layout)
+    # A viewer keeps one layout for each application: so every replay is one, or a second one that is opened
+    # in the same viewer would be laid out like the first.
+    recording = rr.RecordingStream(f"wildscav-{identity}", recording_id=identity, send_properties=False)
     memory = recording.memory_recording()
-    recording.send_blueprint(blueprint(history, layout))
+    recording.send_blueprint(blueprint(layout, overview(history, game_map.world)))
     _describe(recording, record)
     statics = (
-        *scenery.static_scene(game_map),
+        *scene.items(),
         *things.static_things(history, record.spec.rules.target_distance),
+        *heat.static_heat(history),
         *zone.static_zone(history),
         *actors.static_agents(history, names),
         *follow.static_cameras(history),
+        *standings.static_standings(),
     )
     for path, looks in statics:
         recording.log(path, looks, static=True)
     for columns in (
         *actors.moving_agents(history, names),
         *things.changing_things(history, game_map),
+        *heat.moving_heat(history, net),
         *zone.moving_zone(history, game_map),
         *follow.moving_cameras(game_map, history, seat),
-        event_columns(events_of(history, names)),
+        standings.moving_standings(record, history, names, seat),
+        *_logs(record, history, names),
     ):
         send(recording, history, columns)
     return memory.drain_as_bytes()
+
+
+def _layout(
+    record: Record, history: History, names: tuple[str, ...], seat: int, scene: dict[str, Any]
+) -> Layout:
+    return Layout(
+        names,
+        seat,
+        _plots(record, history),
+        history.depth is not None,
+        Field.SHOOT in TRACKS[record.spec.track].fields,
+        tuple(path for path in LIKE_GLASS if path in scene),
+    )
+
+
+def _logs(record: Record, history: History, names: tuple[str, ...]) -> Iterator[Columns]:
+    """Yield the log of all events, and that of kills."""
+    title, limit = TRACKS[record.spec.track].title, clock(round(record.spec.time_limit * FRAMES_PER_SECOND))
+    agents = "1 agent" if len(names) == 1 else f"{len(names)} agents"
+    opening, ending = f"{title}: {agents}, {limit} at most", verdict(record.result, names)
+    yield event_columns(EVENTS, events_of(history, names, opening, ending))
+    yield event_columns(KILLS, kills_of(history, names))
 
 
 def _identity(record: Record, layout: Layout) -> str:
@@ -60,12 +94,13 @@ def _identity(record: Record, layout: Layout) -> str:
     return f"{record.spec.track}-{digest.hexdigest()}"
 
 
-def _plots(record: Record) -> tuple[str, ...]:
-    """Return the measures that can change in a track, the most telling first."""
+def _plots(record: Record, history: History) -> tuple[str, ...]:
+    """Return the measures that can change in a track, the score first."""
     track = TRACKS[record.spec.track]
-    if Field.SHOOT in track.fields:
-        return "health", "supplies", "ammo"
-    return ("supplies",) if Field.PICK_UP in track.fields else ("distance",)
+    if history.target is not None:
+        return ("distance",)
+    supplies = ("team_supplies", "supplies") if history.has_teammates else ("supplies",)
+    return (*supplies, "health", "ammo") if Field.SHOOT in track.fields else supplies
 
 
 def _describe(recording: rr.RecordingStream, record: Record) -> None:

@@ -8,8 +8,9 @@ from builders import act, box, flat_world, make_match, place
 from wildscav_engine.match import Match
 from wildscav_engine.rules import Rules
 from wildscav_engine.sensors.pinhole import PinholeCamera
-from wildscav_engine.view.cameras import BEHIND, HEAD, behind
-from wildscav_engine.view.events import events_of
+from wildscav_engine.view.cameras import ABOVE, BACK, CLEARANCE, HEAD, above
+from wildscav_engine.view.colors import of_team
+from wildscav_engine.view.events import events_of, kills_of
 from wildscav_engine.view.history import (
     COLOR_CAMERA,
     DEPTH_CAMERA,
@@ -50,6 +51,18 @@ def test_a_duel_is_told_in_order(history: History) -> None:
         "bob is back",
     ]
     assert [event.row for event in events[:3]] == [1, 3, 3]  # shots in frames 1 and 11
+
+
+def test_the_feed_of_kills_names_the_killer_in_the_colour_of_its_team(history: History) -> None:
+    assert [(event.kind, event.text, event.color) for event in kills_of(history, NAMES)] == [
+        ("KILL", "ann shoots bob", of_team(0))
+    ]
+
+
+def test_the_log_says_what_the_match_is_and_who_won(history: History) -> None:
+    events = events_of(history, NAMES, opening="Battle", ending="ann wins")
+
+    assert (events[0].text, events[-1].text) == ("Battle", "ann wins")
 
 
 def test_the_log_begins_and_ends_with_the_match(history: History) -> None:
@@ -117,17 +130,33 @@ def test_changes_are_the_first_row_and_every_row_unlike_the_one_before() -> None
     assert changes(np.array([1, 1, 2, 2, 1]), np.array([0, 0, 0, 5, 5])).tolist() == [0, 2, 3, 4]
 
 
-def test_the_camera_behind_stands_back_in_the_open_and_before_a_wall() -> None:
+def test_the_camera_that_follows_stands_behind_and_above_even_where_a_wall_is() -> None:
     wall = box((-20.0, 0.0, -2.5), (20.0, 6.0, -2.0))
-    match = make_match("battle", world=flat_world(solids=[wall]), seats=2, time_limit=60.0)
+    match = make_match("battle", world=flat_world(solids=[wall]), seats=1, time_limit=60.0)
     place(match, 0, (0.0, 0.0, 0.0))  # looks north, two metres before the wall behind it
-    place(match, 1, (0.0, 0.0, 10.0))
     _, history = collect(iter([match]), 0, images_of=None)
 
-    near = behind(match.game_map.world, history.agents, 0).position[0]
-    far = behind(match.game_map.world, history.agents, 1).position[0]
+    camera = above(match.game_map.world, history.agents, 0)
 
-    assert -2.0 < near[2] < -1.0
-    assert np.linalg.norm(far - np.array([0.0, HEAD, 10.0])) == pytest.approx(BEHIND)
-    assert far[2] < 6.0
-    assert far[1] > HEAD
+    np.testing.assert_allclose(camera.position[0], [0.0, HEAD + ABOVE, -BACK])
+    assert camera.pitch[0] == pytest.approx(np.degrees(np.arctan2(ABOVE, BACK)))
+
+
+def test_the_camera_that_follows_stays_above_a_slope_behind() -> None:
+    match = make_match("battle", world=flat_world(slope=2.0), seats=1, time_limit=60.0)
+    place(match, 0, (0.0, 0.0, 0.0))
+    match.state.agents.yaw[0, 0] = -90.0  # looks west, down; the ground behind rises two metres a metre
+    _, history = collect(iter([match]), 0, images_of=None)
+
+    camera = above(match.game_map.world, history.agents, 0)
+
+    np.testing.assert_allclose(camera.position[0], [BACK, 2 * BACK + CLEARANCE, 0.0], atol=1e-9)
+
+
+def test_teammates_have_what_their_team_has() -> None:
+    match = make_match("gathering", seats=3, teams=(0, 1, 0), time_limit=60.0)
+    match.state.agents.supplies[0] = (1, 2, 4)
+    _, history = collect(iter([match]), 0, images_of=None)
+
+    assert history.has_teammates
+    assert history.supplies_of_team[0].tolist() == [5, 2, 5]

@@ -10,15 +10,21 @@ from PIL import Image
 from rerun.chunk import RrdReader
 
 from wildscav_engine.record import Record, resimulate
+from wildscav_engine.sensors.colors import of_distances
 from wildscav_engine.view import ViewError, write_replay
+from wildscav_engine.view.depth import distances_of
 from wildscav_engine.view.history import DEPTH_CAMERA, History, collect
+from wildscav_engine.view.verdict import verdict
+
+from .conftest import robots_play
 
 RERUN = (sys.executable, "-m", "rerun")
 BATTLE_ENTITIES = [
     *("/world/terrain", "/world/water", "/world/houses/walls", "/world/houses/roofs"),
     *("/world/vegetation/crowns", "/supplies", "/shots", "/events"),
-    *("/follow/behind", "/follow/eyes", "/follow/depth", "/follow/color"),
-    *(f"/agents/seat_{seat}/{part}" for seat in range(3) for part in ("body", "view", "name", "health")),
+    *("/follow/above", "/follow/eyes", "/follow/depth", "/follow/color"),
+    *("/standings", "/kills", "/heat/few", "/heat/some", "/heat/many"),
+    *(f"/agents/seat_{seat}/{part}" for seat in range(3) for part in ("body", "name", "health", "supplies")),
 ]
 
 
@@ -75,15 +81,21 @@ def test_boxes_vanish_when_they_are_taken(battle_file: Path) -> None:
     assert counts[-1] < counts[0]
 
 
-def test_depth_maps_are_the_sensors_within_four_millimetres(seen: History, battle_file: Path) -> None:
+def test_depth_maps_are_the_sensors_in_the_colours_of_look(seen: History, battle_file: Path) -> None:
     assert seen.depth is not None
     steps, buffers = rows_of(battle_file, "/follow/depth", "buffer")
 
-    pixels = np.array([np.frombuffer(bytes(buffer[0]), np.uint16) for buffer in buffers])  # type: ignore[index]
-    shape = (-1, DEPTH_CAMERA.height, DEPTH_CAMERA.width)
+    shades = np.array([np.frombuffer(bytes(buffer[0]), np.uint8) for buffer in buffers])  # type: ignore[index]
+    shades = shades.reshape(-1, DEPTH_CAMERA.height, DEPTH_CAMERA.width)
+    look = of_distances(seen.depth.images.reshape(-1, DEPTH_CAMERA.width), DEPTH_CAMERA.far)
+    shown = of_distances(distances_of(shades).reshape(-1, DEPTH_CAMERA.width), DEPTH_CAMERA.far)
 
     assert steps == seen.depth.rows.tolist()
-    np.testing.assert_allclose(pixels.reshape(shape) / 250.0, seen.depth.images, atol=0.002 + 1e-5)
+    assert np.abs(shown.astype(int) - look).max() <= 3  # of 255: half a shade
+    # The square root of the distance is cut into 255 parts.
+    np.testing.assert_allclose(
+        np.sqrt(distances_of(shades) / 200), np.sqrt(seen.depth.images / 200), atol=0.002
+    )
 
 
 def test_pictures_are_the_cameras_but_for_what_jpeg_loses(seen: History, battle_file: Path) -> None:
@@ -96,6 +108,26 @@ def test_pictures_are_the_cameras_but_for_what_jpeg_loses(seen: History, battle_
     assert steps == seen.color.rows.tolist()
     assert shown.shape == seen.color.images.shape
     assert lost.max() < 6
+
+
+def test_the_standings_end_with_the_winner(battle: Record, battle_file: Path) -> None:
+    steps, texts = rows_of(battle_file, "/standings", "text")
+    _, events = rows_of(battle_file, "/events", "text")
+    outcome = verdict(battle.result, battle.names)
+
+    assert steps[0] == 0
+    assert steps[-1] == battle.steps
+    assert str(events[-1]) == str([outcome])
+    assert "# Supply battle" in str(texts[0])
+    assert outcome.split(" with ")[0] in str(texts[-1]).replace("\\", "")
+    assert outcome.split(" with ")[0] not in str(texts[0]).replace("\\", "")
+
+
+def test_two_replays_in_one_viewer_keep_their_own_layouts(battle_file: Path, tmp_path: Path) -> None:
+    write_replay(robots_play("navigation"), tmp_path / "other.rrd", images=False)
+    stores = [RrdReader(path).recordings()[0] for path in (battle_file, tmp_path / "other.rrd")]
+
+    assert stores[0].application_id != stores[1].application_id
 
 
 def test_there_is_a_blueprint(battle_file: Path) -> None:

@@ -18,7 +18,7 @@ from .conftest import ROBOTS, robots_play
 pytestmark = pytest.mark.slow
 PATIENCE = 90.0  # s
 # Colours that a view must show: an empty one has a few. From its eyes an agent may see only sky.
-FEWEST = {"Match": 300, "Behind": 100}
+FEWEST = {"Match": 300, "Following": 100}
 
 
 def free_port() -> int:

@@ -43,7 +43,7 @@ def test_a_royale_shows_its_zone_and_other_tracks_have_none(tmp_path: Path) -> N
     for track, shown in (("royale", True), ("gathering", False)):
         write_replay(robots_play(track), tmp_path / f"{track}.rrd", images=False)
         entities = set(RrdReader(tmp_path / f"{track}.rrd").store().schema().entity_paths())
-        assert ({"/zone/edge", "/zone/next"} <= entities) == shown
+        assert ({"/zone/edge", "/zone/next", "/zone/outside"} <= entities) == shown
 
 
 def test_who_does_not_come_back_is_out() -> None:
