@@ -1,20 +1,32 @@
-"""``wildscav replay``: render a record as a Rerun recording."""
+"""``wildscav replay``: render a record as a Rerun recording, or show it in a browser."""
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 
 from wildscav.errors import UserError
 
+if TYPE_CHECKING:
+    from wildscav_engine.record import Record
+
+RERUN_FILE = b"RRF"  # how every .rrd begins
+
 
 def replay(
-    record: Annotated[Path, typer.Argument(help="Record file.", metavar="RECORD", show_default=False)],
+    record: Annotated[
+        Path,
+        typer.Argument(
+            help="Record file; with --web also a replay (.rrd).", metavar="RECORD", show_default=False
+        ),
+    ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="File to write. Default: the record's name with .rrd."),
+        typer.Option(
+            "--output", "-o", help="File to write. Default: the record's name with .rrd; with --web, none."
+        ),
     ] = None,
     follow: Annotated[
         int | None, typer.Option(help="Seat that the cameras follow. Default: the first submission.", min=0)
@@ -22,11 +34,57 @@ def replay(
     images: Annotated[
         bool, typer.Option(help="Draw what the followed agent's camera and depth camera see.")
     ] = True,
+    web: Annotated[
+        bool, typer.Option("--web", help="Serve it with a viewer for browsers, until Ctrl-C.")
+    ] = False,
+    host: Annotated[
+        str | None, typer.Option(help="Address that --web listens at. Default: 127.0.0.1, this machine only.")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(help="Port that --web listens at. Default: any free one.", min=0, max=65535)
+    ] = None,
 ) -> None:
     """Render a record as a replay that can be watched in 3D."""
-    from wildscav.console import command, console, error_console
+    if not web and (host is not None or port is not None):
+        raise UserError("--host and --port say where --web serves: add --web", exit_code=2)
+    if web and _is_replay(record):
+        _check_whole(output, follow, images)
+        return _serve(_read(record), record.name, host, port)
+    content = _rendered(record, _played(record, follow), output, follow, images, web=web)
+    path = output if web else output or record.with_suffix(".rrd")
+    if path is not None:
+        _write(path, content)
+    if web:
+        return _serve(content, record.name, host, port)
+    return None
+
+
+def _is_replay(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(RERUN_FILE)) == RERUN_FILE
+    except OSError:
+        return False  # the reader of records says what is wrong
+
+
+def _check_whole(output: Path | None, follow: int | None, images: bool) -> None:
+    """Refuse what would change a replay that is already rendered."""
+    given = {"--output": output is not None, "--follow": follow is not None, "--no-images": not images}
+    for option, there in given.items():
+        if there:
+            raise UserError(f"{option} needs a record: this is a replay already", exit_code=2)
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise UserError(f"cannot read {path}: {error.strerror}") from None
+
+
+def _played(record: Path, follow: int | None) -> "Record":
+    """Read a record, and check that it has the seat to follow."""
     from wildscav_engine.record import RecordError, read_record
-    from wildscav_engine.view import ViewError, write_replay
 
     try:
         played = read_record(record)
@@ -36,21 +94,60 @@ def replay(
         raise UserError(
             f"--follow is {follow}; the match has seats 0 to {len(played.names) - 1}", exit_code=2
         )
+    return played
+
+
+def _rendered(
+    record: Path, played: "Record", output: Path | None, follow: int | None, images: bool, *, web: bool
+) -> bytes:
+    """Render a record that may not be written over."""
+    from wildscav.console import error_console
+    from wildscav_engine.record import RecordError
+    from wildscav_engine.view import ViewError, rendered
+
     path = output or record.with_suffix(".rrd")
-    if path.exists() and path.samefile(record):
+    if (output is not None or not web) and path.exists() and path.samefile(record):
         raise UserError(
             f"{path} is the record itself, which the replay would overwrite: name another --output",
             exit_code=2,
         )
     with error_console.status(f"rendering {escape(path.name)}"):
         try:
-            write_replay(played, path, follow=follow, images=images)
+            return rendered(played, follow=follow, images=images)
         except RecordError as error:
             raise UserError(f"{record}: {error}") from None
         except ViewError as error:
             raise UserError(str(error)) from None
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write the file whole, and say how to open it."""
+    from wildscav.console import command, console
+    from wildscav_engine.files import write_whole
+
+    write_whole(path, content)
     lines = (
-        f"{path}: {path.stat().st_size / 1e6:.1f} MB. Open it with:",
+        f"{path}: {len(content) / 1e6:.1f} MB. Open it with:",
         f"  {command('rerun')} {shlex.quote(str(path))}",
     )
     console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+
+
+def _serve(content: bytes, name: str, host: str | None, port: int | None) -> None:
+    """Serve a replay until Ctrl-C."""
+    from wildscav.console import console, error_console
+    from wildscav_engine.view import ViewError
+    from wildscav_engine.view.web import LOOPBACK, ReplayServer
+
+    with error_console.status("unpacking the viewer"):
+        try:
+            server = ReplayServer(content, host or LOOPBACK, port or 0)
+        except ViewError as error:
+            raise UserError(str(error)) from None
+    with server:
+        lines = (f"{name} is at {server.link}", "Ctrl-C ends it.")
+        console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+        try:
+            server.serve_forever()
+        except KeyboardInterrupt:
+            console.print("Ended.")

@@ -1,0 +1,191 @@
+"""A replay in a browser: Rerun's own web viewer, from the installed package, and one recording.
+
+Nothing comes from elsewhere: the pages' security policy forbids the viewer to ask any other host.
+"""
+
+import os
+import re
+import socket
+import subprocess
+import time
+from collections.abc import Mapping
+from http.client import HTTPException
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, ClassVar, Final
+from urllib.error import URLError
+from urllib.parse import urlencode
+from urllib.request import ProxyHandler, build_opener
+
+from wildscav_engine.view.replay import ViewError
+
+LOOPBACK = "127.0.0.1"
+PATIENCE = 60.0  # s until Rerun must have handed over its viewer
+TYPES = {
+    "/index.html": "text/html; charset=utf-8",
+    "/re_viewer.js": "text/javascript",
+    "/re_viewer_bg.wasm": "application/wasm",
+    "/favicon.ico": "image/x-icon",
+}
+RECORDING = "/replay.rrd"
+POLICY = (
+    "default-src 'none'; connect-src 'self'; img-src 'self' data: blob:; style-src 'unsafe-inline'; "
+    "script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; worker-src 'self' blob:"
+)
+HOST = re.compile(r"[A-Za-z0-9.-]+(:\d+)?|\[[0-9A-Fa-f:.]+\](:\d+)?")
+
+
+class Content:
+    """What one address answers."""
+
+    def __init__(self, kind: str, body: bytes) -> None:
+        """Keep a body and its media type."""
+        self.kind, self.body = kind, body
+
+
+class ReplayServer(ThreadingHTTPServer):
+    """Serves one replay with a viewer, until it is closed."""
+
+    daemon_threads = True
+
+    def __init__(self, replay: bytes, host: str = LOOPBACK, port: int = 0) -> None:
+        """Listen, and answer from ``serve_forever`` on.
+
+        Args:
+            replay: The content of an ``.rrd`` file.
+            host: The address to listen at.
+            port: 0: any that is free.
+
+        Raises:
+            ViewError: Rerun or its web viewer is missing, or the address cannot be listened at.
+        """
+        self.content: Final[Mapping[str, Content]] = {
+            **{path: Content(TYPES[path], body) for path, body in viewer_files().items()},
+            RECORDING: Content("application/octet-stream", replay),
+        }
+        self.address_family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        try:
+            super().__init__((host, port), _Handler)
+        except (OSError, OverflowError) as error:
+            raise ViewError(f"cannot listen at {host}, port {port}: {error}") from None
+
+    @property
+    def link(self) -> str:
+        """What a person opens; from a wildcard address, on this machine."""
+        host, port = str(self.server_address[0]), self.server_address[1]
+        host = {"0.0.0.0": LOOPBACK, "::": "::1"}.get(host, host)  # noqa: S104 - compared, not listened at
+        return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """Answers GET and HEAD."""
+
+    server: ReplayServer
+    protocol_version = "HTTP/1.1"
+    timeout = 60.0  # s, then an idle connection is closed
+    headers_of_all: ClassVar[dict[str, str]] = {
+        "Content-Security-Policy": POLICY,
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",
+        "Cache-Control": "no-cache",
+    }
+
+    def do_GET(self) -> None:
+        path, _, query = self.path.partition("?")
+        if path == "/" and "url=" not in query:
+            self._redirect(query)
+        elif (found := self.server.content.get("/index.html" if path == "/" else path)) is None:
+            self._answer(404, Content("text/plain; charset=utf-8", b"there is no such page\n"))
+        else:
+            self._answer(200, found)
+
+    do_HEAD = do_GET  # noqa: N815
+
+    def _redirect(self, query: str) -> None:
+        """Send the browser to the viewer with the recording's address, which the viewer wants whole."""
+        host = self.headers.get("Host", "")
+        if not HOST.fullmatch(host):
+            return self._answer(400, Content("text/plain; charset=utf-8", b"the request names no host\n"))
+        options = urlencode(
+            {
+                "url": f"http://{host}{RECORDING}",
+                "hide_welcome_screen": "",
+                "persist": "0",
+                "renderer": "webgl",
+            }
+        )
+        place = f"/?{options}" + (f"&{query}" if query else "")
+        return self._answer(302, Content("text/plain; charset=utf-8", b""), {"Location": place})
+
+    def _answer(self, status: int, content: Content, more: Mapping[str, str] | None = None) -> None:
+        self.send_response(status)
+        own = {"Content-Type": content.kind, "Content-Length": str(len(content.body))}
+        for name, value in (self.headers_of_all | own | dict(more or {})).items():
+            self.send_header(name, value)
+        self.end_headers()
+        if self.command != "HEAD":
+            self.wfile.write(content.body)
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - the base class names it
+        """Say nothing: the command has said where it serves."""
+
+
+def viewer_files() -> dict[str, bytes]:
+    """Return the files of the web viewer that is inside the installed Rerun, by their paths.
+
+    Rerun hands them out by HTTP alone, so its own server runs for a moment, on this machine's loopback. It
+    would report its use to its makers: for that moment it has a configuration of its own that says no.
+
+    Raises:
+        ViewError: Rerun is not installed, or does not hand them out.
+    """
+    program, port = str(_program()), _free_port()
+    # With an address to show, which nobody asks for, it starts nothing beside the viewer.
+    nothing = f"http://{LOOPBACK}:{port}{RECORDING}"
+    command = [program, "--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), nothing]
+    with TemporaryDirectory(prefix="wildscav-viewer-") as folder:
+        own = os.environ | dict.fromkeys(("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"), folder)
+        silent: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": own}
+        subprocess.run([program, "analytics", "disable"], check=False, **silent)
+        with subprocess.Popen(command, **silent) as server:
+            try:
+                return {path: _fetch(server, f"http://{LOOPBACK}:{port}{path}") for path in TYPES}
+            finally:
+                server.kill()
+
+
+def _program() -> Path:
+    """Return Rerun's program itself: to end the script of that name would leave the program running."""
+    try:
+        import rerun_cli  # type: ignore[import-untyped]
+    except ImportError:
+        raise ViewError("the web viewer needs Rerun: pip install 'wildscav[view]'") from None
+    found = [Path(folder) / name for folder in rerun_cli.__path__ for name in ("rerun", "rerun.exe")]
+    for program in found:
+        if program.is_file():
+            return program
+    raise ViewError(f"the installed Rerun has no program at {found[0]}")
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return int(probe.getsockname()[1])
+
+
+def _fetch(server: "subprocess.Popen[bytes]", address: str) -> bytes:
+    """Return what an address of a server that may still be starting answers.
+
+    Raises:
+        ViewError: The server has ended, or does not answer in time.
+    """
+    browser, end = build_opener(ProxyHandler({})), time.monotonic() + PATIENCE
+    while True:
+        try:
+            with browser.open(address, timeout=PATIENCE) as answer:
+                return bytes(answer.read())
+        except (URLError, HTTPException, OSError) as error:
+            if server.poll() is not None or time.monotonic() > end:
+                raise ViewError(f"the installed Rerun does not hand out its web viewer: {error}") from None
+        time.sleep(0.05)

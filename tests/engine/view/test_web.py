@@ -1,0 +1,129 @@
+"""A replay in a browser: what the server answers, and what a real browser shows."""
+
+import re
+import shutil
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from email.message import Message
+from http.client import HTTPConnection
+from io import BytesIO
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+from PIL import Image
+
+from wildscav_engine.view import ViewError
+from wildscav_engine.view.web import ReplayServer
+
+PATIENCE = 300.0  # s, on a busy machine without a graphics card
+FEWEST_COLORS = 500  # in the picture of a match; the page alone has some ten
+CHROMIUM = (
+    *("--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *("--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync"),
+)
+
+
+@pytest.fixture(scope="module")
+def server(battle_file: Path) -> Iterator[ReplayServer]:
+    with ReplayServer(battle_file.read_bytes()) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+
+
+class Answer(NamedTuple):
+    status: int
+    headers: Message
+    body: bytes
+
+
+def ask(server: ReplayServer, path: str, method: str = "GET", host: str | None = None) -> Answer:
+    with closing(HTTPConnection("127.0.0.1", server.server_address[1])) as connection:
+        connection.request(method, path, headers={} if host is None else {"Host": host})
+        answer = connection.getresponse()
+        return Answer(answer.status, answer.headers, answer.read())
+
+
+def test_the_link_leads_to_the_viewer_with_the_recording(server: ReplayServer, battle_file: Path) -> None:
+    first = ask(server, "/")
+    place = first.headers["Location"]
+    recording = parse_qs(urlsplit(place).query)["url"][0]
+
+    assert first.status == 302
+    assert recording == f"{server.link}replay.rrd"
+    assert b"re_viewer.js" in ask(server, place).body
+    assert ask(server, urlsplit(recording).path).body == battle_file.read_bytes()
+
+
+def test_the_viewer_is_that_of_the_installed_package(server: ReplayServer) -> None:
+    assert ask(server, "/re_viewer_bg.wasm").body.startswith(b"\x00asm")
+    assert ask(server, "/re_viewer_bg.wasm").headers["Content-Type"] == "application/wasm"
+    assert b"wasm_bindgen" in ask(server, "/re_viewer.js").body
+
+
+def test_no_page_may_ask_another_host(server: ReplayServer) -> None:
+    for path in ("/", "/?url=x", "/re_viewer.js", "/none"):
+        policy = ask(server, path).headers["Content-Security-Policy"]
+        assert "connect-src 'self';" in policy
+        assert re.search(r"https?:", policy) is None
+
+
+def test_there_is_nothing_else(server: ReplayServer) -> None:
+    assert [ask(server, path).status for path in ("/none", "/../etc/passwd", "/replay.rrd/x")] == [404] * 3
+    assert ask(server, "/replay.rrd", "HEAD").body == b""
+    assert ask(server, "/replay.rrd", "POST").status == 501
+
+
+def test_a_host_that_is_none_is_refused(server: ReplayServer) -> None:
+    assert ask(server, "/", host="evil/x?y").status == 400
+
+
+def test_it_listens_on_this_machine_alone(server: ReplayServer) -> None:
+    assert server.server_address[0] == "127.0.0.1"
+
+
+def test_a_port_that_is_taken_is_one_clear_error() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(ViewError, match=f"cannot listen at 127.0.0.1, port {port}: "):
+            ReplayServer(b"", port=port)
+
+
+@pytest.mark.slow
+def test_a_browser_shows_the_match_and_asks_nobody_else(server: ReplayServer) -> None:
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("needs Debian's chromium: apt-get install chromium")
+    with playwright.sync_playwright() as tools:
+        browser = tools.chromium.launch(executable_path=program, args=list(CHROMIUM))
+        page = browser.new_page()
+        answered: list[str] = []
+        page.on("response", lambda answer: answered.append(answer.url))
+        page.goto(server.link)
+        end = time.monotonic() + PATIENCE
+        while colors_of(page.screenshot()) < FEWEST_COLORS and time.monotonic() < end:
+            time.sleep(1.0)
+
+        assert colors_of(page.screenshot()) >= FEWEST_COLORS
+        assert page.evaluate("() => window._handle.has_panicked()") is False
+        assert f"{server.link}replay.rrd" in answered
+        asked = {urlsplit(address).netloc for address in answered if address.startswith("http")}
+        assert asked == {urlsplit(server.link).netloc}
+        browser.close()
+
+
+def colors_of(picture: bytes) -> int:
+    """How many colours a picture has."""
+    image = Image.open(BytesIO(picture)).convert("RGB")
+    return len(image.getcolors(maxcolors=image.width * image.height) or [])
