@@ -91,6 +91,7 @@ async def play_match(
     sandbox: Sandbox = SANDBOXES["process"],
     clock: Clock | None = None,
     started: Callable[[HostedMatch], None] | None = None,
+    make: Callable[[MatchSpec], Match] | None = None,
     faults: Sequence[str] = (),
     broken: Callable[[str], None] = lambda _: None,
 ) -> Played:
@@ -101,6 +102,7 @@ async def play_match(
         sandbox: How the agents run.
         clock: How long they may think; the server's default if none.
         started: Told of the match whenever it is hosted.
+        make: Makes the match from its spec, for each try; a plain one if none.
         faults: What broke earlier tries, a line each: they count.
         broken: Told what broke a try, before the match is played again.
 
@@ -111,7 +113,7 @@ async def play_match(
     faults = list(faults)
     while True:
         try:
-            played = await play_once(seating, sandbox=sandbox, clock=clock, started=started)
+            played = await play_once(seating, sandbox=sandbox, clock=clock, started=started, make=make)
             return replace(played, platform_faults=tuple(faults))
         except WRONG_REQUESTS:
             raise
@@ -141,6 +143,7 @@ async def play_once(
     sandbox: Sandbox = SANDBOXES["process"],
     clock: Clock | None = None,
     started: Callable[[HostedMatch], None] | None = None,
+    make: Callable[[MatchSpec], Match] | None = None,
 ) -> Played:
     """Play one match from the start of its agents to the end of the last of them.
 
@@ -149,6 +152,7 @@ async def play_once(
         sandbox: How the agents run.
         clock: How long they may think; the server's default if none.
         started: Told of the match once it is hosted.
+        make: Makes the match from its spec; a plain one if none.
 
     Raises:
         MatchSetupError: The match's spec cannot be played.
@@ -170,6 +174,7 @@ async def play_once(
                 clock=clock or Clock(),
                 addresses=dict(zip(seating.seats, addresses, strict=True)),
                 starting=True,
+                make=make,
             )
             if started is not None:
                 started(hosted)

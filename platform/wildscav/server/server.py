@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import resource
 import secrets
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from wildscav.logs import Log
@@ -97,6 +97,7 @@ class MatchServer:
         clock: Clock | None = None,
         addresses: Mapping[int, str] | None = None,
         starting: bool = False,
+        make: "Callable[[MatchSpec], Match] | None" = None,
     ) -> HostedMatch:
         """Open a match; its submission seats can be joined from now on.
 
@@ -109,6 +110,7 @@ class MatchServer:
                 other, their tokens are of no use.
             starting: Whether agents are yet to be started, by whoever hosts the match: the time to join then
                 begins once each seat was ``launched``, and not now.
+            make: Makes the match from its spec, if it is to be of another kind than ``Match`` itself.
 
         Raises:
             MatchSetupError: The spec cannot be played.
@@ -130,7 +132,7 @@ class MatchServer:
             wanted = parse_sensors((sensors or {}).get(number, {}))
             seats.append(Seat(number, secrets.token_urlsafe(24), TimeBank(clock), wanted))
         # In a thread, so that other matches play on while the map is made.
-        match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats])
+        match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats], make)
         hosted = HostedMatch(match, names, seats, clock, starting=starting)
         self._matches.add(hosted)
         self._places.update({seat.token: Place(hosted, seat, own.get(seat.number)) for seat in seats})
@@ -187,12 +189,16 @@ def allow_many_files() -> None:
             resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
-def _set_up(spec: "MatchSpec", sensors: Iterable[Mapping[str, "Sensor"]]) -> "Match":
+def _set_up(
+    spec: "MatchSpec",
+    sensors: Iterable[Mapping[str, "Sensor"]],
+    make: "Callable[[MatchSpec], Match] | None",
+) -> "Match":
     from wildscav_engine.match import Match
 
     wanted = [sensor for of_seat in sensors for sensor in of_seat.values()]
     warm(wanted)
-    match = Match(spec)
+    match = (make or Match)(spec)
     for sensor in wanted:
         sensor.prepare(match.game_map)
     return match

@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 from tests.evaluator.ledger.forging import Forgery, blamed_on_platform, copied, with_metrics
 
+from wildscav.cli.verify import verify
 from wildscav.errors import UserError
+from wildscav_evaluator.cli.replay_agent_session import run_again
 from wildscav_evaluator.cli.rescore_session import run_rescore
 from wildscav_evaluator.cli.session import run_session
 from wildscav_evaluator.evaluation import Plan
@@ -272,6 +274,29 @@ def test_a_suite_is_demanded_whole_even_of_a_folder_that_is_forged_throughout(
     assert line.format(worst=index) in rescored(unsigned)
 
 
+def test_only_the_submission_itself_shows_that_it_acted_so(
+    plan: Plan, unsigned: Forgery, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ada = plan.submissions[0]
+    path = unsigned.out / "records" / f"navigation-{worst(unsigned):03d}-ada.wsr"
+    run_again(path, ada, seats=[], logs=tmp_path, sandbox="process")
+    assert "seat 0 (ada): all 30 steps as recorded" in capsys.readouterr().out
+
+    replace_record(unsigned)
+    unsigned.rewrite_ledger()
+    run_rescore(unsigned.out, 1)  # nobody signed it, and every file tells the same
+
+    with pytest.raises(
+        UserError, match=r"seat 0 \(ada\) acts otherwise than recorded in .* first in step 1:"
+    ):
+        run_again(path, ada, seats=[], logs=tmp_path, sandbox="process")
+    assert "warning" not in capsys.readouterr().out
+    other = replace(ada, digest="0" * 32)
+    with pytest.raises(UserError, match="acts otherwise"):
+        run_again(path, other, seats=[], logs=tmp_path, sandbox="process")
+    assert "warning: these are not the files of ada that were evaluated" in capsys.readouterr().out
+
+
 def claim_less_time(content: dict[str, object]) -> None:
     content["at"] = "2020-01-01T00:00:00.000+00:00"
 
@@ -403,28 +428,39 @@ def test_the_ledger_tells_the_whole_evaluation(signed: Forgery, key: SigningKey)
     ]
 
 
-def test_the_commands_agree(
-    evaluated: Path,
-    key: SigningKey,
-    wildscav: Callable[..., "subprocess.CompletedProcess[str]"],
-    signed: Forgery,
+def test_verify_asks_whether_records_are_those_that_were_played(
+    signed: Forgery, key: SigningKey, capsys: pytest.CaptureFixture[str]
 ) -> None:
     records = sorted((signed.out / "records").iterdir())
-    assert wildscav("verify", *records, "--key", key.public).returncode == 0
+    verify(records[:2], key=key.public)
+    verify(records[:1])
 
-    # Bob's record under ada's name, and one of other actions under its own.
+    with pytest.raises(UserError, match=f"is signed with the key {key.public}, not with {'ab' * 32}"):
+        verify(records[:1], key="ab" * 32)
+    with pytest.raises(UserError, match="the public key nonsense cannot be read") as refused:
+        verify(records[:1], key="nonsense")
+    assert refused.value.exit_code == 2
+
+    # Bob's record under ada's name; one of other actions under its own; one of a match that nobody played.
     records[0].write_bytes(records[-1].read_bytes())
     signed.play_otherwise("ada", 1)
-    done = wildscav("verify", *records, "--key", key.public)
-    assert done.returncode == 1
-    said = " ".join(done.stdout.split())
-    assert "under another's name" in said
-    assert "8 of 10 records hold" in said
+    stray = signed.out / "records" / "navigation-007-bob.wsr"
+    stray.write_bytes(records[-1].read_bytes())
+    capsys.readouterr()
+    with pytest.raises(UserError, match="3 of 4 records do not hold"):
+        verify([records[0], records[2], records[-1], stray])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "it is under another's name: seat 0 is that of bob, not of ada" in said
+    assert "it is not the record that ledger.jsonl has of it" in said
+    assert "ledger.jsonl knows no such match" in said
 
-    stranger = wildscav("verify", records[-1], "--key", "ab" * 32)
-    assert stranger.returncode == 1
-    assert "is signed with the key" in " ".join(stranger.stdout.split())
-    assert wildscav("rescore", signed.out, "--key", key.public, "--jobs", 1).returncode == 1
-    nonsense = wildscav("rescore", signed.out, "--key", "nonsense")
-    assert nonsense.returncode == 2
-    assert nonsense.stderr.startswith("wildscav: the public key nonsense cannot be read")
+
+def test_the_command_ends_with_an_exit_code_and_a_line(
+    signed: Forgery, key: SigningKey, wildscav: Callable[..., "subprocess.CompletedProcess[str]"]
+) -> None:
+    shut_in(signed)
+
+    done = wildscav("rescore", signed.out, "--key", key.public, "--jobs", 1)
+
+    assert done.returncode == 1
+    assert "wildscav: results.json says sandbox oci, evaluation.json process" in done.stderr
