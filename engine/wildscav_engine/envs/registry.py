@@ -31,7 +31,7 @@ def register() -> None:
     They are not imported for it, since most processes that use the engine need neither.
     """
     for library, enter in (("gymnasium", _enter_gymnasium), ("pettingzoo", _enter_pettingzoo)):
-        if library in sys.modules:
+        if sys.modules.get(library) is not None:
             enter()
         else:
             sys.meta_path.insert(0, _Watch(library, enter))
