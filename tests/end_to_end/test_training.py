@@ -26,6 +26,8 @@ MODES = ("box", "baseline", "multidiscrete")
 # The page trains on real maps for an hour; here it is some hundred steps on a lawn.
 IN_SMALL = {
     '"level": "easy"': '"map": TINY, "time_limit": 2.0',
+    "range(10)": "range(2)",
+    "50_000": "256",
     'level="easy"': "map=TINY, time_limit=2.0",
     "1_000_000": "512",
     "n_steps=256": "n_steps=32",
@@ -126,14 +128,28 @@ def test_the_vector_of_stable_baselines_is_the_single_environments_row_by_row() 
         actions = generator.uniform(-1, 1, (2, *vector.action_space.shape)).astype(np.float32)
         observations, rewards, done, infos = vector.step(actions)
         for row, env in enumerate(singles):
-            last, reward, terminated, truncated, _ = env.step(actions[row])
+            last, reward, terminated, truncated, told = env.step(actions[row])
             assert (rewards[row], done[row]) == (np.float32(reward), terminated or truncated)
+            for name in ("events", "reward_terms", "metrics"):
+                assert list(infos[row][name].values()) == pytest.approx(told[name].tolist()), name
+            assert list(infos[row]["metrics"]) == list(vector.vector.arena.metrics)
             if terminated or truncated:
                 np.testing.assert_array_equal(infos[row]["terminal_observation"], last)
                 assert infos[row]["TimeLimit.truncated"] == (truncated and not terminated)
                 last, _ = env.reset()
             np.testing.assert_array_equal(observations[row], last)
         assert done.all() == (step % 10 == 0)  # ten steps are the second that a match takes
+
+
+def test_gymnasiums_wrapper_makes_tensors_of_a_vector() -> None:
+    torch = pytest.importorskip("torch")
+    pytest.importorskip("array_api_compat")
+    options = {"vectorization_mode": "vector_entry_point", "action_mode": "baseline", "flat": True, **SHORT}
+    envs = gymnasium.wrappers.vector.NumpyToTorch(gymnasium.make_vec(NAVIGATION, num_envs=2, **options))
+    observations, _ = envs.reset(seed=1)
+    assert observations.dtype == torch.float32
+    observations, *_ = envs.step(torch.tensor([1, 2]))
+    assert observations.shape[0] == 2
 
 
 @pytest.fixture

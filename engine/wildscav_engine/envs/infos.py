@@ -42,10 +42,3 @@ def info_of(arena: Arena, match: int, learner: int, row: NDArray[np.float32], *,
         "reward_terms": dict(zip(arena.terms, arena.paid(row).tolist(), strict=True)),
         "metrics": dict(arena.measure(match, learner)) if ended else dict.fromkeys(arena.metrics, 0.0),
     }
-
-
-def flat_mask(mask: Any) -> NDArray[np.int8] | None:
-    """Return the action mask of an action mode in one row; None for that of a Dict, which has none."""
-    if isinstance(mask, tuple):
-        return np.concatenate(mask)
-    return mask if isinstance(mask, np.ndarray) else None

@@ -13,7 +13,8 @@ from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.batched import several_config
 from wildscav_engine.envs.columns import Part
 from wildscav_engine.envs.episodes import Episodes
-from wildscav_engine.envs.infos import flat_mask, info_of
+from wildscav_engine.envs.infos import info_of
+from wildscav_engine.envs.masks import flat_mask, flat_space
 from wildscav_engine.envs.observation import Observation, observation_space, part_of
 from wildscav_engine.envs.overview import overview, overview_space
 from wildscav_engine.envs.render import Picture
@@ -58,7 +59,8 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         self.observation_spaces: dict[str, Space[Any]] = {
             agent: observation_space(self.config) for agent in self.possible_agents
         }
-        self.action_spaces: dict[str, Space[Any]] = dict.fromkeys(self.possible_agents, self.arena.mode.space)
+        space = flat_space(self.arena.mode.space) if self.config.flat else self.arena.mode.space
+        self.action_spaces: dict[str, Space[Any]] = dict.fromkeys(self.possible_agents, space)
         self.state_space: Box = overview_space(self.config)
         self._seats = {agent: seat for seat, agent in enumerate(self.possible_agents)}
         self._rows = [self.arena.actions[:, seat] for seat in range(self.config.agents)]

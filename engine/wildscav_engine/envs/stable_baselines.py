@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
+from wildscav_engine.envs.columns import EVENTS
 from wildscav_engine.envs.vector import VectorArena
 
 
@@ -45,16 +46,32 @@ class StableVector(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """Play one step; whoever ends begins anew, and its last observation is in its infos."""
+        """Play one step; whoever ends begins anew, and its last observation is in its infos.
+
+        Infos hold ``events``, ``reward_terms`` and ``metrics`` by name, as those of a single environment do.
+        """
         observation, rewards, terminated, truncated, infos = self.vector.step(self._actions)
         done = terminated | truncated
-        told: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        told = self._by_name(infos)
+        last = self._by_name(infos["final_info"]) if done.any() else told
         for row in np.flatnonzero(done).tolist():
-            told[row] = {
+            told[row] = last[row] | {
                 "terminal_observation": infos["final_obs"][row],
                 "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
             }
         return observation, rewards.astype(np.float32), done, told
+
+    def _by_name(self, infos: dict[str, Any]) -> list[dict[str, Any]]:
+        """Return what each environment tells besides, by name even if observations are flat."""
+        arena = self.vector.arena
+        told: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for key, names in (("events", EVENTS), ("reward_terms", arena.terms), ("metrics", arena.metrics)):
+            values = infos[key]
+            if not arena.config.flat:
+                values = np.stack([values[name] for name in names], axis=1) if names else np.empty((0, 0))
+            for info, row in zip(told, values.tolist(), strict=bool(names)):
+                info[key] = dict(zip(names, row, strict=True))
+        return told
 
     def close(self) -> None:
         """End the viewer's recording, if there is one."""

@@ -1,6 +1,7 @@
-"""``wildscav init``: a new submission from a template, ready to play."""
+"""``wildscav init``: a new submission, from a template or from a trained policy, ready to play."""
 
 import re
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
@@ -18,8 +19,33 @@ def init(
     name: Annotated[
         str | None, typer.Option(help="Name of the submission. Default: that of the folder.")
     ] = None,
+    from_policy: Annotated[
+        Path | None,
+        typer.Option(
+            help="A trained policy to play: a .zip of Stable-Baselines3 (only one that you trust: it holds "
+            "Python objects), an .onnx file, or an .npz of layers."
+        ),
+    ] = None,
+    track: Annotated[str | None, typer.Option(help="With --from-policy: what it was trained for.")] = None,
+    option: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="With --from-policy: an option of the environment that it was trained in, its value as "
+            "JSON, such as frames_per_action=15. What the policy's own shape tells may be left out.",
+        ),
+    ] = None,
+    choose: Annotated[
+        str,
+        typer.Option(
+            help="With --from-policy: sampled (as likely as it says) or deterministic (the likeliest)."
+        ),
+    ] = "sampled",
+    activation: Annotated[
+        str, typer.Option(help="With an .npz: what follows each layer but the last.")
+    ] = "tanh",
 ) -> None:
-    """Make a new submission from a template, ready to play."""
+    """Make a new submission, from a template or from a trained policy, ready to play."""
     from rich.text import Text
 
     from wildscav.console import console
@@ -27,14 +53,39 @@ def init(
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder} is not an empty folder: name one that is not there yet", exit_code=2)
     name = submission_name(folder.resolve().name) if name is None else _checked(name)
-    folder.mkdir(parents=True, exist_ok=True)
-    template = files("wildscav.cli") / "template"
-    for file in TEMPLATE:
-        text = (template / file).read_text("utf-8")
-        (folder / file).write_text(text.replace("my-agent", name), "utf-8")
+    if from_policy is None:
+        if track is not None or option:
+            raise UserError("--track and --option are for --from-policy", exit_code=2)
+        content = _from_template(name)
+    else:
+        from wildscav.cli.from_policy import policy_files
+
+        content = policy_files(from_policy, name, track, option or [], choose, activation)
+    _write(folder, content)
     console.print(Text.assemble((str(folder), "bold"), " holds a new agent, ", (name, "bold"), ". Next:"))
     console.print(f"  wildscav play {folder}", highlight=False, soft_wrap=True)
     console.print(f"  and open {folder / 'agent.py'} in an editor.", highlight=False, soft_wrap=True)
+
+
+def _from_template(name: str) -> dict[str, bytes]:
+    template = files("wildscav.cli") / "template"
+    texts = {file: (template / file).read_text("utf-8") for file in TEMPLATE}
+    return {file: text.replace("my-agent", name).encode() for file, text in texts.items()}
+
+
+def _write(folder: Path, content: Mapping[str, bytes]) -> None:
+    """Write files into a folder; all of them or none."""
+    is_new = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        for file, data in content.items():
+            (folder / file).write_bytes(data)
+    except OSError:
+        for file in content:
+            (folder / file).unlink(missing_ok=True)
+        if is_new:
+            folder.rmdir()
+        raise
 
 
 def submission_name(text: str) -> str:

@@ -1,5 +1,6 @@
 """The networks of policies: layers in NumPy, or whatever ONNX Runtime runs."""
 
+import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
@@ -111,7 +112,14 @@ class OnnxNetwork:
             self._session = onnxruntime.InferenceSession(str(path), options, ["CPUExecutionProvider"])
         except Exception as error:  # its errors have no base of their own
             raise PolicyError(f"ONNX Runtime cannot load {path}: {error}") from error
-        self._dtypes = {one.name: _numpy_type(one.type) for one in self._session.get_inputs()}
+        inputs, output = self._session.get_inputs(), self._session.get_outputs()[0]
+        self._dtypes = {one.name: _numpy_type(one.type) for one in inputs}
+        self.shapes = {one.name: _shape_of_one(one.shape) for one in inputs}  # of one observation; None: any
+        shape = _shape_of_one(output.shape)
+        self.outputs = (
+            None if shape is None else math.prod(shape)
+        )  # how many numbers it gives; None: not told
+        self.whole = _numpy_type(output.type).kind in "iu"  # whether they are whole numbers
 
     def __call__(self, observation: Stacked) -> NDArray[Any]:
         """Return (n,) the first output for one observation."""
@@ -148,6 +156,12 @@ def _numpy_type(name: str) -> "np.dtype[Any]":
         return np.dtype({"float": "float32", "double": "float64"}.get(inner, inner))
     except TypeError:
         raise PolicyError(f"the ONNX network takes {name}, must be numbers") from None
+
+
+def _shape_of_one(shape: Sequence[Any]) -> tuple[int, ...] | None:
+    """Return a shape without its first axis, that of the batch; None if an axis may have any length."""
+    lengths = tuple(shape[1:])
+    return lengths if all(isinstance(length, int) and length > 0 for length in lengths) else None
 
 
 def load_network(folder: Path, description: Mapping[str, Any]) -> Network:

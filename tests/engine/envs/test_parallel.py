@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pettingzoo
 import pytest
-from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
 from tests.engine.envs.common import TRACK_NAMES, digest, many_options
 
 from wildscav_engine.envs import BatchedArena, aec_env, parallel_env
@@ -29,12 +29,39 @@ def test_every_track_passes_pettingzoos_own_tests(track: str) -> None:
     api_test(aec_env(track, **options), 30)
 
 
+def pass_pettingzoos_own_tests(track: str, mode: str, flat: bool) -> None:
+    options = many_options(track, sensors={}, action_mode=mode, flat=flat)
+    parallel_api_test(parallel_env(track, **options), 20)
+    parallel_seed_test(lambda: parallel_env(track, **options), 20)
+    api_test(aec_env(track, **options), 20)
+    seed_test(lambda: aec_env(track, **options), 20)
+
+
+@pytest.mark.parametrize("flat", [False, True], ids=["dict", "flat"])
 @pytest.mark.parametrize("mode", MODES)
-def test_every_action_mode_passes_pettingzoos_own_tests(mode: str) -> None:
-    options = many_options("battle", sensors={}, action_mode=mode)
-    parallel_api_test(parallel_env("battle", **options), 20)
-    parallel_seed_test(lambda: parallel_env("battle", **options), 20)
-    api_test(aec_env("battle", **options), 20)
+def test_every_action_mode_passes_pettingzoos_own_tests(mode: str, flat: bool) -> None:
+    pass_pettingzoos_own_tests("battle", mode, flat)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flat", [False, True], ids=["dict", "flat"])
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("track", [track for track in TRACK_NAMES if track != "battle"])
+def test_every_mode_of_every_track_passes_pettingzoos_own_tests(track: str, mode: str, flat: bool) -> None:
+    pass_pettingzoos_own_tests(track, mode, flat)
+
+
+def test_a_mask_in_one_row_allows_what_the_tuple_allows() -> None:
+    options = many_options("battle", sensors={}, action_mode="multidiscrete", flat=True)
+    env = parallel_env("battle", **options)
+    _, infos = env.reset(seed=0)
+    space, mask = env.action_space("agent_0"), infos["agent_0"]["action_mask"].copy()
+    mask[1:9] = 0  # stand
+    mask[-2] = 0  # reload
+    drawn = np.array([space.sample(mask) for _ in range(50)])
+    assert not drawn[:, 0].any()
+    assert drawn[:, -1].all()
+    assert len(set(drawn[:, 2].tolist())) > 3
 
 
 def played(track: str, seed: int, **more: Any) -> list[Any]:

@@ -160,6 +160,11 @@ def test_the_paper_presets_hold_an_action_for_15_frames_and_play_its_matches() -
     assert SingleEnv("capture", preset="paper-capture").arena.template.team_of_seats == (0, 0, 0, 0)
 
 
+@pytest.mark.parametrize(("track", "steps"), [("navigation", 400), ("gathering", 600), ("capture", 400)])
+def test_a_preset_has_as_many_actions_as_the_papers_episodes(track: str, steps: int) -> None:
+    assert SingleEnv(track, preset=f"paper-{track}").arena.template.step_limit == steps
+
+
 def test_a_picture_a_depth_map_and_a_view_from_above() -> None:
     looks = {"render_size": (32, 18)}
     for mode, shape, dtype in (("rgb_array", (18, 32, 3), np.uint8), ("depth_array", (18, 32), np.float32)):

@@ -1,0 +1,58 @@
+"""``wildscav init --from-policy``: what the options say, and the files that come of it."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from wildscav.errors import UserError
+from wildscav.policy.networks import Choose
+
+
+def policy_files(
+    model: Path, name: str, track: str | None, options: Sequence[str], choose: str, activation: str
+) -> dict[str, bytes]:
+    """Return the files of a submission that plays a trained policy, by name.
+
+    Args:
+        model: The file of the policy.
+        name: Of the submission.
+        track: What the policy was trained for; a preset among the options tells it, too.
+        options: Of the environment, each as NAME=VALUE.
+        choose: A ``Choose``.
+        activation: What follows each layer of an npz but the last.
+
+    Raises:
+        UserError: The policy cannot be read, or does not fit the environment.
+    """
+    from wildscav.export import fit, read_model, submission_files
+
+    if choose not in list(Choose):
+        raise UserError(f"--choose is {choose!r}, must be {' or '.join(Choose)}", exit_code=2)
+    given = dict(map(_read_option, options))
+    trained = read_model(model, activation)
+    tables = fit(trained, _track(track, given), given)
+    return submission_files(trained, tables, name, Choose(choose))
+
+
+def _read_option(text: str) -> tuple[str, Any]:
+    name, equals, value = text.partition("=")
+    if not equals or not name:
+        raise UserError(
+            f"--option is {text!r}, must be NAME=VALUE, such as frames_per_action=15", exit_code=2
+        )
+    try:
+        return name, json.loads(value)
+    except ValueError:
+        return name, value  # a word needs no quotes
+
+
+def _track(track: str | None, options: dict[str, Any]) -> str:
+    from wildscav_engine.envs import PRESETS
+
+    if track is not None:
+        return track
+    preset = options.get("preset")
+    if isinstance(preset, str) and preset in PRESETS:
+        return PRESETS[preset][0]
+    raise UserError("--track is missing: name the track that the policy was trained for", exit_code=2)

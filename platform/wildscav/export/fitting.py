@@ -1,0 +1,138 @@
+"""Which environment a model was trained in: its options, checked against what the model takes and gives."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from wildscav.errors import UserError
+from wildscav.export.trained import Shape, Trained
+from wildscav.policy.acting import ActionMode, action_mode
+from wildscav.policy.choosing import ACTIONS, NUMBERS, SCORES
+
+MODES = ("multidiscrete", "baseline", "box")  # those that a network can play
+
+
+def fit(trained: Trained, track: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the environment that a model was trained in, and what the model's outputs mean.
+
+    Args:
+        trained: The model.
+        track: What it was trained for.
+        options: Of the environment, but for ``flat`` and ``action_mode``, which the model tells unless given.
+
+    Returns:
+        The tables "environment" and "network" of ``policy.json``.
+
+    Raises:
+        UserError: The options are wrong, or the model does not fit them.
+    """
+    given = {"flat": not isinstance(trained.inputs, Mapping), **options}
+    modes = (given["action_mode"],) if "action_mode" in given else MODES
+    fitting = []
+    for mode in modes:
+        description = _describe(track, {**given, "action_mode": mode})
+        head = _head(trained, action_mode(description["actions"]))
+        if head is not None:
+            fitting.append((description, head))
+    if len(fitting) != 1:
+        raise UserError(_modes_error(trained, track, modes, len(fitting)), exit_code=2)
+    description, head = fitting[0]
+    stack = _stack(trained, description)
+    return {
+        "environment": description | ({} if stack is None else {"stack": stack}),
+        "network": {**trained.network, "head": head},
+    }
+
+
+def _describe(track: str, options: dict[str, Any]) -> dict[str, Any]:
+    from wildscav_engine.envs import describe
+    from wildscav_engine.envs.batched import several_config
+    from wildscav_engine.envs.single import single_config
+
+    try:
+        several = options.get("agents", 1) != 1
+        return describe(several_config(track, options) if several else single_config(track, options))
+    except (TypeError, ValueError) as error:
+        raise UserError(f"the options of the environment: {error}", exit_code=2) from None
+
+
+def _head(trained: Trained, mode: ActionMode) -> str | None:
+    """Return what a model's outputs mean in an action mode; None if it does not fit."""
+    if trained.head is not None:
+        same = trained.sizes == mode.sizes and bool(trained.sizes or mode.numbers)
+        deviations = trained.network.get("deviations")
+        return trained.head if same and (deviations is None or len(deviations) == mode.numbers) else None
+    if trained.outputs is None or not (mode.sizes or mode.numbers):
+        return None
+    if trained.whole:
+        return ACTIONS if mode.sizes and trained.outputs == len(mode.sizes) else None
+    if mode.sizes:
+        return SCORES if trained.outputs == sum(mode.sizes) else None
+    return NUMBERS if trained.outputs == mode.numbers else None
+
+
+def _modes_error(trained: Trained, track: str, modes: tuple[str, ...], fitting: int) -> str:
+    gives = f"chooses from {list(trained.sizes)}" if trained.sizes else f"gives {trained.outputs} numbers"
+    if trained.outputs is None and not trained.sizes:
+        gives = "does not tell how many numbers it gives"
+    named = ", ".join(modes)
+    if fitting:
+        return (
+            f"{trained.source} {gives}, which fits several action modes: name one, --option action_mode=box"
+        )
+    return f"{trained.source} {gives}, which does not fit the track {track} with action_mode {named}"
+
+
+def _stack(trained: Trained, description: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return how many observations the model takes at once, and how they are put together.
+
+    Raises:
+        UserError: It takes something else.
+    """
+    shapes = {str(part["name"]): tuple(part["shape"]) for part in description["observations"]}
+    wanted = trained.inputs
+    if isinstance(wanted, Mapping):
+        if missing := sorted(set(wanted) - set(shapes)):
+            raise UserError(
+                f"{trained.source} takes {missing[0]!r}; the environment with these options gives "
+                f"{', '.join(shapes)}: name the sensors, --option 'sensors={{…}}'",
+                exit_code=2,
+            )
+        found = {_ratio(shape, shapes[name]) for name, shape in wanted.items()}
+    else:
+        found = {_ratio(wanted, (sum(_count(shape) for shape in shapes.values()),))}
+    if len(found) == 1 and (stack := found.pop()) is not None:
+        count, axis = stack
+        padding = "zero" if axis == "last" else "first"
+        return None if count == 1 else {"count": count, "axis": axis, "padding": padding}
+    parts = ", ".join(f"{name} {list(shape)}" for name, shape in shapes.items())
+    raise UserError(
+        f"{trained.source} takes {_shown(wanted)}; the environment with these options gives {parts}, "
+        f"{sum(_count(shape) for shape in shapes.values())} numbers: name the options of the training, "
+        'such as --option \'sensors={"depth": {"width": 10, "height": 10}}\'',
+        exit_code=2,
+    )
+
+
+def _ratio(wanted: Shape, single: Shape) -> tuple[int, str] | None:
+    """Return how many arrays make one of a shape, and along which axis; None if they cannot."""
+    if wanted == single:
+        return 1, "last"
+    if wanted[1:] == single and wanted[0] > 1:
+        return wanted[0], "new"
+    last = single[-1]
+    if len(wanted) == len(single) and wanted[:-1] == single[:-1] and wanted[-1] % last == 0:
+        return wanted[-1] // last, "last"
+    return None
+
+
+def _count(shape: Shape) -> int:
+    numbers = 1
+    for length in shape:
+        numbers *= length
+    return numbers
+
+
+def _shown(wanted: Mapping[str, Shape] | Shape) -> str:
+    if isinstance(wanted, Mapping):
+        return ", ".join(f"{name} {list(shape)}" for name, shape in wanted.items())
+    return f"{_count(wanted)} numbers" if len(wanted) == 1 else f"an array {list(wanted)}"

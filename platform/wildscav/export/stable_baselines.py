@@ -1,0 +1,237 @@
+"""Models of Stable-Baselines3: fully connected networks as layers, all others as ONNX."""
+
+import io
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wildscav.errors import UserError
+from wildscav.export.trained import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, Shape, Trained, pack_layers
+from wildscav.policy.choosing import NUMBERS, SCORES, SQUASHED, VALUES
+
+NAMES = {"Tanh": "tanh", "ReLU": "relu", "ELU": "elu", "LeakyReLU": "leaky_relu", "SiLU": "silu"}
+# What changes nothing when a policy plays.
+SILENT = ("Flatten", "Dropout", "Identity", "FlattenExtractor")
+
+
+class NotLayersError(Exception):
+    """A network is more than fully connected layers."""
+
+
+def read_zip(path: Path) -> Trained:
+    """Read what ``model.save`` wrote, on the CPU.
+
+    Raises:
+        UserError: It is no such file, Stable-Baselines3 is not installed, or no such policy can be exported.
+    """
+    try:
+        from stable_baselines3.common.save_util import load_from_zip_file
+    except ImportError:
+        raise UserError(
+            f"{path} is read with Stable-Baselines3: pip install 'wildscav[training]'", exit_code=2
+        ) from None
+    try:
+        data, parameters, _ = load_from_zip_file(path, device="cpu")
+        policy = _policy_of(data or {}, parameters)
+    except UserError:
+        raise
+    except Exception as error:  # noqa: BLE001 - whatever a damaged or foreign zip raises
+        raise UserError(f"{path} is no model of Stable-Baselines3: {error}", exit_code=2) from None
+    return _trained(path, policy)
+
+
+def _policy_of(data: Mapping[str, Any], parameters: Mapping[str, Any]) -> Any:
+    """Return the policy alone: that takes no environment, and no algorithm."""
+    kind = data["policy_class"]
+    options = dict(data.get("policy_kwargs", {}))
+    if data.get("use_sde"):
+        raise UserError("a policy with state-dependent exploration (use_sde) cannot be exported", exit_code=2)
+    if "Recurrent" in kind.__name__:
+        raise UserError(f"{kind.__name__} remembers: recurrent policies cannot be exported", exit_code=2)
+    policy = kind(data["observation_space"], data["action_space"], lambda _: 0.0, **options)
+    policy.load_state_dict(parameters["policy"])
+    policy.set_training_mode(False)
+    return policy
+
+
+def _trained(path: Path, policy: Any) -> Trained:
+    modules, head, deviations = _parts(policy)
+    network: dict[str, Any] = {} if deviations is None else {"deviations": deviations}
+    told: dict[str, Any] = {
+        "source": path,
+        "inputs": _shapes(policy.observation_space),
+        "outputs": None,
+        "head": head,
+        "sizes": _sizes(policy.action_space),
+    }
+    try:
+        if any(map(_is_picture, _spaces(policy).values())):
+            raise NotLayersError  # the trainer divides its numbers first
+        weights, biases, activations = _layers(modules)
+    except NotLayersError:
+        files = {ONNX_FILE: _onnx(policy)}
+        network |= {"kind": "onnx", "file": ONNX_FILE}
+        return Trained(**told, network=network, files=files, requirements=(ONNX_REQUIREMENT,))
+    network |= {"kind": "layers", "file": LAYERS_FILE, "activations": activations}
+    return Trained(**told, network=network, files={LAYERS_FILE: pack_layers(weights, biases)})
+
+
+def _parts(policy: Any) -> tuple[list[Any], str, list[float] | None]:
+    """Return the modules that an observation goes through, what comes out, and deviations of numbers.
+
+    Raises:
+        UserError: The policy is of no kind that is known here.
+    """
+    numbers = not _sizes(policy.action_space)
+    if hasattr(policy, "mlp_extractor"):  # PPO, A2C
+        modules = [policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net]
+        if numbers:
+            return modules, NUMBERS, np.exp(policy.log_std.detach().numpy().astype(np.float64)).tolist()
+        return modules, SCORES, None
+    if hasattr(policy, "q_net"):  # DQN
+        return [policy.q_net.features_extractor, policy.q_net.q_net], VALUES, None
+    actor: Any = getattr(policy, "actor", None)
+    if hasattr(actor, "latent_pi"):  # SAC
+        return [actor.features_extractor, actor.latent_pi, (actor.mu, actor.log_std)], SQUASHED, None
+    if hasattr(actor, "mu"):  # TD3, DDPG
+        return [actor.features_extractor, actor.mu], NUMBERS, None
+    raise UserError(f"policies of the kind {type(policy).__name__} cannot be exported", exit_code=2)
+
+
+def _layers(modules: list[Any]) -> tuple[list[Any], list[Any], list[str]]:
+    """Return the weights, biases and activations of modules that come one after another.
+
+    Raises:
+        NotLayersError: There is something else in them.
+    """
+    weights: list[Any] = []
+    biases: list[Any] = []
+    activations: list[str] = []
+    for module in modules:
+        for part in _leaves(module):
+            name = type(part[0]).__name__
+            if name == "Linear":
+                weights.append(np.concatenate([one.weight.detach().numpy() for one in part]))
+                biases.append(np.concatenate([one.bias.detach().numpy() for one in part]))
+                activations.append("identity")
+            elif name in NAMES and activations and activations[-1] == "identity":
+                if name == "LeakyReLU" and part[0].negative_slope != 0.01:
+                    raise NotLayersError
+                activations[-1] = NAMES[name]
+            elif name not in SILENT:
+                raise NotLayersError
+    return weights, biases, activations
+
+
+def _leaves(module: Any) -> Iterator[tuple[Any, ...]]:
+    """Yield the modules inside, each in a tuple; several are side by side."""
+    if isinstance(module, tuple):
+        yield module
+    elif type(module).__name__ == "Sequential":
+        for inner in module:
+            yield from _leaves(inner)
+    elif type(module).__name__ == "CombinedExtractor":
+        for inner in module.extractors.values():  # each flattens, or it is more than layers
+            yield from _leaves(inner)
+    else:
+        yield (module,)
+
+
+def _shapes(space: Any) -> Mapping[str, Shape] | Shape:
+    """Return the shape of an observation as the environment has it: pictures with their channels last."""
+    if hasattr(space, "spaces"):
+        return {name: _shape(inner) for name, inner in space.spaces.items()}
+    return _shape(space)
+
+
+def _shape(space: Any) -> Shape:
+    shape: Shape = tuple(space.shape)
+    return (*shape[1:], shape[0]) if _is_transposed(space) else shape
+
+
+def _spaces(policy: Any) -> dict[str, Any]:
+    """Return the spaces of a policy's observations, by name."""
+    space = policy.observation_space
+    return dict(space.spaces) if hasattr(space, "spaces") else {"observation": space}
+
+
+def _is_picture(space: Any) -> bool:
+    from stable_baselines3.common.preprocessing import is_image_space
+
+    return bool(is_image_space(space))
+
+
+def _is_transposed(space: Any) -> bool:
+    """Return whether the trainer has put the channels of a picture first."""
+    from stable_baselines3.common.preprocessing import is_image_space_channels_first
+
+    return _is_picture(space) and bool(is_image_space_channels_first(space))
+
+
+def _sizes(space: Any) -> Shape:
+    """Return how many things there are to choose from; () for numbers."""
+    if hasattr(space, "nvec"):
+        return tuple(space.nvec.tolist())
+    return (int(space.n),) if hasattr(space, "n") else ()
+
+
+def _onnx(policy: Any) -> bytes:
+    """Return a policy as ONNX: from observations, as the environment has them, to its outputs.
+
+    Raises:
+        UserError: The package onnx is not installed, or the policy cannot be written.
+    """
+    import torch
+
+    space, spaces = policy.observation_space, _spaces(policy)
+    shapes = {name: _shape(inner) for name, inner in spaces.items()}
+
+    class Outputs(torch.nn.Module):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__()
+            self.policy = policy
+
+        def forward(self, *arrays: Any) -> Any:
+            seen = {
+                name: array.permute(0, 3, 1, 2) if _is_transposed(inner) else array
+                for (name, inner), array in zip(spaces.items(), arrays, strict=True)
+            }
+            return _forward(self.policy, seen if hasattr(space, "spaces") else seen["observation"])
+
+    given = tuple(
+        torch.zeros(1, *shape, dtype=torch.as_tensor(np.zeros(1, spaces[name].dtype)).dtype)
+        for name, shape in shapes.items()
+    )
+    file = io.BytesIO()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the exporter itself
+            torch.onnx.export(
+                Outputs(), given, file, input_names=list(shapes), output_names=["outputs"], dynamo=False
+            )
+    except Exception as error:  # noqa: BLE001 - the exporter's errors have many bases
+        raise UserError(
+            f"the policy is more than fully connected layers, and PyTorch cannot write it as ONNX: {error} "
+            "(pip install onnx)",
+            exit_code=2,
+        ) from None
+    return file.getvalue()
+
+
+def _forward(policy: Any, seen: Any) -> Any:
+    import torch
+
+    if hasattr(policy, "mlp_extractor"):
+        features = policy.extract_features(seen, policy.pi_features_extractor)
+        return policy.action_net(policy.mlp_extractor.forward_actor(features))
+    if hasattr(policy, "q_net"):
+        return policy.q_net(seen)
+    actor = policy.actor
+    features = actor.extract_features(seen, actor.features_extractor)
+    if hasattr(actor, "latent_pi"):
+        latent = actor.latent_pi(features)
+        return torch.cat([actor.mu(latent), actor.log_std(latent)], dim=1)
+    return actor.mu(features)

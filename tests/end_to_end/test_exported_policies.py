@@ -1,0 +1,141 @@
+"""Models of Stable-Baselines3 as submissions: they choose as the model itself does in the environment."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.engine.envs.common import OPEN
+from tests.platform.policy.matches import observed, play_env
+from typer.testing import CliRunner
+
+from wildscav.cli.main import app
+from wildscav.policy import Policy
+from wildscav_engine.envs import SingleEnv, describe
+
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
+
+SHORT: dict[str, Any] = {"map": OPEN, "time_limit": 2.0}
+FLAT: dict[str, Any] = {"flat": True, "sensors": {"depth": {"width": 4, "height": 3}}}
+SMALL = '--option=sensors={"depth": {"width": 4, "height": 3}}'
+CAMERA: dict[str, Any] = {"sensors": {"camera": {"width": 36, "height": 36}}}
+PICTURES = '--option=sensors={"camera": {"width": 36, "height": 36}}'
+BUFFER = {"learning_starts": 20, "buffer_size": 500}
+
+
+@pytest.fixture(autouse=True)
+def one_thread() -> None:
+    pytest.importorskip("stable_baselines3")
+    pytest.importorskip("torch").set_num_threads(1)
+
+
+def export(model: Any, tmp_path: Path, *options: str) -> Policy:
+    """Save a model that chooses the likeliest, and make a submission of it."""
+    model.save(tmp_path / "model.zip")
+    arguments = ["--from-policy", str(tmp_path / "model.zip"), "--track", "navigation", *options]
+    done = CliRunner().invoke(app, ["init", str(tmp_path / "agent"), "--choose", "deterministic", *arguments])
+    assert done.exit_code == 0, (done.output, done.exception)
+    return Policy(tmp_path / "agent")
+
+
+def learned(algorithm: str, policy: str, envs: Any, **more: Any) -> Any:
+    import stable_baselines3
+
+    model = getattr(stable_baselines3, algorithm)(policy, envs, device="cpu", seed=0, **more)
+    return model.learn(64)
+
+
+def same_choice(model: Any, policy: Policy, observation: Any, stacked: Any) -> None:
+    expected, _ = model.predict(stacked, deterministic=True)
+    chosen = policy.chooser(policy.network(observation), np.random.default_rng(0))
+    np.testing.assert_allclose(chosen, np.ravel(expected), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "mode", "more"),
+    [
+        ("PPO", "multidiscrete", {"n_steps": 32}),
+        ("PPO", "box", {"n_steps": 32}),
+        ("A2C", "baseline", {"policy_kwargs": {"net_arch": [32]}}),
+        ("DQN", "baseline", BUFFER),
+        ("SAC", "box", BUFFER),
+        ("TD3", "box", BUFFER),
+    ],
+)
+def test_fully_connected_policies_run_on_numpy(
+    algorithm: str, mode: str, more: dict[str, Any], tmp_path: Path
+) -> None:
+    env = SingleEnv("navigation", action_mode=mode, **FLAT, **SHORT)
+    model = learned(algorithm, "MlpPolicy", env, **more)
+    policy = export(model, tmp_path, SMALL)
+    assert not (tmp_path / "agent" / "requirements.txt").exists()
+    for observation in play_env(env, seed=1).observations:
+        same_choice(model, policy, observation, observation)
+
+
+def test_a_dict_of_numbers_needs_no_more_than_numpy(tmp_path: Path) -> None:
+    env = SingleEnv("navigation", action_mode="multidiscrete", **(FLAT | {"flat": False}), **SHORT)
+    model = learned("PPO", "MultiInputPolicy", env, n_steps=32)
+    policy = export(model, tmp_path, SMALL)
+    assert not (tmp_path / "agent" / "requirements.txt").exists()
+    played = play_env(env, seed=1)
+    told = observed(tmp_path, describe(env.config), played)
+    for ours, theirs in zip(told, played.observations, strict=True):
+        same_choice(model, policy, ours, theirs)
+
+
+def test_pictures_run_on_onnx_with_a_stack_of_them(tmp_path: Path) -> None:
+    """Through a real server: what the agent stacks is what the trainer's own wrapper stacks."""
+    pytest.importorskip("onnx")
+    pytest.importorskip("onnxruntime")
+    from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack
+
+    env = SingleEnv("navigation", action_mode="multidiscrete", **CAMERA, **SHORT)
+    envs = VecFrameStack(DummyVecEnv([lambda: env]), 2)
+    model = learned("PPO", "MultiInputPolicy", envs, n_steps=32)
+    policy = export(model, tmp_path, PICTURES)
+    assert (tmp_path / "agent" / "requirements.txt").read_text() == "onnxruntime>=1.20\n"
+    played = play_env(env, seed=1)
+    stack = {"count": 2, "axis": "last", "padding": "zero"}
+    told = observed(tmp_path, {**describe(env.config), "stack": stack}, played)
+    envs.seed(1)
+    stacked: Any = envs.reset()
+    for ours, choice in zip(told, played.choices, strict=True):
+        for name, values in ours.items():
+            np.testing.assert_array_equal(values, stacked[name][0])
+        same_choice(model, policy, ours, {name: values[0] for name, values in stacked.items()})
+        stacked, *_ = envs.step(np.array([choice]))
+
+
+def test_the_page_goes_from_training_to_a_score(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its code trains, in small; its commands make a submission, check it, play it and evaluate it."""
+    monkeypatch.chdir(tmp_path)
+    page = (Path(__file__).parents[2] / "docs" / "training.md").read_text("utf-8")
+    (code,) = re.findall(r"```python\n(from stable_baselines3 import PPO.*?)```", page, re.DOTALL)[:1]
+    names: dict[str, Any] = {}
+    exec(code.replace("50_000", "1_000").replace("range(10)", "range(1)"), names)  # noqa: S102
+    (commands,) = re.findall(r"```console\n(wildscav init navigator.*?)```", page, re.DOTALL)
+    shorter = {"check": ["--sandbox", "process"], "play": ["--sandbox", "process", "--time-limit", "5"]}
+    shorter["evaluate"] = ["--sandbox", "process", "--suite", "quick", "--seed", "1"]
+    for line in commands.splitlines():
+        words = line.split()
+        command = [sys.executable, "-m", "wildscav.cli.main", *words[1:], *shorter.get(words[1], [])]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, (line, done.stdout, done.stderr)
+    assert (tmp_path / "navigator.rrd").stat().st_size > 10_000
+    assert "navigator" in done.stdout
+
+
+def test_a_model_trained_with_other_options_is_refused(tmp_path: Path) -> None:
+    env = SingleEnv("navigation", action_mode="multidiscrete", **FLAT, **SHORT)
+    learned("PPO", "MlpPolicy", env, n_steps=32).save(tmp_path / "model.zip")
+    arguments = ["--from-policy", str(tmp_path / "model.zip"), "--track", "navigation"]
+    done = CliRunner().invoke(app, ["init", str(tmp_path / "agent"), *arguments])
+    assert "takes 37 numbers; the environment with these options gives" in str(done.exception)
+    (tmp_path / "model.zip").write_bytes(b"no zip")
+    done = CliRunner().invoke(app, ["init", str(tmp_path / "agent"), *arguments])
+    assert "is no model of Stable-Baselines3" in str(done.exception)
+    assert not (tmp_path / "agent").exists()
