@@ -1,5 +1,9 @@
 """``wildscav map import``: what it prints, keeps and refuses."""
 
+import json
+import struct
+import zlib
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -115,3 +119,48 @@ def test_what_cannot_be_imported_is_one_clear_line(
     assert "\n" not in str(caught.value)
     assert caught.value.exit_code == code
     assert not maps.exists()
+
+
+def huge_accessor(path: Path) -> Path:
+    """A GLB of some 400 bytes that asks for 9 GiB of vertices."""
+    content = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": "wall"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"componentType": 5126, "count": 800_000_000, "type": "VEC3"}],
+    }
+    text = json.dumps(content).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4s4I", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A)
+    path.with_suffix(".glb").write_bytes(head + text)
+    return path.with_suffix(".glb")
+
+
+def huge_picture(path: Path) -> Path:
+    """A PNG whose pixels take 600 MB, packed into some hundred kB."""
+    side, rows = 17_000, zlib.compressobj(9)
+    data = b"".join(rows.compress(bytes(1 + 2 * side)) for _ in range(side)) + rows.flush()
+    chunks = (b"IHDR", struct.pack(">2I5B", side, side, 16, 0, 0, 0, 0)), (b"IDAT", data), (b"IEND", b"")
+    content = b"".join(
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        for kind, body in chunks
+    )
+    path.with_suffix(".png").write_bytes(b"\x89PNG\r\n\x1a\n" + content)
+    return path.with_suffix(".png")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("make", [huge_accessor, huge_picture])
+def test_a_file_that_would_eat_memory_is_refused_in_a_line(
+    make: Callable[[Path], Path], tmp_path: Path, maps: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = make(tmp_path / "map")
+    assert path.stat().st_size < 1_000_000
+    heights = ("--size", 100, "--highest", 10) if path.suffix == ".png" else ()
+    with pytest.raises(UserError) as caught:
+        run(monkeypatch, path, *heights)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not maps.exists() or not list(maps.iterdir())

@@ -1,11 +1,13 @@
 """Submissions as archives: unpacked by the rule that an archive is written by an adversary.
 
 Names must stay inside, there are plain files and folders alone, and bytes are counted as they come out,
-whatever the archive says of them. Nothing is left of an archive that is refused.
+whatever the archive says of them. That happens in a process with limits, since the headers of an archive may
+ask for any memory and time. Nothing is left of an archive that is refused.
 """
 
 import contextlib
 import hashlib
+import lzma
 import shutil
 import stat
 import tarfile
@@ -19,6 +21,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO
 
 from wildscav.errors import UserError
+from wildscav.limited import LimitExceededError, call_limited
 from wildscav_evaluator.submissions.cache import cache_folder
 
 SUFFIXES = (".zip", ".tar.gz", ".tgz")
@@ -29,7 +32,8 @@ LONGEST_NAME = 240  # bytes of a path
 DEEPEST = 20  # folders
 CHUNK = 1 << 16  # bytes
 BROKEN = (
-    *(zipfile.BadZipFile, tarfile.TarError, zlib.error, EOFError, ValueError, NotImplementedError),
+    *(zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError),
+    *(EOFError, ValueError, NotImplementedError),
     *(FileExistsError, NotADirectoryError, IsADirectoryError),  # one name for a file and for a folder
 )
 
@@ -39,6 +43,10 @@ class ArchiveError(UserError):
 
     def __init__(self, message: str) -> None:
         super().__init__(message, exit_code=2)
+
+
+class TooLargeError(Exception):
+    """A file has more content than there is room for."""
 
 
 @dataclass(frozen=True)
@@ -79,16 +87,38 @@ def unpack(archive: Path) -> Path:
 def _unpack_new(archive: Path, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     fresh = Path(tempfile.mkdtemp(prefix="unpacking-", dir=target.parent))
+    function = f"{__name__}:unpack_into"
     try:
         fresh.chmod(0o755)
-        _write_all(archive, fresh)
+        call_limited(function, str(archive), str(fresh), LARGEST_CONTENT, MOST_ENTRIES)
         with contextlib.suppress(OSError):  # another process was quicker
             fresh.rename(target)
+    except LimitExceededError as error:
+        raise ArchiveError(f"{archive} cannot be unpacked: {error}") from None
+    except UserError as error:
+        raise ArchiveError(str(error)) from None
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def unpack_into(archive: str, folder: str, largest_content: int, most_entries: int) -> None:
+    """Unpack an archive into an empty folder, in the process that calls it.
+
+    Args:
+        archive: Its path.
+        folder: The folder's.
+        largest_content: Bytes of all files in it.
+        most_entries: How many there may be.
+
+    Raises:
+        ArchiveError: One line that says which entry is wrong, and what is allowed.
+        OSError: It cannot be read, or there is no room.
+    """
+    try:
+        _write_all(Path(archive), Path(folder), largest_content, most_entries)
     except BROKEN as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise ArchiveError(f"{archive} cannot be unpacked: {reason}") from None
-    finally:
-        shutil.rmtree(fresh, ignore_errors=True)
 
 
 def _inner(folder: Path) -> Path:
@@ -96,12 +126,12 @@ def _inner(folder: Path) -> Path:
     return entries[0] if len(entries) == 1 and entries[0].is_dir() else folder
 
 
-def _write_all(archive: Path, folder: Path) -> None:
-    left, seen = LARGEST_CONTENT, set[str]()
+def _write_all(archive: Path, folder: Path, largest_content: int, most_entries: int) -> None:
+    left, seen = largest_content, set[str]()
     with contextlib.closing(_entries(archive)) as entries:
         for count, entry in enumerate(entries, start=1):
-            if count > MOST_ENTRIES:
-                raise ArchiveError(f"{archive} has more than {MOST_ENTRIES:,} entries")
+            if count > most_entries:
+                raise ArchiveError(f"{archive} has more than {most_entries:,} entries")
             path = _checked_path(archive, entry)
             if path is None:
                 continue
@@ -112,11 +142,18 @@ def _write_all(archive: Path, folder: Path) -> None:
             if str(path).lower() in seen:
                 raise ArchiveError(f"{archive}: {_shown(entry.name)} is there twice")
             seen.add(str(path).lower())
-            left -= _write(archive, entry, folder / path, left)
+            try:
+                left -= _write(archive, entry, folder / path, left)
+            except TooLargeError:
+                raise ArchiveError(f"{archive} unpacks to more than {_mebibytes(largest_content)}") from None
 
 
 def _write(archive: Path, entry: Entry, path: Path, left: int) -> int:
-    """Write a file's content and return its size in bytes, which must not be more than is left."""
+    """Write a file's content and return its size in bytes.
+
+    Raises:
+        TooLargeError: It is more than is left.
+    """
     written = 0
     path.parent.mkdir(parents=True, exist_ok=True)
     content = entry.open()
@@ -126,7 +163,7 @@ def _write(archive: Path, entry: Entry, path: Path, left: int) -> int:
         while chunk := source.read(CHUNK):
             written += len(chunk)
             if written > left:
-                raise ArchiveError(f"{archive} unpacks to more than {_mebibytes(LARGEST_CONTENT)}")
+                raise TooLargeError
             target.write(chunk)
     path.chmod(0o755 if entry.executable else 0o644)
     return written

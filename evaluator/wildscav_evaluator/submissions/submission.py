@@ -14,6 +14,8 @@ from wildscav.errors import UserError
 from wildscav_evaluator.submissions.archives import SUFFIXES, is_archive, unpack
 
 MANIFEST = "submission.toml"
+LARGEST_MANIFEST = 16_384  # bytes: to read one that is made for it costs 260 MB and half a second
+LONGEST_SHOWN = 100  # characters of a value in an error
 # What tools leave behind is no part of a submission.
 IGNORED_FOLDERS = frozenset({"__pycache__", ".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache"})
 
@@ -128,9 +130,15 @@ def read_manifest(path: Path) -> Manifest:
 
 
 def _read_toml(path: Path) -> dict[str, Any]:
+    if path.stat().st_size > LARGEST_MANIFEST:
+        raise SubmissionError(
+            f"{path} has {path.stat().st_size:,} bytes, may have {LARGEST_MANIFEST:,} at most"
+        )
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except RecursionError:
+        raise SubmissionError(f"{path} is not valid TOML: it is nested too deeply") from None
+    except ValueError as error:  # of TOML, of UTF-8, or a number with thousands of digits
         raise SubmissionError(f"{path} is not valid TOML: {error}") from error
 
 
@@ -166,9 +174,18 @@ def _explain(error: Any) -> str:
         case "value_error":
             return str(error["ctx"]["error"])
         case _ if field in _HINTS:
-            return f"is {error['input']!r}, must be {_HINTS[field]}"
+            return f"is {_shown(error['input'])}, must be {_HINTS[field]}"
         case _:
-            return f"is {error['input']!r}: {error['msg']}"
+            return f"is {_shown(error['input'])}: {error['msg']}"
+
+
+def _shown(value: object) -> str:
+    """Return a value as it stands in an error: no longer than can be read."""
+    try:
+        text = repr(value)
+    except RecursionError:
+        return "nested too deeply"
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
 
 
 def _check_program(path: Path, manifest: Manifest) -> None:
@@ -202,11 +219,19 @@ def _check_command(path: Path, program: str) -> None:
 
 
 def folder_digest(folder: Path) -> str:
-    """Return a digest of the paths and contents of a folder's files, but for what tools leave behind."""
+    """Return a digest of the paths and contents of a folder's files, but for what tools leave behind.
+
+    Raises:
+        SubmissionError: A link leads out of the folder: to what may change, or never end.
+    """
     digest = hashlib.blake2b(digest_size=16)
     for path in sorted(folder.rglob("*")):
         relative = path.relative_to(folder)
-        if IGNORED_FOLDERS.intersection(relative.parts) or not path.is_file():
+        if IGNORED_FOLDERS.intersection(relative.parts):
+            continue
+        if path.is_symlink() and not path.resolve().is_relative_to(folder.resolve()):
+            raise SubmissionError(f"{path} is a link that leads out of the submission's folder")
+        if not path.is_file():
             continue
         with path.open("rb") as file:
             content = hashlib.file_digest(file, "blake2b").hexdigest()

@@ -1,17 +1,15 @@
 """``wildscav map import``: bring in a height map or a triangle mesh as a map of one's own."""
 
-from collections import Counter
+import importlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.markup import escape
 
 from wildscav.errors import UserError
 
-if TYPE_CHECKING:
-    from wildscav_engine.maps.base import Base
-    from wildscav_engine.maps.importing import Imported
+READER = "wildscav.cli.import_file:import_file"
 
 
 def import_map(
@@ -45,47 +43,19 @@ def import_map(
     Parts of a mesh are what their names say: wall, floor, stair, roof, trunk, crown, rock, furniture or bush;
     terrain or ground is the ground, water the level of the lakes.
     """
-    from wildscav.console import error_console
-    from wildscav_engine.maps.base import BaseError, save_base
-    from wildscav_engine.maps.importing import import_height_map, import_mesh
+    from wildscav.console import console, error_console, printable
+    from wildscav.limited import LimitExceededError, call_limited
 
     is_picture = file.suffix.lower() == ".png"
+    if is_picture and (size is None or highest is None or in_place):
+        raise UserError("a height map needs --size and --highest, and cannot be left --in-place", exit_code=2)
+    if not is_picture and (lowest is not None or highest is not None):
+        raise UserError("--lowest and --highest are for height maps (PNG)", exit_code=2)
+    importlib.import_module(READER.partition(":")[0])  # says what to install if something is missing
+    given = (size, lowest, highest, water, name, in_place)
     try:
         with error_console.status(f"reading {escape(file.name)}"):
-            if is_picture:
-                if size is None or highest is None or in_place:
-                    raise UserError(
-                        "a height map needs --size and --highest, and cannot be left --in-place", exit_code=2
-                    )
-                imported = import_height_map(file, size, lowest or 0.0, highest, water_level=water, name=name)
-            else:
-                if lowest is not None or highest is not None:
-                    raise UserError("--lowest and --highest are for height maps (PNG)", exit_code=2)
-                imported = import_mesh(file, size=size, water_level=water, name=name, centered=not in_place)
-            digest, path = save_base(imported.base)
-    except BaseError as error:
-        raise UserError(str(error)) from None
-    _report(imported, digest, path)
-
-
-def _report(imported: "Imported", digest: str, path: Path) -> None:
-    from wildscav.console import console, printable
-
-    base = imported.base
-    lines = [f"{path}: {path.stat().st_size / 1e3:.0f} kB", _describe(base)]
-    lines += [f"note: {note}" for note in imported.notes]
-    lines += ["In the config of a map on it:", f'  base = "{digest}"', f"  size = {base.size}"]
-    console.print(*map(printable, lines), sep="\n", markup=False, highlight=False, soft_wrap=True)
-
-
-def _describe(base: "Base") -> str:
-    """Return one line on what a base holds."""
-    if base.heights is None:
-        ground = "flat ground"
-    else:
-        ground = f"ground from {base.heights.min():.1f} to {base.heights.max():.1f} m"
-    water = f"water at {base.water_level:.1f} m" if base.water_level > float("-inf") else "no water"
-    counts = Counter(solid.kind.name.lower() for solid in base.solids)
-    kinds = ", ".join(f"{count} {kind}" for kind, count in counts.most_common())
-    parts = f"{len(base.solids)} parts" + (f" ({kinds})" if kinds else "")
-    return f"{base.name}: {base.size} × {base.size} m, {ground}, {water}, {parts}"
+            lines = call_limited(READER, str(file), *given)
+    except LimitExceededError as error:
+        raise UserError(f"{file} cannot be brought in: {error}") from None
+    console.print(*map(printable, lines), sep="\n", soft_wrap=True)

@@ -3,8 +3,11 @@
 Each trick has a control: the unpackers that everybody has at hand fall for it.
 """
 
+import gzip
 import io
+import resource
 import stat
+import struct
 import tarfile
 import zipfile
 from collections.abc import Callable
@@ -12,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from wildscav.limited import PROCESSOR
 from wildscav_evaluator.submissions import archives
 from wildscav_evaluator.submissions.archives import ArchiveError, unpack
 from wildscav_evaluator.submissions.submission import SubmissionError, load_submission
@@ -217,3 +221,61 @@ def test_without_care_a_link_does_lead_out(tmp_path: Path) -> None:
         archive.extractall(tmp_path / "inside", filter="fully_trusted")  # noqa: S202
 
     assert (tmp_path / "inside" / "link").read_text() == "a secret"
+
+
+def gnu_long_name(path: Path) -> None:
+    """A name of 3 GiB, which a reader of headers takes into its memory."""
+    with gzip.open(path, "wb", compresslevel=1) as file:
+        header = tarfile.TarInfo("././@LongLink")
+        header.type, header.size = tarfile.GNUTYPE_LONGNAME, 3 << 30
+        file.write(header.tobuf(tarfile.GNU_FORMAT))
+        for _ in range(640):
+            file.write(b"a" * (1 << 20))
+
+
+def pax_digits(path: Path) -> None:
+    """A pax header of 256 KiB of digits: hardly any bytes, and minutes for the standard library."""
+    with gzip.open(path, "wb") as file:
+        header = tarfile.TarInfo("pax")
+        content = b"1" * (256 << 10)
+        header.type, header.size = tarfile.XHDTYPE, len(content)
+        file.write(header.tobuf(tarfile.USTAR_FORMAT) + content)
+
+
+def many_entries(path: Path) -> None:
+    """A directory of a million entries, which is read as a whole."""
+    entry = struct.pack("<4s4B4HL2L5H2L", b"PK\x01\x02", *[0] * 11, 1, *[0] * 6) + b"a"
+    content = entry * 1_000_000
+    end = struct.pack("<4s4H2LH", b"PK\x05\x06", 0, 0, 65_535, 65_535, len(content), 0, 0)
+    path.write_bytes(content + end)
+
+
+def damaged_lzma(path: Path) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_LZMA) as archive:
+        archive.writestr("agent.py", bytes(range(256)) * 100)
+    content = bytearray(path.read_bytes())
+    content[60:120] = bytes(60)
+    path.write_bytes(content)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [
+        ("a.tar.gz", gnu_long_name),
+        ("a.tgz", pax_digits),
+        ("a.zip", many_entries),
+        ("a.zip", damaged_lzma),
+    ],
+)
+def test_what_would_eat_time_or_memory_is_refused_in_a_line(
+    tmp_path: Path, cache: Path, name: str, make: Callable[[Path], None]
+) -> None:
+    make(tmp_path / name)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    with pytest.raises(ArchiveError) as caught:
+        unpack(tmp_path / name)
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert "\n" not in str(caught.value)
+    assert used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime < PROCESSOR + 5
+    assert list(cache.iterdir()) == []

@@ -142,6 +142,42 @@ def test_the_digest_is_of_paths_and_contents_and_of_nothing_else(tmp_path: Path)
     assert folder_digest(first) != folder_digest(second)
 
 
+@pytest.mark.parametrize(
+    ("manifest", "says"),
+    [
+        (GOOD + "a" + ".a" * 8000 + " = 1", "a: is not a field"),
+        ("name" + ".a" * 8000 + " = 1", "name: is"),
+        ("a" + ".a" * 50_000 + " = 1", "may have 16,384 at most"),
+        ("a = " + "[" * 10_000, "is not valid TOML: it is nested too deeply"),
+        ("a = " + "9" * 5000, "is not valid TOML: Exceeds the limit"),
+        (GOOD.replace('"walker"', '"' + "w" * 9000 + '"'), "name: is 'www"),
+    ],
+    ids=["deep keys", "deep value", "too large", "nested", "digits", "long"],
+)
+def test_a_manifest_that_would_eat_time_or_memory_is_refused_in_a_line(
+    tmp_path: Path, manifest: str, says: str
+) -> None:
+    with pytest.raises(SubmissionError) as caught:
+        load_submission(make(tmp_path, manifest))
+    assert says in str(caught.value)
+    assert len(str(caught.value)) < 600
+
+
+@pytest.mark.parametrize("target", ["/proc/self/stat", "/etc", "../other"])
+def test_a_link_out_of_the_folder_is_refused(tmp_path: Path, target: str) -> None:
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (tmp_path / "other").touch()
+    (make(folder) / "link").symlink_to(target)
+    with pytest.raises(SubmissionError, match="link is a link that leads out of the submission's folder"):
+        load_submission(folder)
+
+
+def test_a_link_within_the_folder_is_as_good_as_its_file(tmp_path: Path) -> None:
+    (make(tmp_path) / "link.py").symlink_to("agent.py")
+    assert load_submission(tmp_path).name == "walker"
+
+
 def test_a_file_may_have_a_name_that_is_no_text(tmp_path: Path) -> None:
     make(tmp_path)
     before = folder_digest(tmp_path)
