@@ -34,10 +34,10 @@ class Action:
     walk_speed: float = 0.0  # m/s, 0 to 10
     turn: float = 0.0  # degrees a frame, added to the yaw; positive turns right
     look: float = 0.0  # degrees a frame, added to the pitch; positive looks down
-    jump: bool = False
-    pick_up: bool = False  # from gathering on
-    shoot: bool = False  # battle
-    reload: bool = False  # battle
+    jump: bool = False  # up to 1.27 m high, from the ground; not in water
+    pick_up: bool = False  # the supply boxes within reach; gathering, battle and royale
+    shoot: bool = False  # where the agent looks, as often as the weapon can; battle and royale
+    reload: bool = False  # the weapon; battle and royale
 
     def __post_init__(self) -> None:
         for name in _NUMBERS:
@@ -89,14 +89,14 @@ class MatchInfo:
 
     track: str  # "navigation", "gathering", "capture", "battle" or "royale"
     seat: int  # own, 0 to seats - 1
-    seats: int
-    team: int
+    seats: int  # of the match, robots' included
+    team: int  # own, from 0; seats of one team share what they win
     time_limit: float  # s of game time
     frames_per_action: int  # frames in a step
     map_size: float  # m, of each side; x and z are within half of it
     start: Vector  # m, soles of the feet
     target: Vector | None  # m, the place to reach (navigation); None if it has to be found (capture)
-    supply_waves: tuple[SupplyWave, ...]  # by time; () in navigation
+    supply_waves: tuple[SupplyWave, ...]  # by time; () in tracks without supplies
     seed: int  # private random seed of this seat: the same match has the same one
     step_budget: float  # s to answer an observation that cost nothing
     time_bank: float  # s for answers beyond the budget, in the whole match
@@ -118,13 +118,13 @@ class MatchInfo:
 class VisibleAgent(NamedTuple):
     """Another agent in sight."""
 
-    seat: int
-    team: int
+    seat: int  # 0 to seats - 1
+    team: int  # an enemy's, if it is not one's own
     position: Vector  # m, soles of its feet
     velocity: Vector  # m/s
     yaw: float  # degrees in (-180, 180]
     health: int  # hp, above 0
-    invincible: bool
+    invincible: bool  # shots do nothing to it, for a while after it came back
 
 
 class SupplyBox(NamedTuple):
@@ -147,17 +147,17 @@ class Observation(Arriving):
     velocity: Vector  # m/s
     yaw: float  # degrees in (-180, 180]; 0 is north (+z), positive is right of it
     pitch: float  # degrees in [-90, 90]; positive looks down
-    on_ground: bool
-    in_water: bool
-    alive: bool
+    on_ground: bool  # not in the air: it may jump
+    in_water: bool  # wading, which is slower
+    alive: bool  # if not, what it answers does nothing
     health: int  # hp, 0 = dead
     clip: int  # rounds in the weapon
     spare_ammo: int  # rounds carried besides
-    reloading: bool
+    reloading: bool  # the weapon, which cannot fire meanwhile
     fired: bool  # in the last step
     hit_seat: int | None  # whom it shot in the last step
     hit_by_seat: int | None  # who shot it in the last step
-    invincible: bool
+    invincible: bool  # shots do nothing to it, for a while after it came back
     respawn_in: float  # s until a dead agent comes back, 0 for one alive
     can_pick_up: bool  # a supply box is within reach
     supplies: int  # carried
