@@ -1,17 +1,8 @@
-# The base of agents' images: Python and the SDK, nothing else. `wildscav build` makes it when it is missing;
-# WILDSCAV_PYTHON_IMAGE names another Python for it than that of PYTHON below.
+# The base of agents' images: Python and the SDK, nothing else. `wildscav build` makes it when it is missing, with
+# the SDK's wheel as its context; WILDSCAV_PYTHON_IMAGE names another Python for it than that of PYTHON below.
 ARG PYTHON=docker.io/library/python:3.11-slim
-FROM ${PYTHON} AS wheel
-RUN python3 -m venv /build
-COPY pyproject.toml README.md LICENSE /source/
-COPY engine /source/engine
-COPY platform /source/platform
-COPY evaluator /source/evaluator
-COPY leaderboard /source/leaderboard
-RUN /build/bin/pip wheel --no-cache-dir --quiet --no-deps --wheel-dir /wheels /source
-
 FROM ${PYTHON}
-COPY --from=wheel /wheels /wheels
+COPY *.whl /wheels/
 # A virtual environment, since some systems' Python belongs to the system.
 RUN python3 -m venv /opt/agent && /opt/agent/bin/pip install --no-cache-dir --quiet /wheels/*.whl
 ENV PATH=/opt/agent/bin:/usr/local/bin:/usr/bin:/bin LANG=C.UTF-8

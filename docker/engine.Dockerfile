@@ -8,6 +8,8 @@ COPY engine /source/engine
 COPY platform /source/platform
 COPY evaluator /source/evaluator
 COPY leaderboard /source/leaderboard
+COPY submissions /source/submissions
+COPY docker /source/docker
 RUN python3 -m venv /opt/wildscav
 ENV PATH=/opt/wildscav/bin:/usr/local/bin:/usr/bin:/bin LANG=C.UTF-8 WILDSCAV_CACHE_DIR=/var/cache/wildscav
 

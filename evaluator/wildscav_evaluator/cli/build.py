@@ -10,7 +10,7 @@ def build(
     submission: Annotated[
         Path,
         typer.Argument(
-            help="Folder with a submission.toml, or an archive of one.",
+            help="Folder with a submission.toml, an archive of one, or a baseline's name.",
             metavar="SUBMISSION",
             show_default=False,
         ),
@@ -41,10 +41,10 @@ def build(
     run the image as it is, with none.
     """
     from wildscav.console import console
+    from wildscav_evaluator.cli.selection import load_named
     from wildscav_evaluator.submissions.images import build_image
-    from wildscav_evaluator.submissions.submission import load_submission
 
-    loaded = load_submission(submission)
+    loaded = load_named(submission)
     name = build_image(loaded, base=base, options=build_option or (), dockerfile=dockerfile)
     console.print(f"image     {name}", highlight=False, soft_wrap=True)
     console.print(f"          wildscav play {submission} --sandbox oci", highlight=False, soft_wrap=True)

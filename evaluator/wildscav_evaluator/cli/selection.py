@@ -2,23 +2,31 @@
 
 from pathlib import Path
 
+from wildscav.baselines import NAMES, baseline_folder, is_baseline
 from wildscav.errors import UserError
+from wildscav.suggestions import did_you_mean
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.submissions.images import IMAGE, load_image
-from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.submissions.submission import Submission, SubmissionError, load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import Suite
 
 
 def load_submissions(folders: list[Path]) -> tuple[Submission, ...]:
     """Read and check submissions."""
-    return tuple(_load(folder) for folder in folders)
+    return tuple(load_named(folder) for folder in folders)
 
 
-def _load(folder: Path) -> Submission:
-    if not str(folder).startswith(IMAGE):
-        return load_submission(folder)
-    return load_image(str(folder).removeprefix(IMAGE))
+def load_named(named: Path) -> Submission:
+    """Read and check a submission: a folder, an archive, ``image:NAME`` or a baseline's name."""
+    text = str(named)
+    if text.startswith(IMAGE):
+        return load_image(text.removeprefix(IMAGE))
+    if is_baseline(text):
+        return load_submission(baseline_folder(text))
+    if not named.exists() and named.parent == Path() and (near := did_you_mean(text, NAMES)):
+        raise SubmissionError(f"submission {text} does not exist{near}")
+    return load_submission(named)
 
 
 def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tuple[str, ...]:
@@ -29,7 +37,10 @@ def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tupl
     """
     for name in asked:
         if name not in TRACKS:
-            raise UserError(f"there is no track {name!r}; the tracks are {', '.join(TRACKS)}", exit_code=2)
+            raise UserError(
+                f"there is no track {name!r}{did_you_mean(name, TRACKS)}; the tracks are {', '.join(TRACKS)}",
+                exit_code=2,
+            )
     wanted = [name for name in TRACKS if not asked or name in asked]
     for submission in submissions:
         if not set(wanted) & set(submission.manifest.tracks):

@@ -28,6 +28,7 @@ from wildscav_evaluator.sandbox.engine import (
 )
 from wildscav_evaluator.sandbox.staging import make_readable
 from wildscav_evaluator.submissions.cache import cache_folder
+from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel
 from wildscav_evaluator.submissions.submission import (
     IGNORED_FOLDERS,
     MANIFEST,
@@ -40,7 +41,12 @@ IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a
 REQUIREMENTS = "requirements.txt"
 BASE = "localhost/wildscav/agent-base"
 PYTHON = "WILDSCAV_PYTHON_IMAGE"  # the variable that names the image with Python to make the base of
-DOCKERFILES = Path(__file__).parents[3] / "docker"
+PACKAGE = Path(__file__).parents[1]
+# An installed wheel has them in the package; a checkout has them at its top.
+DOCKERFILES = next(
+    (place for place in (PACKAGE / "docker", PACKAGE.parents[1] / "docker") if place.is_dir()),
+    PACKAGE / "docker",
+)
 LARGEST_MANIFEST = 100_000  # bytes
 LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, beside the file
 
@@ -90,7 +96,9 @@ def build_image(
         base = base_name(python)
         if not _exists(engine, base):
             own = ["--build-arg", f"PYTHON={python}"] if python else []
-            _build(engine, base, DOCKERFILES.parent, _dockerfile("base.Dockerfile"), [*own, *options])
+            with tempfile.TemporaryDirectory(prefix="wildscav-build-") as folder:
+                write_sdk_wheel(Path(folder))
+                _build(engine, base, Path(folder), _dockerfile("base.Dockerfile"), [*own, *options])
     name = built_name(submission)
     with leftovers.temporary_folder("build-") as folder:
         # Exactly what its digest is of, for every user to read.
@@ -107,9 +115,7 @@ def build_image(
 def _dockerfile(name: str) -> Path:
     path = DOCKERFILES / name
     if not path.is_file():
-        raise SandboxError(
-            f"there is no {path}: build in the repository, or name a --dockerfile and a --base"
-        )
+        raise SandboxError(f"there is no {path}: install Wildscav again, or name a --dockerfile and a --base")
     return path
 
 
@@ -145,8 +151,8 @@ def _with_image(submission: Submission, sandbox: str) -> Submission:
         return replace(submission, image=name)
     if lacks_packages(submission):
         raise SubmissionError(
-            f"{submission.folder} has a {REQUIREMENTS} and was not built as it is now: "
-            f"wildscav build {submission.folder}"
+            f"{submission.folder} has a {REQUIREMENTS}, and no image of its present files has been built: "
+            f"run wildscav build {submission.folder}"
         )
     return submission
 

@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Mapping
+import shlex
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from wildscav.baselines import NAMES, baseline_folder
 from wildscav.errors import UserError
 
 TEMPLATE = ("submission.toml", "agent.py", "README.md")
@@ -15,9 +17,17 @@ LONGEST_NAME = 40  # characters
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(help="Folder to make; it must be empty or not be there.")],
+    folder: Annotated[
+        Path, typer.Argument(help="Folder to make: one that does not exist yet, or an empty one.")
+    ],
     name: Annotated[
         str | None, typer.Option(help="Name of the submission. Default: that of the folder.")
+    ] = None,
+    baseline: Annotated[
+        str | None,
+        typer.Option(
+            "--from", help=f"Begin with a copy of a baseline: {', '.join(NAMES)}. Default: a small template."
+        ),
     ] = None,
     from_policy: Annotated[
         Path | None,
@@ -45,17 +55,21 @@ def init(
         str, typer.Option(help="With an .npz: what follows each layer but the last.")
     ] = "tanh",
 ) -> None:
-    """Make a new submission, from a template or from a trained policy, ready to play."""
+    """Make a new submission, from a template, a baseline or a trained policy, ready to play."""
     from rich.text import Text
 
     from wildscav.console import console
 
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(f"{folder} is not an empty folder: name one that is not there yet", exit_code=2)
+        raise UserError(f"{folder} is not an empty folder: name one that does not exist yet", exit_code=2)
     name = submission_name(folder.resolve().name) if name is None else _checked(name)
-    if from_policy is None:
-        if track is not None or option:
-            raise UserError("--track and --option are for --from-policy", exit_code=2)
+    if from_policy is None and (track is not None or option):
+        raise UserError("--track and --option are for --from-policy", exit_code=2)
+    if from_policy is not None and baseline is not None:
+        raise UserError("--from and --from-policy are given: begin with a baseline or a policy", exit_code=2)
+    if baseline is not None:
+        content = _from_baseline(baseline, name)
+    elif from_policy is None:
         content = _from_template(name)
     else:
         from wildscav.cli.from_policy import policy_files
@@ -63,8 +77,16 @@ def init(
         content = policy_files(from_policy, name, track, option or [], choose, activation)
     _write(folder, content)
     console.print(Text.assemble((str(folder), "bold"), " holds a new agent, ", (name, "bold"), ". Next:"))
-    console.print(f"  wildscav play {folder}", highlight=False, soft_wrap=True)
-    console.print(f"  and open {folder / 'agent.py'} in an editor.", highlight=False, soft_wrap=True)
+    console.print(f"  wildscav play {shlex.quote(str(folder))}", soft_wrap=True)
+    console.print(f"  and open {shlex.quote(str(folder / 'agent.py'))} in an editor.", soft_wrap=True)
+
+
+def _from_baseline(baseline: str, name: str) -> dict[str, bytes]:
+    """Return the files of a baseline, as those of a submission of another name."""
+    folder = baseline_folder(baseline)
+    content = {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
+    old, new = (f'name = "{each}"'.encode() for each in (folder.name, name))
+    return content | {"submission.toml": content["submission.toml"].replace(old, new)}
 
 
 def _from_template(name: str) -> dict[str, bytes]:

@@ -1,0 +1,32 @@
+"""The agents that come with Wildscav, to play against and to begin with."""
+
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav.suggestions import did_you_mean
+
+NAMES = ("random", "homing", "hunter")
+PREFIX = "baseline:"
+PACKAGE = Path(__file__).parent
+# An installed wheel has them in the package; a checkout has them at its top.
+PLACES = (PACKAGE / "submissions", PACKAGE.parents[1] / "submissions")
+
+
+def is_baseline(text: str) -> bool:
+    """Return whether a text names a baseline: "baseline:homing", or "homing" if no file is called that."""
+    return text.startswith(PREFIX) or (text in NAMES and not Path(text).exists())
+
+
+def baseline_folder(text: str) -> Path:
+    """Return the folder of a baseline by its name, with or without "baseline:" before it.
+
+    Raises:
+        UserError: There is no such baseline.
+    """
+    name = text.removeprefix(PREFIX)
+    if name not in NAMES:
+        raise UserError(
+            f"there is no baseline {name!r}{did_you_mean(name, NAMES)}; the baselines are {', '.join(NAMES)}",
+            exit_code=2,
+        )
+    return next((place / name for place in PLACES if (place / name).is_dir()), PLACES[0] / name)

@@ -1,0 +1,160 @@
+"""The wheel as somebody installs it who has no checkout: it does all that the checkout does."""
+
+import importlib.metadata
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wildscav.baselines import NAMES, baseline_folder
+from wildscav_evaluator.submissions.submission import folder_digest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("wildscav_engine", "wildscav", "wildscav_evaluator", "wildscav_leaderboard")
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A new environment with the wheel in it, outside of the repository."""
+    pytest.importorskip("hatchling", reason="builds the wheel")
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
+    (wheel,) = folder.glob("*.whl")
+    environment = folder / "environment"
+    venv.create(environment, with_pip=True)
+    python = environment / "bin" / "python"
+    subprocess.run([python, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index", wheel], check=True)
+    # What it depends on is read from the environment of the tests, so that no network is needed; the project
+    # itself is not found there, since a path that is added so does not have its own .pth files read.
+    code = "import sysconfig; print(sysconfig.get_path('purelib'))"
+    site = subprocess.run([python, "-c", code], check=True, capture_output=True, text=True).stdout.strip()
+    Path(site, "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    return environment
+
+
+@pytest.fixture
+def run(installed: Path, tmp_path: Path) -> Run:
+    """Run a program of that environment in an empty folder."""
+
+    def command(*arguments: object, code: int = 0) -> "subprocess.CompletedProcess[str]":
+        done = subprocess.run(
+            [installed / "bin" / str(arguments[0]), *map(str, arguments[1:])],
+            cwd=tmp_path,
+            env={**os.environ, "COLUMNS": "120", "PYTHONPATH": ""},
+            capture_output=True,
+            text=True,
+            timeout=1200,
+        )
+        assert done.returncode == code, done.stdout + done.stderr
+        return done
+
+    return command
+
+
+@pytest.mark.slow
+def test_every_package_comes_from_the_wheel_and_has_types(installed: Path, run: Run) -> None:
+    code = "import importlib, pathlib\n"
+    code += f"for name in {PACKAGES}: print(pathlib.Path(importlib.import_module(name).__file__).parent)"
+    places = run("python", "-c", code).stdout.split()
+    assert len(places) == len(PACKAGES)
+    for place in map(Path, places):
+        assert place.is_relative_to(installed)
+        assert (place / "py.typed").is_file()
+
+
+@pytest.mark.slow
+def test_its_baselines_are_those_of_the_checkout(run: Run) -> None:
+    code = "from wildscav.baselines import NAMES, baseline_folder\n"
+    code += "from wildscav_evaluator.submissions.submission import folder_digest\n"
+    code += "for name in NAMES: print(folder_digest(baseline_folder(name)))"
+    assert run("python", "-c", code).stdout.split() == [
+        folder_digest(baseline_folder(name)) for name in NAMES
+    ]
+
+
+@pytest.mark.slow
+def test_it_plays_checks_and_evaluates_baselines_and_a_new_agent(run: Run, tmp_path: Path) -> None:
+    short = ("--time-limit=2", "--size=40", "--sandbox=process")
+    played = json.loads(run("wildscav", "play", "homing", "baseline:hunter", *short, "--json").stdout)
+    assert [seat["status"] for seat in played["seats"][:2]] == ["finished", "finished"]
+
+    run("wildscav", "init", "mine", "--from=homing")
+    checked = json.loads(run("wildscav", "check", "mine", "--sandbox=process", "--json").stdout)
+    assert checked["passed"]
+
+    (tmp_path / "tiny.toml").write_text(
+        'name = "tiny"\n[map]\nsize = 40\nhouses = 1\n'
+        "[tracks.navigation]\nmaps = 1\nmatch = { time_limit = 2 }\n"
+    )
+    arguments = ("random", "homing", "mine", "--suite=tiny.toml", "--sandbox=process")
+    evaluated = json.loads(run("wildscav", "evaluate", *arguments, "--json").stdout)
+    assert {one["submission"] for one in evaluated["results"]["evaluations"]} == {"random", "homing", "mine"}
+    assert "homing" in run("wildscav", "leaderboard").stdout
+
+
+@pytest.mark.slow
+def test_it_builds_an_image(run: Run) -> None:
+    from tests.evaluator.sandbox.conftest import missing
+    from tests.evaluator.submissions.python_image import NAME, python_image
+
+    from wildscav_evaluator.sandbox.engine import call, find_engine
+    from wildscav_evaluator.submissions import images
+
+    if missing("oci"):
+        pytest.skip(missing("oci"))
+    engine = find_engine()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(images.PYTHON, python_image(engine))
+        built = ""
+        try:
+            said = run("wildscav", "build", "homing", "--build-option=--network=host").stdout
+            built = next(line.split()[1] for line in said.splitlines() if line.startswith("image "))
+            assert call(engine, "image", "inspect", built).returncode == 0
+        finally:
+            for image in (built, NAME):
+                call(engine, "rmi", "-f", image)
+
+
+def test_every_package_of_the_checkout_has_types() -> None:
+    for package, folder in zip(PACKAGES, ("engine", "platform", "evaluator", "leaderboard"), strict=True):
+        assert (ROOT / folder / package / "py.typed").is_file()
+
+
+def test_the_wheel_of_the_sdk_can_be_installed_and_holds_the_sdk(tmp_path: Path) -> None:
+    from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel
+
+    wheel = write_sdk_wheel(tmp_path)
+    target = tmp_path / "target"
+    pip = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--no-index",
+        "--target",
+        str(target),
+    ]
+    subprocess.run([*pip, str(wheel)], check=True)
+    (found,) = importlib.metadata.distributions(path=[str(target)])
+    assert found.version == importlib.metadata.version("wildscav")
+    needed = {text.partition(">")[0] for text in found.requires or ()}
+    assert {"grpcio", "numpy", "protobuf"} <= needed
+    assert "numba" not in needed
+    code = "import wildscav; print(wildscav.__file__)"
+    place = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONPATH": str(target)},
+        capture_output=True,
+        text=True,
+    )
+    assert place.stdout.startswith(str(target)), place.stderr
