@@ -58,5 +58,5 @@ def test_every_check_is_told(name: str) -> None:
         assert check in told, check
     assert told == {
         *("packages", "start-up", "match", "actions", "timing", "output", "end"),
-        *("late answers", "broken-off match"),
+        *("late answers", "cancelled match"),
     }

@@ -1,4 +1,4 @@
-"""What a check finds: kept or not, what was seen, and how to mend it."""
+"""What a check finds: whether a rule is kept, what was seen, and how to fix it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class Verdict(StrEnum):
     """What became of a check."""
 
     KEPT = "ok"
-    DOUBTFUL = "beware"  # it plays, but not as its author will have meant it
+    DOUBTFUL = "warning"  # it plays, but probably not as its author intended
     BROKEN = "failed"
 
 
@@ -96,8 +96,9 @@ def timing(report: SeatReport, clock: Clock) -> Finding:
     """Judge how long an agent took for its answers."""
     time, budget = report.think_time, clock.step_budget
     seen = (
-        f"median {time.p50 * 1e3:.0f} ms, p99 {time.p99 * 1e3:.0f} ms, longest {time.max * 1e3:.0f} ms "
-        f"of {budget * 1e3:.0f} ms; {report.time_bank:.1f} s of {clock.time_bank:.1f} s left in the bank"
+        f"answers took {time.p50 * 1e3:.0f} ms in the median, {time.p99 * 1e3:.0f} ms at p99 and "
+        f"{time.max * 1e3:.0f} ms at most; a step allows {budget * 1e3:.0f} ms; "
+        f"{report.time_bank:.1f} s of {clock.time_bank:.1f} s left in the bank"
     )
     if time.p50 > SLOW * budget or report.time_bank < clock.time_bank / 2:
         return Finding(
@@ -143,9 +144,9 @@ def lateness(report: SeatReport, limits: Limits, clock: Clock) -> Finding:
 def break_off(ending: Ending | None, waited: float) -> Finding:
     """Judge how an agent takes the end of its stream in the middle of a match."""
     if ending is not None:
-        return Finding("broken-off match", Verdict.KEPT, str(ending))
+        return Finding("cancelled match", Verdict.KEPT, str(ending))
     return Finding(
-        "broken-off match",
+        "cancelled match",
         Verdict.DOUBTFUL,
         f"its process was still there {waited:g} s after the server had ended the stream",
         "end the process when the stream ends with an error status; do not try again for ever",

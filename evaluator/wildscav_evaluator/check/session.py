@@ -1,11 +1,11 @@
-"""``wildscav check`` as its user sees it: a table of what was tried, and how to mend what failed."""
+"""``wildscav check`` as its user sees it: a table of what was tried, and how to fix what failed."""
 
 from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.console import PREPARING, console, counted
+from wildscav.console import PREPARING, console, counted, print_json
 from wildscav.errors import UserError
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import run_checks
@@ -18,7 +18,7 @@ STYLES = {Verdict.KEPT: "green", Verdict.DOUBTFUL: "yellow", Verdict.BROKEN: "re
 SHOWN_LINES = 8  # of what a failing agent printed
 
 
-def run_check(submission: Submission, sandbox: Sandbox, logs: Path) -> None:
+def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: bool = False) -> None:
     """Try a submission, and say what was found.
 
     Raises:
@@ -32,12 +32,34 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path) -> None:
             findings.append(finding)
             status.update(f"played: {finding.check}")
     console.print(_table(submission, findings))
+    if as_json:
+        print_json(_document(submission, findings, logs))
     for finding in findings:
         _explain(finding)
     broken = sum(finding.verdict == Verdict.BROKEN for finding in findings)
     if broken:
         raise UserError(f"{submission.name} fails {counted(broken, 'check')}; what it printed is in {logs}")
     console.print(f"{submission.name} may be submitted. What it printed is in {logs}.", soft_wrap=True)
+
+
+def _document(submission: Submission, findings: list[Finding], logs: Path) -> dict[str, object]:
+    """Return what ``wildscav check --json`` prints."""
+    return {
+        "submission": submission.name,
+        "version": submission.manifest.version,
+        "passed": not any(finding.verdict == Verdict.BROKEN for finding in findings),
+        "findings": [
+            {
+                "check": finding.check,
+                "verdict": finding.verdict.value,
+                "seen": finding.seen,
+                "advice": finding.mend,
+                "last_lines": finding.last_lines,
+            }
+            for finding in findings
+        ],
+        "logs": str(logs),
+    }
 
 
 def _table(submission: Submission, findings: list[Finding]) -> Table:
@@ -53,11 +75,11 @@ def _table(submission: Submission, findings: list[Finding]) -> Table:
 
 
 def _explain(finding: Finding) -> None:
-    """Say how to mend what is not kept."""
+    """Say how to fix what is not kept."""
     if finding.verdict == Verdict.KEPT:
         return
     style = STYLES[finding.verdict]
     console.print(Text.assemble((f"\n{finding.check}: ", style), finding.seen), soft_wrap=True)
     for line in finding.last_lines[-SHOWN_LINES:]:
         console.print(Text(f"  | {line}", "dim"), soft_wrap=True)
-    console.print(Text.assemble(("  to mend it: ", "bold"), finding.mend), soft_wrap=True)
+    console.print(Text.assemble(("  to fix it: ", "bold"), finding.mend), soft_wrap=True)

@@ -1,4 +1,4 @@
-"""The matches that a check plays: one on each track, one with late answers, one that is broken off."""
+"""The matches that a check plays: one on each track, one with late answers, one that is cancelled."""
 
 import asyncio
 from collections.abc import Iterator
@@ -75,7 +75,7 @@ def _in_bad_weather(
     spec = short_spec(submission.manifest.tracks[0])
     late = runner.run(_hear_late(submission, spec, sandbox, logs / "late.log"))
     yield findings.lateness(next(iter(late.seats.values())), LIMITS, clock)
-    log = logs / "broken-off.log"
+    log = logs / "cancelled.log"
     prepare_logs([log])
     yield findings.break_off(runner.run(_break_off(submission, spec, sandbox, log)), LEAVING_TIME)
 

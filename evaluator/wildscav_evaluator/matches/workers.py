@@ -27,7 +27,7 @@ from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
 
-STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is broken off
+STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is interrupted
 COMPILE_TIME = 3600.0  # s to compile the engine, which takes two minutes
 REPLAYS_PER_WORKER = 40  # Rerun keeps some idle threads of every recording until its process ends
 

@@ -97,7 +97,7 @@ class Session:
 
     def _end(self, episode: Episode, match: "Match", seconds: float) -> None:
         """Say how an episode ended, and record it, before the client hears of it: then it may go at once."""
-        how = match.result().ending.replace("_", " ") if match.over else "broken off"
+        how = match.result().ending.replace("_", " ") if match.over else "interrupted"
         rate = match.step_number / seconds
         log.info("episode %d: %s after %d frames; %.0f actions/s", self._episodes, how, match.frame, rate)
         if episode.is_recorded:
@@ -108,7 +108,7 @@ class Session:
         from wildscav_engine.record import SUFFIX, write_record
 
         if not match.over:
-            log.warning("no record of episode %d: it was broken off", self._episodes)
+            log.warning("no record of episode %d: it was interrupted", self._episodes)
             return
         moment = time.strftime("%Y%m%d-%H%M%S")
         suffix = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in episode.suffix)

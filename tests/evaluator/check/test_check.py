@@ -18,7 +18,7 @@ PATIENT = Clock(step_budget=2.0, game_time_factor=100.0)  # so that a busy machi
 HASTY = Clock(step_budget=0.02, time_bank=0.5)
 PUNCTUAL = Clock(join_timeout=2.0)
 MATCH = "match: navigation"
-CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers", "broken-off match"]
+CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers", "cancelled match"]
 
 
 def findings(submission: Submission, logs: Path, clock: Clock = PATIENT) -> dict[str, Finding]:
@@ -152,5 +152,5 @@ def test_the_command_tells_all_and_its_exit_code_says_the_same(
     assert done.returncode == 1
     assert "crasher fails 1 check" in done.stderr
     assert "ZeroDivisionError" in done.stdout
-    assert "to mend it: " in done.stdout
+    assert "to fix it: " in done.stdout
     assert "Traceback" not in done.stderr

@@ -33,7 +33,7 @@ def playing(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> Iterator[Playin
     ("actions", "ended", "said"),
     [
         (None, "closed by the client after 0 episodes", ""),
-        (4, "closed by the client after 1 episode", "episode 1: broken off after 20 frames"),
+        (4, "closed by the client after 1 episode", "episode 1: interrupted after 20 frames"),
         (10, "closed by the client after 1 episode", "episode 1: time up after 50 frames"),
     ],
 )
