@@ -27,8 +27,7 @@ help: ## Show this list.
 	@touch $@ .venv/.dev .venv/.run
 
 demo: .venv/.run ## Evaluate the three baselines on the three tracks (under 5 minutes).
-	$(BIN)/wildscav evaluate submissions/random submissions/homing submissions/hunter \
-		--suite quick --replays first --fresh --out out/demo --db out/demo/wildscav.db
+	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first
 
 test: .venv/.dev ## Run the tests (under 10 minutes).
 	$(BIN)/python -m pytest -n 2 --dist worksteal

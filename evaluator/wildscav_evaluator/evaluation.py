@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
+from wildscav_evaluator.output.numbered import own_folder
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
@@ -76,6 +77,11 @@ class Plan:
 def matches(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
     """Return the matches of a suite on a track, played in rounds of consecutive seeds."""
     return tuple(spec for turn in range(rounds) for spec in suite.matches(track, seed + turn))
+
+
+def in_own_folder(plan: Plan) -> Plan:
+    """Return a plan whose output folder is a numbered one of its own, in the folder that it named."""
+    return replace(plan, out=own_folder(plan.out, identity(plan), fresh=plan.fresh))
 
 
 def make_jobs(plan: Plan) -> list[Job]:

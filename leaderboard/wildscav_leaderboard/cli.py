@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from wildscav.console import console
+from wildscav.cli.json_option import AsJson
+from wildscav.console import console, print_json
 from wildscav.errors import UserError
+from wildscav.suggestions import did_you_mean
 
 if TYPE_CHECKING:
     from wildscav_evaluator.output.results import MetricInfo, Summary
@@ -17,20 +19,27 @@ if TYPE_CHECKING:
 
 def leaderboard(
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
-    track: Annotated[str | None, typer.Option(help="Only this track.")] = None,
-    suite: Annotated[str | None, typer.Option(help="Only this suite.")] = None,
+    track: Annotated[str | None, typer.Option(help="Only this track, or those that begin so.")] = None,
+    suite: Annotated[
+        str | None,
+        typer.Option(help="Only this suite: spring also finds spring@19da5d55, a suite of your own."),
+    ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Show the standings on every track: the latest evaluation of each submission."""
     from wildscav_evaluator.cli.tables import LEGEND
     from wildscav_leaderboard.database import reading
+    from wildscav_leaderboard.documents import document
     from wildscav_leaderboard.standings import standings
 
     with reading(db) as session:
-        found = standings(session, track, suite)
+        found = list(standings(session, track, suite))
         tables = [(_table(one), _conditions(one), _versions(one), _signed(one)) for one in found]
-    if not tables:
-        wanted = "".join(f" of {what} {name}" for what, name in (("track", track), ("suite", suite)) if name)
-        raise UserError(f"there are no evaluations{wanted} in {db}: `wildscav evaluate` puts them there")
+        documents = [document(one) for one in found]
+        if not found:
+            raise UserError(_nothing_found(list(standings(session)), track, suite, db))
+    if as_json:
+        print_json({"standings": documents})
     for table, conditions, versions, signed in tables:
         console.print(table)
         for text in (
@@ -40,6 +49,21 @@ def leaderboard(
         ):
             console.print(text, soft_wrap=True, highlight=False)
     console.print(LEGEND, style="dim")
+
+
+def _nothing_found(everything: "list[Standings]", track: str | None, suite: str | None, db: Path) -> str:
+    """Return why there is no table, and what may have been meant."""
+    from wildscav_leaderboard.standings import is_meant
+
+    for what, asked, known in (
+        ("track", track, dict.fromkeys(one.track for one in everything)),
+        ("suite", suite, dict.fromkeys(one.suite for one in everything)),
+    ):
+        if asked is not None and known and not any(is_meant(asked, name) for name in known):
+            near = did_you_mean(asked, known)
+            return f"there are no evaluations of {what} {asked}{near} in {db}; it has {', '.join(known)}"
+    wanted = "".join(f" of {what} {name}" for what, name in (("track", track), ("suite", suite)) if name)
+    return f"there are no evaluations{wanted} in {db}: `wildscav evaluate` puts them there"
 
 
 def _table(one: "Standings") -> Table:

@@ -36,8 +36,13 @@ class Standings(NamedTuple):
     rows: tuple[Row, ...]
 
 
+def is_meant(asked: str | None, name: str) -> bool:
+    """Return whether a track or suite is the one that is asked for: by its name, or by how that begins."""
+    return asked is None or name.startswith(asked)
+
+
 def standings(session: Session, track: str | None = None, suite: str | None = None) -> Iterator[Standings]:
-    """Yield the standings of all that can be compared, or of the track and suite that are asked for.
+    """Yield the standings of all that can be compared, or of the tracks and suites that are meant.
 
     A submission stands there once, under its name, with its latest evaluation: a newer version replaces an
     older one even if it is worse, since it is the one that its author stands by.
@@ -47,12 +52,11 @@ def standings(session: Session, track: str | None = None, suite: str | None = No
         .options(joinedload(Evaluation.submission), selectinload(Evaluation.scores))
         .order_by(Evaluation.started, Evaluation.id)
     )
-    if track is not None:
-        wanted = wanted.where(Evaluation.track == track)
-    if suite is not None:
-        wanted = wanted.where(Evaluation.suite == suite)
     # Sorting is stable: within a key the latest evaluation stays the last.
-    for key, group in groupby(sorted(session.scalars(wanted), key=_place_of), _key):
+    found = [
+        one for one in session.scalars(wanted) if is_meant(track, one.track) and is_meant(suite, one.suite)
+    ]
+    for key, group in groupby(sorted(found, key=_place_of), _key):
         latest = {evaluation.submission.name: evaluation for evaluation in group}
         yield Standings(rows=tuple(rank(latest.values())), **dict(zip(CONDITIONS, key, strict=True)))
 

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from rich.console import RenderableType
-from tests.platform.test_console import is_plain
+from tests.evaluator.results_by_hand import evaluation_of, results_of
+from tests.platform.plain_text import is_plain
 
 from wildscav.cli import verify
 from wildscav.console import PlainConsole
@@ -22,21 +23,7 @@ from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import track_table
 from wildscav_evaluator.cli.time_table import conditions, time_table
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.output.results import (
-    Evaluation,
-    KeptLimits,
-    MatchRow,
-    MatchTiming,
-    MetricInfo,
-    Results,
-    SeatRow,
-    SeatTiming,
-    Summary,
-    Timings,
-    read_results,
-    write_results,
-)
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import KeptLimits, read_results, write_results
 from wildscav_evaluator.scores.compare import compare
 from wildscav_evaluator.submissions.submission import (
     Manifest,
@@ -73,71 +60,6 @@ def written_on(console: PlainConsole) -> str:
     console.file.seek(0)
     console.file.truncate()
     return text
-
-
-def results_of(text: str, *others: str) -> Results:
-    """Results in which one submission has the text wherever there is any, beside honest ones."""
-    names = (text, *others)
-    timings = [
-        MatchTiming(
-            submission=name,
-            track="navigation",
-            index=0,
-            started=0.0,
-            wall=1.0,
-            steps=5,
-            seats=(timing_of_a_seat(),),
-            platform_faults=(name,),
-        )
-        for name in names
-    ]
-    return Results(
-        versions=CURRENT_VERSIONS,
-        suite="quick",
-        seed=0,
-        sandbox="process",
-        limits={"navigation": KeptLimits(memory=1)},
-        evaluations=tuple(evaluation_of(name) for name in names),
-        timings=Timings(started="2030-01-01T00:00:00+00:00", wall=1.0, jobs=1, matches=tuple(timings)),
-    )
-
-
-def evaluation_of(text: str) -> Evaluation:
-    seat = SeatRow(
-        seat=0,
-        status="crashed",
-        fault="agent",
-        detail=text,
-        killed_by=text,
-        last_lines=(text, text),
-        actions=2,
-        invalid_actions=1,
-        metrics={"time": 1.0},
-        log=text,
-    )
-    return Evaluation(
-        submission=text,
-        version=text,
-        digest=text,
-        track="navigation",
-        metrics=(MetricInfo(name="time", title="time", unit="s", lower_is_better=True),),
-        matches=(MatchRow.of(0, (seat,), text),),
-        summary={"time": Summary(mean=1.0, std=None, low=1.0, high=1.0)},
-    )
-
-
-def timing_of_a_seat() -> SeatTiming:
-    return SeatTiming(
-        seat=0,
-        start_up=0.5,
-        steps=5,
-        late_steps=1,
-        time_used=1.0,
-        latency_p50=0.1,
-        latency_p99=0.1,
-        latency_max=0.1,
-        time_bank=1.0,
-    )
 
 
 ways = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)

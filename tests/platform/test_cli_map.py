@@ -11,6 +11,7 @@ from PIL import Image
 from tests.platform.command import Done, command_here
 
 SMALL = ("--seed", 3, "--size", 60, "--houses", 2)
+NAME = "seed-3-size-60-houses-2"  # what it is called
 
 
 @pytest.fixture
@@ -25,7 +26,7 @@ def test_the_command_draws_in_a_process_of_its_own(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "wildscav.cli.main", "map", "show", *map(str, SMALL), "--width", "300"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
-    assert [path.name for path in tmp_path.iterdir()] == ["seed-3.png"]
+    assert [path.name for path in tmp_path.iterdir()] == [f"{NAME}.png"]
 
 
 def test_show_writes_a_picture(wildscav_map: Callable[..., Done], tmp_path: Path) -> None:
@@ -36,15 +37,21 @@ def test_show_writes_a_picture(wildscav_map: Callable[..., Done], tmp_path: Path
         assert done.stdout == f"{tmp_path / 'a.png'}: 400 × {picture.height} pixels\n"
 
 
-def test_show_names_its_picture_and_replaces_an_older_one(
+def test_show_names_its_picture_for_what_it_shows_and_says_what_it_replaces(
     wildscav_map: Callable[..., Done], tmp_path: Path
 ) -> None:
-    for options in ((), ("--storey", 1, "--locations"), ("--center", 3, -4, "--span", 20)):
+    views = ((), ("--storey", 1, "--locations"), ("--center", 3, -4, "--span", 20))
+    for options in views:
         done = wildscav_map("show", *SMALL, "--width", 300, *options)
         assert (done.returncode, done.stderr) == (0, "")
-        pictures = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-        assert set(pictures) == {"seed-3.png"}
-        tmp_path.joinpath("seed-3.png").write_bytes(b"older")
+        assert "in place of" not in done.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"{NAME}{part}.png" for part in ("", "-storey-1-locations", "-center-3--4-span-20")
+    }
+    tmp_path.joinpath(f"{NAME}.png").write_bytes(b"older")
+    done = wildscav_map("show", *SMALL, "--width", 300)
+    assert done.stdout.endswith(" pixels, in place of the file that was there\n")
+    assert tmp_path.joinpath(f"{NAME}.png").read_bytes() != b"older"
 
 
 def test_export_writes_meshes_locations_and_the_spec(
@@ -80,7 +87,7 @@ def test_options_stand_over_the_file_and_a_file_may_be_toml(
     )
     done = wildscav_map("export", "--config", "own.toml", "--houses", 0, "--seed", 5)
     assert (done.returncode, done.stderr) == (0, "")
-    spec = json.loads((tmp_path / "map-own" / "map.json").read_text())["spec"]
+    spec = json.loads((tmp_path / "map-own-houses-0-seed-5" / "map.json").read_text())["spec"]
     assert (spec["seed"], spec["config"]["size"], spec["config"]["houses"]) == (5, 80, 0)
     assert spec["config"]["placements"][0]["kind"] == "rock"
 

@@ -5,20 +5,13 @@ import json
 
 import pytest
 from hypothesis import example, given
-from hypothesis import strategies as st
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+from tests.platform.plain_text import ANYTHING, HOSTILE, is_plain
 
 from wildscav.console import PlainConsole, ascii_json, printable
 from wildscav.logs import LogFormat, open_log
-
-ANYTHING = st.text(st.characters(categories=None), max_size=40)
-HOSTILE = "\x1b]0;mine\x07\x1b[2J\x9b2J[/]\u202e\ud800\x7f"
-
-
-def is_plain(text: str) -> bool:
-    return all(character.isprintable() or character == "\n" for character in text)
 
 
 @pytest.mark.parametrize(

@@ -47,8 +47,8 @@ def test_the_command_looks_in_a_process_of_its_own(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "wildscav.cli.main", "look", *map(str, (*HOUSES, *TINY))]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
-    assert [path.name for path in tmp_path.iterdir()] == ["seed-3-camera.png"]
-    assert "seed-3-camera.png: 32 × 18 pixels" in done.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["seed-3-size-60-houses-2-camera.png"]
+    assert "seed-3-size-60-houses-2-camera.png: 32 × 18 pixels" in done.stdout
 
 
 @pytest.mark.parametrize("name", IMAGES)
@@ -143,7 +143,7 @@ def test_a_sensor_that_may_leave_them_out_does_so_only_if_told_to(
     [
         ([], "a map is named by its ID, or by --seed, --config and the fields of a config"),
         (["1000"], "ID is 1000, must be 1 to 999"),
-        ([*BARE, "--sensor", "nose"], "sensor 'nose' is not there; those to look with are depth, lidar, "),
+        ([*BARE, "--sensor", "nose"], "sensor 'nose' does not exist; those to look with are depth, lidar, "),
         ([*BARE, "--sensor", "compass"], "sensor 'compass' makes no image; those to look with are depth, "),
         ([*BARE, "--option", "zoom=2"], "sensor camera: there is no option 'zoom'; its options are width, "),
         ([*BARE, "--option", "far"], "option is 'far', must be KEY=VALUE, such as far=50"),

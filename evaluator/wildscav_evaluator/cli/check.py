@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
 
@@ -20,11 +21,12 @@ def check(
     ],
     logs: Annotated[Path, typer.Option(help="Folder for what the agent prints.")] = Path("out/check"),
     sandbox: InSandbox = None,
+    as_json: AsJson = False,
 ) -> None:
     """Try whether a submission keeps the rules: in the judge's sandbox, under its clock and its limits.
 
     It plays a match of the quick suite on each of its tracks, one in which it is always late, and one that is
-    broken off. Every failure is explained, with the way to mend it.
+    cancelled. Every failure is explained, with what to do about it.
     """
     from wildscav_evaluator.check.session import run_check
     from wildscav_evaluator.cli.selection import load_submissions
@@ -33,6 +35,6 @@ def check(
     loaded = load_submissions([submission])
     name, (runs,) = chosen_sandbox(sandbox, loaded)
     try:
-        run_check(runs, SANDBOXES[name], logs)
+        run_check(runs, SANDBOXES[name], logs, as_json=as_json)
     except OSError as error:
         raise UserError(describe(error)) from error

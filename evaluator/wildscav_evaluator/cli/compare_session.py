@@ -6,20 +6,20 @@ from dataclasses import replace
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.console import console, counted
+from wildscav.console import console, counted, print_json
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.session import all_failed, evaluating
-from wildscav_evaluator.cli.tables import add_columns, heading, number, plain_table
+from wildscav_evaluator.cli.tables import add_columns, heading, number, plain_table, signed
 from wildscav_evaluator.cli.time_table import conditions
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.output.results import write_results
-from wildscav_evaluator.scores.compare import FEWEST, Comparison, Difference, compare, write_comparisons
+from wildscav_evaluator.scores.compare import FEWEST, Comparison, compare, write_comparisons
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.watch.watch import Watching
 
 
-def run_comparison(plan: Plan, watching: Watching) -> None:
+def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> None:
     """Play two submissions on the same matches, and show and keep which is better.
 
     Raises:
@@ -33,6 +33,8 @@ def run_comparison(plan: Plan, watching: Watching) -> None:
             console.print()
             console.print(comparison_table(one))
             console.print(verdict_line(one))
+        if as_json:
+            print_json({"folder": str(plan.out), **comparisons.as_json()})
         console.print()
         for line in conditions(results.sandbox, results.limits):
             console.print(f"played in {line}", soft_wrap=True, highlight=False)
@@ -66,15 +68,10 @@ def comparison_table(one: Comparison) -> Table:
             " ".join(heading(metric).split()),
             number(difference.first, metric),
             number(difference.second, metric),
-            _signed(difference.difference, difference),
-            f"{_signed(difference.low, difference)} to {_signed(difference.high, difference)}",
+            signed(difference.difference, metric),
+            f"{signed(difference.low, metric)} to {signed(difference.high, metric)}",
         )
     return table
-
-
-def _signed(value: float, difference: Difference) -> str:
-    text = number(abs(value), difference.metric)
-    return f"−{text}" if value < 0 and text.strip("0.%") else f"+{text}"
 
 
 def verdict_line(one: Comparison) -> Text:

@@ -1,7 +1,9 @@
 """``wildscav doctor``: which sandboxes keep their promises on this machine, and what to install."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
@@ -10,22 +12,25 @@ if TYPE_CHECKING:
     from wildscav_evaluator.sandbox import Promise
 
 
-def doctor() -> None:
+def doctor(as_json: AsJson = False) -> None:
     """Try every promise of every sandbox on this machine; say which are kept, and what to install."""
     from rich.text import Text
 
-    from wildscav.console import console
+    from wildscav.console import console, print_json
     from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 
-    whole = []
+    whole, sandboxes = [], []
     for name, sandbox in SANDBOXES.items():
         if not sandbox.isolated:
             continue
         with console.status(f"trying {name}"):
             promises = sandbox.promises(DEFAULT_LIMITS)
         console.print(_table(f"{name}{_engine(name)}", promises))
+        sandboxes.append({"name": name, "promises": [asdict(promise) for promise in promises]})
         if all(promise.kept for promise in promises):
             whole.append(name)
+    if as_json:
+        print_json({"sandboxes": sandboxes, "default": whole[0] if whole else None})
     console.print(
         Text.assemble(("process", "bold"), " promises nothing: for agents that you would run yourself.")
     )

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
 from wildscav_evaluator.cli.sign_option import SignOption, signing_key, warn_of_open_key
@@ -15,7 +16,8 @@ from wildscav_evaluator.cli.sign_option import SignOption, signing_key, warn_of_
 Submissions = Annotated[
     list[Path],
     typer.Argument(
-        help="Folders with a submission.toml, archives of such, or image:NAME.",
+        help="Folders with a submission.toml, archives of such, image:NAME, or the baselines random, homing "
+        "and hunter.",
         metavar="SUBMISSION",
         show_default=False,
     ),
@@ -24,8 +26,9 @@ Submissions = Annotated[
 SuiteOption = Annotated[
     str,
     typer.Option(
-        help="Which matches. quick: 5 of navigation, 4 of gathering, 3 of battle, small and short. "
-        "official: the competition's 100, 100 and 10 on large maps. Or an own suite's file (.toml)."
+        help="Which matches. quick: 3 to 5 short ones a track, on small maps. official: the competition's, "
+        "on large maps (100 of navigation, gathering and capture, 10 of battle and royale). Or the file of a "
+        "suite of your own (.toml)."
     ),
 ]
 SeedOption = Annotated[
@@ -38,6 +41,22 @@ SecretOption = Annotated[
     Path | None,
     typer.Option(
         help="File with a hidden seed (`wildscav secret new`), instead of --seed.", show_default=False
+    ),
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Output folder. Default: a new one with the next number, or the one in which the same command "
+        "was interrupted.",
+        show_default=False,
+    ),
+]
+FreshOption = Annotated[
+    bool,
+    typer.Option(
+        "--fresh",
+        help="Play everything again: into a new folder or, with --out, in place of what that folder holds.",
+        show_default=False,
     ),
 ]
 JobsOption = Annotated[
@@ -74,30 +93,31 @@ def evaluate(
         Literal["none", "first", "all"],
         typer.Option(help="Which matches of each submission and track to render as Rerun recordings."),
     ] = "first",
-    out: Annotated[
-        Path,
-        typer.Option(help="Output folder. The same command goes on with an evaluation that was broken off."),
-    ] = Path("out/evaluation"),
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Begin anew: remove the evaluation in the output folder.")
-    ] = False,
+    out: OutOption = None,
+    fresh: FreshOption = False,
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
     sandbox: InSandbox = None,
     sign: SignOption = None,
     log_format: LogOption = None,
     metrics_port: MetricsOption = None,
+    as_json: AsJson = False,
 ) -> None:
-    """Evaluate submissions on seeded suites of matches, each agent in a sandbox of its own."""
+    """Evaluate submissions on seeded suites of matches, each agent in a sandbox of its own.
+
+    An evaluation that was interrupted is continued by the same command. Submissions do not meet: where a
+    match has several seats for submissions, all of them are filled by the one that is evaluated.
+    """
     from wildscav_engine.threads import cores
     from wildscav_evaluator.cli.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.cli.session import run_session
-    from wildscav_evaluator.evaluation import Plan
+    from wildscav_evaluator.evaluation import Plan, in_own_folder
+    from wildscav_evaluator.output.numbered import EVALUATIONS
     from wildscav_evaluator.suites.own_suite import find_suite
     from wildscav_evaluator.watch.watch import Watching
 
     loaded, chosen = load_submissions(submissions), find_suite(suite)
     tracks, first = suite_tracks(loaded, track or [], chosen), suite_seed(seed, secret)
-    key = signing_key(sign, out, loaded)
+    key = signing_key(sign, out or EVALUATIONS, loaded)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     if key is not None:
         warn_of_open_key(runs_in)
@@ -108,12 +128,12 @@ def evaluate(
         seed=first,
         replays=replays,
         jobs=jobs or cores(),
-        out=out,
+        out=out or EVALUATIONS,
         fresh=fresh,
         sandbox=runs_in,
         key=key,
     )
-    run_session(plan, db, Watching(log_format, metrics_port))
+    run_session(plan if out else in_own_folder(plan), db, Watching(log_format, metrics_port), as_json=as_json)
 
 
 def play(
@@ -135,6 +155,7 @@ def play(
     ] = None,
     logs: Annotated[Path, typer.Option(help="Folder for what the agents print.")] = Path("out/play"),
     sandbox: InSandbox = None,
+    as_json: AsJson = False,
 ) -> None:
     """Play one match, each agent in a sandbox of its own."""
     from wildscav_evaluator.cli.play_session import make_spec, run_match
@@ -155,6 +176,6 @@ def play(
     )
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     try:
-        run_match(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in)
+        run_match(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in, as_json=as_json)
     except OSError as error:
         raise UserError(describe(error)) from error

@@ -11,6 +11,9 @@ from wildscav.errors import UserError
 app = typer.Typer(
     help="Organizers' keys: make one to sign evaluations with, and show its public half.",
     no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
 )
 
 KeyFile = Annotated[Path, typer.Argument(help="File of the private key.", metavar="FILE", show_default=False)]

@@ -13,12 +13,13 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav import leftovers
-from wildscav.console import PREPARING, command, console
+from wildscav.console import PREPARING, command, console, print_json
 from wildscav.errors import UserError, describe
 from wildscav.server import HostedMatch
 from wildscav_engine.actions import Field
 from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import SUFFIX, read_record, write_record
+from wildscav_engine.rules import FRAMES_PER_SECOND
 from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.complaints import raise_all
@@ -86,6 +87,7 @@ def run_match(
     replay: Path | None,
     logs: Path,
     sandbox: str,
+    as_json: bool = False,
 ) -> None:
     """Play a match, show how it went, and write what is asked for.
 
@@ -102,6 +104,8 @@ def run_match(
     console.print(_table(seating, played))
     _remark(seating, played)
     complaints = list(_write(played, seating, record, replay))
+    if as_json:
+        print_json(_document(seating, played))
     if any(path.exists() for path in paths):
         console.print(f"what the agents printed is in {logs}", soft_wrap=True)
     for path in filter(is_cut, paths):
@@ -161,7 +165,7 @@ async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> Played:
 def _table(seating: Seating, played: Played) -> Table:
     result = played.match.result()
     metrics = metric_infos(seating.spec.track)
-    seconds = result.frames / 50
+    seconds = result.frames / FRAMES_PER_SECOND
     title = f"{seating.spec.track} · map {seating.spec.map.seed} · seed {seating.spec.seed} · {seconds:g} s"
     table = plain_table(title)
     add_columns(table, "seat")
@@ -178,6 +182,30 @@ def _table(seating: Seating, played: Played) -> Table:
         report = played.seats.get(seat.seat)
         table.add_row(str(seat.seat), seating.names[seat.seat], *values, report.status if report else "robot")
     return table
+
+
+def _document(seating: Seating, played: Played) -> dict[str, object]:
+    """Return what ``wildscav play --json`` prints."""
+    result = played.match.result()
+    return {
+        "track": seating.spec.track,
+        "map": seating.spec.map.seed,
+        "seed": seating.spec.seed,
+        "seconds": result.frames / FRAMES_PER_SECOND,
+        "metrics": [metric.as_json() for metric in metric_infos(seating.spec.track)],
+        "seats": [_seat_document(seating, played, seat) for seat in result.seats],
+    }
+
+
+def _seat_document(seating: Seating, played: Played, seat: "SeatResult") -> dict[str, object]:
+    report = played.seats.get(seat.seat)
+    return {
+        "seat": seat.seat,
+        "name": seating.names[seat.seat],
+        "metrics": dict(seat.metrics),
+        "status": report.status.value if report else "robot",
+        "detail": report.detail if report else "",
+    }
 
 
 def _remark(seating: Seating, played: Played) -> None:

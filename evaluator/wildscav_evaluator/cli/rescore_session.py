@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from wildscav.console import console, counted, error_console
+from wildscav.console import console, counted, error_console, print_json
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.complaints import raise_all
 from wildscav_evaluator.cli.tables import LEGEND, track_table
@@ -21,13 +21,14 @@ from wildscav_evaluator.suites.seeds import OPENED_FILE
 SHOWN = 20  # disagreements, at most
 
 
-def run_rescore(out: Path, jobs: int, key: str | None = None) -> None:
+def run_rescore(out: Path, jobs: int, key: str | None = None, *, as_json: bool = False) -> None:
     """Play the records of a folder again, show the tables that they make, and say whether they agree.
 
     Args:
         out: The output folder of an evaluation.
         jobs: How many records to play at once.
         key: The public key that must have signed its ledger; none if that does not matter.
+        as_json: Whether to print a JSON document besides.
 
     Raises:
         UserError: There are no records; or they do not agree, after everything was shown.
@@ -36,9 +37,12 @@ def run_rescore(out: Path, jobs: int, key: str | None = None) -> None:
     told = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
     folder = None if told is None else read_folder(out, told, key)
     replayed = _replay(paths, jobs)
-    _show(recomputed(replayed, told, read_identity(out)))
+    results = recomputed(replayed, told, read_identity(out))
+    _show(results)
     found = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
     found += _without_results(out, key) if folder is None else complaints(folder, replayed)
+    if as_json:
+        print_json({"folder": str(out), "results": results.as_json(), "disagreements": found})
     if len(found) > SHOWN:
         found[SHOWN:] = [f"and {len(found) - SHOWN:,} more disagreements"]
     raise_all(found)

@@ -5,11 +5,14 @@ from typing import Annotated
 
 import typer
 
+from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.evaluate import (
+    FreshOption,
     JobsOption,
     LogOption,
     MetricsOption,
+    OutOption,
     SecretOption,
     SeedOption,
     SuiteOption,
@@ -32,26 +35,23 @@ def compare(
     seed: SeedOption = None,
     secret: SecretOption = None,
     jobs: JobsOption = None,
-    out: Annotated[
-        Path, typer.Option(help="Output folder. The same command goes on with what was broken off.")
-    ] = Path("out/comparison"),
-    fresh: Annotated[
-        bool,
-        typer.Option("--fresh", help="Begin anew: remove what is in the output folder."),
-    ] = False,
+    out: OutOption = None,
+    fresh: FreshOption = False,
     sandbox: InSandbox = None,
     log_format: LogOption = None,
     metrics_port: MetricsOption = None,
+    as_json: AsJson = False,
 ) -> None:
     """Play two submissions on the same matches, and say which is better, or that they are tied.
 
     The verdict is that of a paired bootstrap: one is better if the 95 % interval of the differences, match by
-    match, leaves out zero.
+    match, leaves out zero. A comparison that was interrupted is continued by the same command.
     """
     from wildscav_engine.threads import cores
     from wildscav_evaluator.cli.compare_session import run_comparison, told_apart
     from wildscav_evaluator.cli.selection import load_submissions, suite_seed, suite_tracks
-    from wildscav_evaluator.evaluation import Plan
+    from wildscav_evaluator.evaluation import Plan, in_own_folder
+    from wildscav_evaluator.output.numbered import COMPARISONS
     from wildscav_evaluator.suites.own_suite import find_suite
     from wildscav_evaluator.watch.watch import Watching
 
@@ -72,12 +72,12 @@ def compare(
         seed=first_seed,
         replays="none",
         jobs=jobs or cores(),
-        out=out,
+        out=out or COMPARISONS,
         fresh=fresh,
         rounds=rounds,
         sandbox=runs_in,
     )
-    run_comparison(plan, Watching(log_format, metrics_port))
+    run_comparison(plan if out else in_own_folder(plan), Watching(log_format, metrics_port), as_json=as_json)
 
 
 def rescore(
@@ -86,6 +86,7 @@ def rescore(
         int | None, typer.Option(help="Records to play at once. Default: one a processor core.", min=1)
     ] = None,
     key: KeyOption = None,
+    as_json: AsJson = False,
 ) -> None:
     """Play every record of an evaluation again and compute its tables anew. Exit code 0 only if all agree.
 
@@ -97,4 +98,4 @@ def rescore(
     from wildscav_evaluator.cli.rescore_session import run_rescore
     from wildscav_evaluator.ledger.keys import read_public
 
-    run_rescore(out, jobs or cores(), None if key is None else read_public(key))
+    run_rescore(out, jobs or cores(), None if key is None else read_public(key), as_json=as_json)

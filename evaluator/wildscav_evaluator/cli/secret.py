@@ -13,7 +13,16 @@ from wildscav.errors import UserError, describe
 app = typer.Typer(
     help="Hidden seeds of evaluations: make one, publish its commitment, open it afterwards, check one.",
     no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
 )
+
+
+@app.callback()
+def secret() -> None:
+    """Hide the seeds of an evaluation: make one, publish its commitment, open it afterwards, check one."""
+
 
 Secret = Annotated[Path, typer.Argument(help="The secret's file.", metavar="FILE", show_default=False)]
 Out = Annotated[

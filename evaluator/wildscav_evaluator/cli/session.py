@@ -6,11 +6,12 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.console import PREPARING, command, console, counted
+from wildscav.console import PREPARING, command, console, counted, print_json
 from wildscav.errors import UserError, describe
 from wildscav_engine.files import write_whole
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.cli.complaints import raise_all
+from wildscav_evaluator.cli.since_table import since_table
 from wildscav_evaluator.cli.tables import LEGEND, ranked, track_table
 from wildscav_evaluator.cli.time_table import conditions, time_table
 from wildscav_evaluator.evaluation import Plan, check_names, collect, identity, make_jobs
@@ -33,13 +34,14 @@ from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, Results, write_results
 from wildscav_evaluator.output.sinks import ResultSink, sinks
 from wildscav_evaluator.scores.conduct import evaluation_remark
+from wildscav_evaluator.scores.since import Since, since_last
 from wildscav_evaluator.watch.watch import Watch, Watching
 
 INTERRUPTED = 130  # exit code, as shells have it
 NOBODY = Watching()
 
 
-def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None:
+def run_session(plan: Plan, database: Path, watching: Watching = NOBODY, *, as_json: bool = False) -> None:
     """Evaluate, show and keep the results.
 
     Raises:
@@ -52,7 +54,10 @@ def run_session(plan: Plan, database: Path, watching: Watching = NOBODY) -> None
     with evaluating(plan, watching) as (results, ledger):
         # Before anything is shown: whoever closes the terminal has them all the same.
         complaints = list(_written(results, plan.out, ledger))
-        _show(results)
+        since = since_last(results, plan.out)
+        _show(results, since)
+        if as_json:
+            print_json(document(results, plan.out, since))
         if not complaints:
             _say("results", str(plan.out / RESULTS_FILE))
             say_ledger(plan, ledger)
@@ -134,8 +139,8 @@ def _goes_on(done: int, jobs: int) -> str:
 def _interrupted(plan: Plan, jobs: Sequence[Job]) -> str:
     done = sum(kept(job) is not None for job in jobs)
     return (
-        f"interrupted: {done:,} of {counted(len(jobs), 'match')} are kept in {plan.out}; the same command "
-        "goes on with the others"
+        f"interrupted: {done:,} of {counted(len(jobs), 'match')} are kept in {plan.out}; "
+        "run the same command again to play the others"
     )
 
 
@@ -164,12 +169,24 @@ def _written(results: Results, out: Path, ledger: Keeper) -> Iterator[str]:
         yield f"the results could not be kept: {describe(error)}"
 
 
-def _show(results: Results) -> None:
+def document(results: Results, out: Path, since: Sequence[Since]) -> dict[str, object]:
+    """Return what ``wildscav evaluate --json`` prints."""
+    return {
+        "folder": str(out),
+        "results": results.as_json(),
+        "since_last": [one.as_json() for one in since],
+    }
+
+
+def _show(results: Results, since: Sequence[Since] = ()) -> None:
     """Show the tables, what agents should have done otherwise, and what they ran in."""
     for track in results.tracks:
         console.print()
         console.print(track_table(results, track))
     console.print(f"\n{LEGEND}\n", style="dim")
+    if since:
+        console.print(since_table(since))
+        console.print()
     console.print(time_table(results))
     _remark(results)
     console.print()

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator
 from textwrap import wrap
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from wildscav.tables import FittingTable
 from wildscav_evaluator.output.results import Evaluation, MetricInfo, Results, Summary
 
 HEADING_WIDTH = 8
@@ -32,14 +32,7 @@ def track_table(results: Results, track: str) -> Table:
 
 def plain_table(title: str) -> Table:
     """Return a table without columns, in the looks of all tables of results."""
-    return Table(
-        title=title,
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        show_edge=False,
-    )
+    return FittingTable(title)
 
 
 def ranking_table(title: str) -> Table:
@@ -67,7 +60,8 @@ def add_columns(table: Table, *headings: str) -> None:
 def heading(metric: MetricInfo) -> str:
     """Return a column's heading: title, unit, and which way is better."""
     unit = f" [{metric.unit}]" if metric.unit else ""
-    return "\n".join(wrap(f"{metric.title}{unit} {'↓' if metric.lower_is_better else '↑'}", HEADING_WIDTH))
+    text = f"{metric.title}{unit} {'↓' if metric.lower_is_better else '↑'}"
+    return "\n".join(wrap(text, HEADING_WIDTH, break_long_words=False))
 
 
 def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> Iterator[Text | str]:
@@ -90,6 +84,12 @@ def fault_cell(faults: int, matches: int) -> Text:
 def number(value: float, metric: MetricInfo) -> str:
     """Return a value as text; rates as percent."""
     return f"{value:.0%}" if metric.title.endswith("rate") else f"{value:.1f}"
+
+
+def signed(value: float, metric: MetricInfo) -> str:
+    """Return a difference as text, with its sign."""
+    text = number(abs(value), metric)
+    return f"−{text}" if value < 0 and text.strip("0.%") else f"+{text}"
 
 
 def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:

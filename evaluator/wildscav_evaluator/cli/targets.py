@@ -3,6 +3,7 @@
 import tempfile
 from pathlib import Path
 
+from wildscav.cli.replay import check_name
 from wildscav.errors import UserError
 
 
@@ -10,10 +11,12 @@ def check_targets(record: Path | None, replay: Path | None) -> None:
     """See that a record and a replay can be written, if they are asked for; their folders are made.
 
     Raises:
-        UserError: One cannot be written, or both are to be the same file.
+        UserError: One cannot be written, both are to be the same file, or the replay's name is not one.
     """
     if record is not None and replay is not None and record.resolve() == replay.resolve():
         raise UserError(f"--record and --replay name the same file {record}: name two files", exit_code=2)
+    if replay is not None:
+        check_name("--replay", replay)
     for option, path in (("--record", record), ("--replay", replay)):
         if path is not None:
             _check_target(option, path)

@@ -66,8 +66,8 @@ def _check_same(out: Path, identity: Identity) -> None:
             )
     elif other := difference(old, identity):
         raise UserError(
-            f"{out} holds another evaluation: {other}. Its own command goes on with it; for this one, name "
-            "another --out, or begin anew with --fresh, which removes it",
+            f"{out} holds another evaluation: {other}. To keep it, name another --out, or none; --fresh "
+            "removes it and evaluates anew",
             exit_code=2,
         )
 

@@ -1,6 +1,8 @@
 """What all files of the output folder that hold JSON are made of."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
@@ -12,6 +14,10 @@ class Part(BaseModel):
     """Base of everything in such a file, and of the file itself."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def as_json(self) -> Any:
+        """Return this as the values that JSON has."""
+        return json.loads(self.model_dump_json())
 
     def write(self, path: Path) -> Path:
         """Write this as a file, whole or not at all, and return its path.

@@ -70,12 +70,13 @@ def compare(results: Results, first: str, second: str) -> Comparisons:
         sandbox=results.sandbox,
         limits=results.limits,
         comparisons=tuple(
-            _compare(by_name[first, track], by_name[second, track]) for track in results.tracks
+            compare_evaluations(by_name[first, track], by_name[second, track]) for track in results.tracks
         ),
     )
 
 
-def _compare(first: Evaluation, second: Evaluation) -> Comparison:
+def compare_evaluations(first: Evaluation, second: Evaluation) -> Comparison:
+    """Compare two evaluations on the same matches of one track."""
     others = {row.index: row.metrics for row in second.matches}
     pairs = [
         (row.metrics, other)

@@ -83,8 +83,7 @@ def look(
     view = _viewpoint(choice.game_map, place, yaw, pitch)
     picture = _picture(looking, choice.game_map, view, agents, boxes, legend=legend)
     path = output or Path(f"{choice.slug}-{sensor}.png")
-    save(picture, path)
-    _say(path, picture, view)
+    _say(save(picture, path), view)
 
 
 def _picture(
@@ -115,13 +114,13 @@ def _picture(
         return draw_reading(looking, reading, legend=legend)
 
 
-def _say(path: Path, picture: "Image", view: "Viewpoint") -> None:
+def _say(saved: str, view: "Viewpoint") -> None:
     """Say what was written, and how to look from there again."""
     from wildscav.console import console
 
     x, y, z = view.eye
     console.print(
-        f"{path}: {picture.width} × {picture.height} pixels, seen with "
+        f"{saved}, seen with "
         f"--position {x:.2f},{y:.2f},{z:.2f} --yaw {view.yaw:.1f} --pitch {view.pitch:.1f}",
         markup=False,
         highlight=False,
@@ -146,7 +145,7 @@ def _sensor(name: str, size: dict[str, Any], options: Sequence[str], things: boo
 
     images = [each for each, kind in SENSORS.items() if issubclass(kind, OpticalSensor)]
     if name not in images:
-        why = "makes no image" if name in SENSORS else "is not there"
+        why = "makes no image" if name in SENSORS else "does not exist"
         raise UserError(f"sensor {name!r} {why}; those to look with are {', '.join(images)}", exit_code=2)
     given = {key: value for key, value in size.items() if value is not None}
     for text in options:

@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
+from traceback import walk_tb
 from typing import Annotated, Any
 
 import typer
@@ -17,6 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from wildscav import __version__
 from wildscav.errors import UserError, WildscavError, describe
+from wildscav.suggestions import did_you_mean
 
 GROUP = "wildscav.commands"
 OWN = {
@@ -28,12 +30,19 @@ OWN = {
     "look": "wildscav.cli.look:look",
     "legacy": "wildscav.cli.legacy:app",
 }
-# The order of help: what a newcomer needs first.
-FIRST = (
-    *("init", "play", "evaluate", "compare", "leaderboard", "replay", "verify", "rescore", "secret", "key"),
-    *("map", "look", "serve"),
-)
-# What a missing module is installed with.
+# The groups of help, and in them the order: what a newcomer needs first.
+PANELS = {
+    "Agents": ("init", "play", "check", "build"),
+    "Evaluations": ("evaluate", "compare", "leaderboard", "replay", "verify", "rescore", "replay-agent"),
+    "Organizers": ("secret", "key", "serve", "doctor"),
+    "Maps": ("map", "look"),
+    "The original game": ("legacy",),
+}
+OTHERS = "Others"
+FIRST = tuple(name for names in PANELS.values() for name in names)
+# The extra that all commands of a package need.
+PACKAGES = {"wildscav_leaderboard": "leaderboard", "wildscav_evaluator": "evaluator"}
+# What a missing module is installed with, where a command of another package needs it.
 EXTRAS = {
     "cryptography": "evaluator",
     "grpc_health": "engine",
@@ -58,6 +67,13 @@ class Commands(TyperGroup):
         names = [*OWN, *_plug_ins()]
         return sorted(names, key=lambda name: (FIRST.index(name) if name in FIRST else len(FIRST), name))
 
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command that the arguments begin with; of a name that is none, say what is near it."""
+        names = self.list_commands(ctx)
+        if args[0] not in names and not args[0].startswith("-") and not ctx.resilient_parsing:
+            ctx.fail(f"No such command {args[0]!r}{did_you_mean(args[0], names)}")
+        return super().resolve_command(ctx, args)
+
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
         """Return a command, None if there is none of that name."""
         try:
@@ -75,6 +91,13 @@ def _plug_ins() -> dict[str, EntryPoint]:
 
 
 def _command(name: str, function: Callable[..., None] | typer.Typer, *, options: bool = True) -> Any:
+    command = _made(name, function, options=options)
+    command.name = name
+    command.rich_help_panel = next((panel for panel, names in PANELS.items() if name in names), OTHERS)
+    return command
+
+
+def _made(name: str, function: Callable[..., None] | typer.Typer, *, options: bool) -> Any:
     if isinstance(function, typer.Typer):
         return typer.main.get_command(function)
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="rich")
@@ -104,8 +127,13 @@ def _remedy(error: BaseException) -> str | None:
     if not isinstance(error, ModuleNotFoundError):
         return None
     missing = (error.name or "").partition(".")[0]
-    extra = EXTRAS.get(missing)
-    return extra and f"it needs the module {missing}; install it with: pip install 'wildscav[{extra}]'"
+    if missing not in EXTRAS:
+        return None
+    running = {
+        frame.f_globals.get("__name__", "").partition(".")[0] for frame, _ in walk_tb(error.__traceback__)
+    }
+    extra = next((extra for package, extra in PACKAGES.items() if package in running), EXTRAS[missing])
+    return f"it needs the module {missing}; install it with: pip install 'wildscav[{extra}]'"
 
 
 app = typer.Typer(
@@ -113,7 +141,7 @@ app = typer.Typer(
     name="wildscav",
     help="An open arena for game-playing agents: try an agent, evaluate it, watch it play.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},  # of all commands below as well
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )

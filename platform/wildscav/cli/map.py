@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from wildscav.cli.json_option import AsJson
 from wildscav.cli.map_import import import_map
 from wildscav.cli.naming import Choice, takes_a_map
 from wildscav.cli.pictures import format_of, save
@@ -51,7 +52,7 @@ def show(
     from wildscav_engine.maps.picture import draw_map
 
     choice = choose()
-    path = output or Path(f"{choice.slug}.png")
+    path = output or Path(f"{choice.slug}{_part(storey, locations, center, span)}.png")
     format_of(path)
     try:
         with error_console.status("drawing"):
@@ -66,10 +67,18 @@ def show(
             )
     except MapError as error:
         raise UserError(str(error), exit_code=2) from None
-    save(picture, path)
-    console.print(
-        f"{path}: {picture.width} × {picture.height} pixels", markup=False, highlight=False, soft_wrap=True
+    console.print(save(picture, path), soft_wrap=True)
+
+
+def _part(storey: int | None, locations: bool, center: tuple[float, float] | None, span: float | None) -> str:
+    """Return what a picture shows of its map, as a part of a file's name."""
+    parts = (
+        "" if storey is None else f"-storey-{storey}",
+        "-locations" if locations else "",
+        "" if center is None else f"-center-{center[0]:g}-{center[1]:g}",
+        "" if span is None else f"-span-{span:g}",
     )
+    return "".join(parts)
 
 
 @app.command()
@@ -94,28 +103,22 @@ def export(
 
 @app.command()
 @takes_a_map
-def info(choose: Callable[[], Choice]) -> None:
+def info(choose: Callable[[], Choice], as_json: AsJson = False) -> None:
     """Print a map's figures."""
-    from rich import box
-    from rich.table import Table
-
-    from wildscav.console import console
+    from wildscav.console import console, print_json
+    from wildscav.tables import FittingTable
     from wildscav_engine.maps.figures import figures_of
 
     choice = choose()
-    table = Table(
-        box=box.SIMPLE_HEAD,
-        padding=(0, 2, 0, 0),
-        show_edge=False,
-        title=choice.title,
-        title_justify="left",
-    )
+    figures = figures_of(choice.game_map) | {"made in": f"{_seconds_to_make(choice.game_map):.2f} s"}
+    table = FittingTable(choice.title)
     table.add_column("", style="bold")
     table.add_column("", overflow="fold")
-    for name, figure in figures_of(choice.game_map).items():
+    for name, figure in figures.items():
         table.add_row(name, figure)
-    table.add_row("made in", f"{_seconds_to_make(choice.game_map):.2f} s")
     console.print(table)
+    if as_json:
+        print_json({"map": choice.title, "figures": figures})
 
 
 def _seconds_to_make(game_map: "GameMap") -> float:

@@ -44,11 +44,12 @@ class Choice(NamedTuple):
 
     game_map: "GameMap"
     title: str
+    details: str = ""  # what the options say of it, such as "-size-300-houses-20"
 
     @property
     def slug(self) -> str:
-        """What to call it in the names of files."""
-        return self.title.lower().replace(" ", "-")
+        """What to call it in the names of files: another map has another name."""
+        return self.title.lower().replace(" ", "-") + self.details
 
 
 def takes_a_map(
@@ -128,11 +129,18 @@ def _made(map_id: int | None, seed: int | None, file: Path | None, fields: dict[
                 return Choice(load_map(map_id), f"Map {map_id:03}")
             spec = MapSpec.model_validate(_spec_fields(seed, file, fields))
             title = f"Map {file.stem}" if file else f"Seed {spec.seed}"
-            return Choice(generate_map(spec.config, spec.seed), title)
+            options = fields | ({"seed": seed} if file and seed is not None else {})
+            return Choice(generate_map(spec.config, spec.seed), title, _details(options))
     except ValidationError as error:
         raise UserError(_without_config(one_line(error)), exit_code=2) from None
     except MapError as error:
         raise UserError(str(error), exit_code=2) from None
+
+
+def _details(options: dict[str, Any]) -> str:
+    """Return options and their values as a part of a file's name."""
+    values = {name: value if isinstance(value, tuple) else (value,) for name, value in options.items()}
+    return "".join(f"-{name}-{'-'.join(map(str, several))}" for name, several in values.items())
 
 
 def _read_storeys(text: str) -> tuple[int, int]:

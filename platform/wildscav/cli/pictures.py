@@ -18,10 +18,16 @@ def format_of(path: Path) -> str:
     return formats[path.suffix.lower()]
 
 
-def save(picture: "Image", path: Path) -> None:
-    """Write a picture as its file's name says; nothing is left half-written."""
+def save(picture: "Image", path: Path) -> str:
+    """Write a picture as its file's name says; nothing is left half-written.
+
+    Returns:
+        A line that says what was written, and whether it took the place of another file.
+    """
+    replaced = ", in place of the file that was there" if path.exists() else ""
     from wildscav_engine.files import write_whole
 
     content = BytesIO()
     picture.save(content, format_of(path), quality=90, optimize=True)
     write_whole(path, content.getvalue())
+    return f"{path}: {picture.width} × {picture.height} pixels{replaced}"

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from wildscav_engine.record import Record
 
 RERUN_FILE = b"RRF"  # how every .rrd begins
+SUFFIX = ".rrd"
 
 
 def replay(
@@ -111,6 +112,7 @@ def _rendered(
             f"{path} is the record itself, which the replay would overwrite: name another --output",
             exit_code=2,
         )
+    check_name("--output", path)
     with error_console.status(f"rendering {escape(path.name)}"):
         try:
             return rendered(played, follow=follow, images=images)
@@ -151,3 +153,15 @@ def _serve(content: bytes, name: str, host: str | None, port: int | None) -> Non
             server.serve_forever()
         except KeyboardInterrupt:
             console.print("Ended.")
+
+
+def check_name(option: str, path: Path) -> None:
+    """Refuse a name that is not one of a Rerun recording: other programs would take it for what it says.
+
+    Raises:
+        UserError: It does not end in ".rrd".
+    """
+    if path.suffix.lower() != SUFFIX:
+        raise UserError(
+            f"{option} is {path}: a replay is a Rerun recording, its name must end in {SUFFIX}", 2
+        )

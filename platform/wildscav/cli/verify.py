@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def verify(
             show_default=False,
         ),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Play records again and compare every step. Exit code 0 only if all hold.
 
@@ -50,7 +52,7 @@ def verify(
     of the seats are not part of that. A record in an evaluation's folder must also be the one that the
     folder's ledger names; with --key, the organizer must have signed that ledger.
     """
-    from wildscav.console import console, counted, error_console
+    from wildscav.console import console, counted, error_console, print_json
 
     checks = _checks(key)
     findings: list[Finding] = []
@@ -59,6 +61,8 @@ def verify(
             status.update(f"re-simulating {len(findings) + 1} of {len(records)}")
             findings.append(_check(path, checks, key))
     console.print(_table(findings))
+    if as_json:
+        print_json({"records": [{**one._asdict(), "path": str(one.path)} for one in findings]})
     failed = [one for one in findings if not one.holds]
     everything = counted(len(records), "record")
     held = f"{len(records) - len(failed)} of {everything}"
@@ -73,14 +77,13 @@ def verify(
 
 def _table(findings: list[Finding]) -> "Table":
     """Return a line for each record, named without the folder that all are in."""
-    from rich import box
-    from rich.table import Table
     from rich.text import Text
 
     from wildscav.console import printable
+    from wildscav.tables import FittingTable
 
     common = os.path.commonpath([one.path.absolute().parent for one in findings])
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False)
+    table = FittingTable()
     table.add_column("record", no_wrap=True)
     table.add_column("", no_wrap=True)
     table.add_column("what was found", overflow="fold", min_width=24)

@@ -1,0 +1,66 @@
+"""The tables of all commands, which lose no column however narrow the terminal is."""
+
+from collections.abc import Iterator
+
+from rich import box
+from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+from rich.measure import Measurement
+from rich.table import Column, Table
+from rich.text import Text
+
+NARROWEST = 12  # columns that text is still read well in, if its column says no other width
+UNBOUNDED = 10_000  # columns
+
+
+class FittingTable(Table):
+    """A table in the looks of all of ours: rows side by side, or one below the other where there is no room.
+
+    Args:
+        title: Above the table.
+    """
+
+    def __init__(self, title: str | None = None) -> None:
+        super().__init__(
+            title=title,
+            title_justify="left",
+            title_style="bold",
+            box=box.SIMPLE_HEAD,
+            padding=(0, 1, 0, 0),
+            show_edge=False,
+        )
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Yield the table as it fits."""
+        wide = options.update(max_width=UNBOUNDED)
+        needed = sum(_needs(console, wide, column) for column in self.columns)
+        for padding in (1, 0):
+            # Besides its padding, each column has a space between it and the next.
+            if needed + len(self.columns) * (padding + 1) - 1 <= options.max_width:
+                self.padding = (0, padding, 0, 0)
+                yield from super().__rich_console__(console, options)
+                return
+        yield from self._stacked()
+
+    def _stacked(self) -> Iterator[RenderableType]:
+        """Yield every row as a small table of headings and cells."""
+        headings = [" ".join(str(column.header).replace("-\n", "-").split()) for column in self.columns]
+        cells = zip(*(column.cells for column in self.columns), strict=True)
+        if self.title:
+            yield Text(str(self.title), "bold")
+        for number, row in enumerate(cells):
+            if number:
+                yield Text()
+            block = Table.grid(padding=(0, 2))
+            block.add_column(style="dim")
+            block.add_column(overflow="fold")
+            for heading, cell in zip(headings, row, strict=True):
+                if str(cell):
+                    block.add_row(heading, cell)
+            yield block
+
+
+def _needs(console: Console, options: ConsoleOptions, column: Column) -> int:
+    sizes = [Measurement.get(console, options, cell) for cell in (column.header, *column.cells)]
+    if column.no_wrap:
+        return max(size.maximum for size in sizes)
+    return column.min_width or min(NARROWEST, max(size.minimum for size in sizes))

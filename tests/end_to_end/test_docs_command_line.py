@@ -1,0 +1,74 @@
+"""What the page of the command line says of --json is true: which commands have it, and which fields."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+from tests.evaluator.results_by_hand import RESULTS
+
+from wildscav.cli import main
+from wildscav_evaluator.check.findings import Verdict
+from wildscav_evaluator.scores.compare import compare
+from wildscav_leaderboard.sink import DatabaseSink
+
+PAGE = Path(__file__).parents[2] / "docs" / "command-line.md"
+TEXT = PAGE.read_text("utf-8")
+ROWS = re.findall(r"^\| `([a-z ]+)` \| (.+) \|$", TEXT.partition("## JSON")[2], re.MULTILINE)
+TOLD = {command: set(re.findall(r"`([\w ]+)`", fields)) for command, fields in ROWS}
+APART = ("metrics", "limits", "figures")  # what stands in them has names of its own
+
+
+def test_the_commands_told_are_those_that_take_json() -> None:
+    root = typer.main.get_command(main.app)
+    found = set()
+    for name in root.list_commands(None):  # type: ignore[attr-defined]
+        command = root.get_command(None, name)  # type: ignore[attr-defined]
+        members = getattr(command, "commands", None) or {"": command}
+        for member, each in members.items():
+            if any("--json" in parameter.opts for parameter in each.params):
+                found.add(f"{name} {member}".strip())
+    assert found == set(TOLD)
+
+
+def document(*arguments: object) -> dict[str, object]:
+    """What a command prints with --json, and nothing else on stdout."""
+    command = [str(Path(sys.executable).parent / "wildscav"), *map(str, arguments), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "COLUMNS": "80"})
+    assert done.stdout, done.stderr
+    return json.loads(done.stdout)  # type: ignore[no-any-return]
+
+
+def names(document: object) -> set[str]:
+    """Every field of a document."""
+    if isinstance(document, dict):
+        inner = [names(value) for key, value in document.items() if key not in APART]
+        return set(document).union(*inner)
+    if isinstance(document, list):
+        return set().union(*map(names, document))
+    return set()
+
+
+def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
+    (tmp_path / "none.wsr").touch()
+    assert names(document("verify", tmp_path / "none.wsr")) == TOLD["verify"]
+
+    DatabaseSink(str(tmp_path / "db")).store(RESULTS)
+    standings = document("leaderboard", "--db", tmp_path / "db", "--track", "roy")
+    assert TOLD["leaderboard"] <= names(standings)
+    (one,) = standings["standings"]  # type: ignore[misc]
+    assert [row["submission"] for row in one["rows"]] == ["homing", "my-agent"]
+
+    assert names(document("map", "info", 101)) == TOLD["map info"]
+    assert set(compare(RESULTS, "my-agent", "homing").as_json()) | {"folder"} == TOLD["compare"] - {"json"}
+    assert {verdict.value for verdict in Verdict} <= TOLD["check"]
+
+
+@pytest.mark.slow
+def test_what_a_match_prints_has_the_fields_told(tmp_path: Path) -> None:
+    played = document("play", "homing", "--time-limit=2", "--size=40", f"--logs={tmp_path}")
+    assert names(played) == TOLD["play"]

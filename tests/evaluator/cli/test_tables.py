@@ -1,0 +1,93 @@
+"""The tables of results in terminals of several widths: nothing that they say is lost."""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from rich.table import Table
+from tests.evaluator.results_by_hand import RESULTS, evaluation, results_of
+
+from wildscav.cli import verify
+from wildscav.console import PlainConsole
+from wildscav_evaluator.check import session as checking
+from wildscav_evaluator.check.findings import Finding, Verdict
+from wildscav_evaluator.cli import doctor
+from wildscav_evaluator.cli.compare_session import comparison_table
+from wildscav_evaluator.cli.since_table import since_table, verdict
+from wildscav_evaluator.cli.tables import track_table
+from wildscav_evaluator.cli.time_table import time_table
+from wildscav_evaluator.output.results import Results
+from wildscav_evaluator.sandbox import Promise
+from wildscav_evaluator.scores.compare import compare
+from wildscav_evaluator.scores.since import Since
+from wildscav_evaluator.submissions.submission import Manifest, Submission
+from wildscav_leaderboard import cli as leaderboard
+from wildscav_leaderboard.database import reading
+from wildscav_leaderboard.sink import DatabaseSink
+from wildscav_leaderboard.standings import standings
+
+COMPARISON = compare(RESULTS, "my-agent", "homing").comparisons[0]
+
+
+def of_leaderboard(tmp_path: Path) -> Table:
+    DatabaseSink(str(tmp_path / "db")).store(RESULTS)
+    with reading(tmp_path / "db") as opened:
+        (one,) = standings(opened)
+        return leaderboard._table(one)
+
+
+def of_check(_: Path) -> Table:
+    manifest = Manifest(name="my-agent", version="1", entry_point="agent:Agent", tracks=("navigation",))
+    return checking._table(
+        Submission(Path("/a"), manifest, ""), [Finding("cancelled match", Verdict.KEPT, "what was seen")]
+    )
+
+
+TABLES: dict[str, Callable[[Path], Table]] = {
+    "evaluate": lambda _: track_table(RESULTS, "royale"),
+    "time": lambda _: time_table(results_of("my-agent")),
+    "since": lambda _: since_table([Since(folder="0001-a", version="1.0.0", comparison=COMPARISON)]),
+    "compare": lambda _: comparison_table(COMPARISON),
+    "leaderboard": of_leaderboard,
+    "verify": lambda _: verify._table(
+        [verify.Finding(Path("a/a-record-of-some-length.wsr"), True, "5 steps")]
+    ),
+    "doctor": lambda _: doctor._table(
+        "oci",
+        (Promise("no network", True, "found none"), Promise("memory", False, "a long text", "install it")),
+    ),
+    "check": of_check,
+}
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+@pytest.mark.parametrize("name", TABLES)
+def test_every_heading_and_cell_is_shown(name: str, width: int, tmp_path: Path) -> None:
+    table = TABLES[name](tmp_path)
+    console = PlainConsole(file=io.StringIO(), width=width, color_system=None)
+    console.print(table)
+    assert isinstance(console.file, io.StringIO)
+    shown = console.file.getvalue()
+    assert all(len(line) <= width for line in shown.splitlines())
+    assert "…" not in shown
+    for column in table.columns:
+        for text in (column.header, *column.cells):
+            for word in str(text).split():
+                assert word in shown or word in shown.replace("\n", "").replace(" ", ""), (name, word)
+
+
+@pytest.mark.parametrize(
+    ("now", "then", "says"),
+    [
+        ((1.0,) * 7, (1.0,) * 7, "no change"),
+        ((1.0, 2.0, 3.0, 4.0, 5.0, 6.0), (2.0, 3.0, 4.5, 5.0, 6.0, 7.5), "better"),
+        ((2.0, 3.0, 4.5, 5.0, 6.0, 7.5), (1.0, 2.0, 3.0, 4.0, 5.0, 6.0), "worse"),
+        ((1.0, 2.0, 3.0, 4.0, 5.0, 6.0), (2.0, 1.0, 4.0, 3.0, 6.0, 5.0), "within the noise"),
+        ((1.0, 2.0), (2.0, 3.0), "too few: 2 of 6 matches"),
+    ],
+)
+def test_a_change_is_told_from_noise(now: tuple[float, ...], then: tuple[float, ...], says: str) -> None:
+    ones = (evaluation("now", "navigation", now), evaluation("then", "navigation", then))
+    results: Results = RESULTS.model_copy(update={"evaluations": ones})
+    assert str(verdict(compare(results, "now", "then").comparisons[0])) == says

@@ -1,0 +1,104 @@
+"""Results made by hand, without a match."""
+
+from wildscav_evaluator.evaluation import metric_infos
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    KeptLimits,
+    MatchRow,
+    MatchTiming,
+    MetricInfo,
+    Results,
+    SeatRow,
+    SeatTiming,
+    Summary,
+    Timings,
+)
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.scores.score import summary
+
+
+def results_of(text: str, *others: str) -> Results:
+    """Results in which one submission has the text wherever there is any, beside honest ones."""
+    names = (text, *others)
+    timings = [
+        MatchTiming(
+            submission=name,
+            track="navigation",
+            index=0,
+            started=0.0,
+            wall=1.0,
+            steps=5,
+            seats=(timing_of_a_seat(),),
+            platform_faults=(name,),
+        )
+        for name in names
+    ]
+    return Results(
+        versions=CURRENT_VERSIONS,
+        suite="quick",
+        seed=0,
+        sandbox="process",
+        limits={"navigation": KeptLimits(memory=1)},
+        evaluations=tuple(evaluation_of(name) for name in names),
+        timings=Timings(started="2030-01-01T00:00:00+00:00", wall=1.0, jobs=1, matches=tuple(timings)),
+    )
+
+
+def evaluation_of(text: str) -> Evaluation:
+    seat = SeatRow(
+        seat=0,
+        status="crashed",
+        fault="agent",
+        detail=text,
+        killed_by=text,
+        last_lines=(text, text),
+        actions=2,
+        invalid_actions=1,
+        metrics={"time": 1.0},
+        log=text,
+    )
+    return Evaluation(
+        submission=text,
+        version=text,
+        digest=text,
+        track="navigation",
+        metrics=(MetricInfo(name="time", title="time", unit="s", lower_is_better=True),),
+        matches=(MatchRow.of(0, (seat,), text),),
+        summary={"time": Summary(mean=1.0, std=None, low=1.0, high=1.0)},
+    )
+
+
+def timing_of_a_seat() -> SeatTiming:
+    return SeatTiming(
+        seat=0,
+        start_up=0.5,
+        steps=5,
+        late_steps=1,
+        time_used=1.0,
+        latency_p50=0.1,
+        latency_p99=0.1,
+        latency_max=0.1,
+        time_bank=1.0,
+    )
+
+
+def evaluation(name: str, track: str = "royale", values: tuple[float, ...] = (1.0, 2.0)) -> Evaluation:
+    metrics = metric_infos(track)
+    rows = tuple(
+        MatchRow(index=index, status="finished", metrics={metric.name: value for metric in metrics})
+        for index, value in enumerate(values)
+    )
+    return Evaluation(
+        submission=name,
+        version="1.0.0",
+        digest=f"digest of {name}",
+        track=track,
+        metrics=metrics,
+        matches=rows,
+        summary=summary(metrics, rows),
+    )
+
+
+RESULTS = results_of("my-agent").model_copy(
+    update={"evaluations": (evaluation("my-agent"), evaluation("homing", values=(3.0, 4.0)))}
+)
