@@ -10,6 +10,7 @@ import pytest
 from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.test_docs import blocks
 
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.matches.play import TRIES
 from wildscav_evaluator.output import results
@@ -18,6 +19,7 @@ from wildscav_evaluator.output.identity import IDENTITY_FILE
 from wildscav_evaluator.output.journal import MATCHES
 from wildscav_evaluator.output.part import Part
 from wildscav_evaluator.output.results import RESULTS_FILE
+from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.compare import FEWEST
 from wildscav_evaluator.scores.score import RESAMPLES
 from wildscav_evaluator.suites.own_suite import read_suite
@@ -69,14 +71,15 @@ def test_every_file_of_the_output_folder_is_told() -> None:
     cells = [row[0] for row in rows("| in the output folder |")]
     told = {name.rstrip("/") for cell in cells for name in re.findall(r"`([\w./]+)`", cell)}
 
-    assert told == {RESULTS_FILE, RECORDS, MATCHES, REPLAYS, LOGS, IDENTITY_FILE, SUITE_FILE, OPENED_FILE}
+    folders = {RECORDS, MATCHES, REPLAYS, LOGS}
+    assert told == folders | {RESULTS_FILE, IDENTITY_FILE, LEDGER_FILE, SUITE_FILE, OPENED_FILE}
 
 
 def test_every_field_of_the_results_is_told() -> None:
     cells = [cell for row in rows("| in `results.json` |") for cell in row]
     told = {name for cell in cells for name in re.findall(r"`(\w+)`", cell)}
     parts = [part for part in Part.__subclasses__() if part.__module__ == results.__name__]
-    fields = {name for part in parts for name in part.model_fields}
+    fields = {name for part in (*parts, Versions) for name in part.model_fields}
 
     assert told - {"null"} == fields
 

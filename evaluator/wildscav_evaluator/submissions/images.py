@@ -96,9 +96,9 @@ def build_image(
         base = base_name(python)
         if not _exists(engine, base):
             own = ["--build-arg", f"PYTHON={python}"] if python else []
-            with tempfile.TemporaryDirectory(prefix="wildscav-build-") as folder:
-                write_sdk_wheel(Path(folder))
-                _build(engine, base, Path(folder), _dockerfile("base.Dockerfile"), [*own, *options])
+            with leftovers.temporary_folder("build-") as folder:
+                write_sdk_wheel(folder)
+                _build(engine, base, folder, _dockerfile("base.Dockerfile"), [*own, *options])
     name = built_name(submission)
     with leftovers.temporary_folder("build-") as folder:
         # Exactly what its digest is of, for every user to read.

@@ -1,8 +1,8 @@
 """``wildscav init``: a new submission, from a template or from a trained policy, ready to play."""
 
 import re
-from collections.abc import Mapping
 import shlex
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
