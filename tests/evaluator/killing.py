@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from wildscav_engine.record import read_record
@@ -37,8 +38,12 @@ class Sitting:
 
     def kill_at(self, matches: int) -> None:
         """Kill it as soon as so many matches are in its journal, and the folder is there."""
+        self.kill_when(lambda: (self.out / MATCHES).exists() and len(journal(self.out)) >= matches)
+
+    def kill_when(self, condition: Callable[[], bool]) -> None:
+        """Kill it as soon as something is the case."""
         deadline = time.monotonic() + 120.0
-        while not (self.out / MATCHES).exists() or len(journal(self.out)) < matches:
+        while not condition():
             assert self.process.poll() is None, "it came to its end"
             assert time.monotonic() < deadline, "it got nowhere"
             time.sleep(0.01)
