@@ -23,6 +23,10 @@ class ClientGoneError(WildscavError):
     """The client does not answer, or never did."""
 
 
+class TooLargeError(WildscavError):
+    """The client takes no message as large as the episode needs: it is there, and waits."""
+
+
 class Client:
     """A client of the original game, which serves us.
 
@@ -76,26 +80,27 @@ class Client:
             request: A ``Request`` as bytes.
 
         Raises:
-            ClientGoneError: The client has gone, or cannot take the request.
+            ClientGoneError: The client has gone.
+            TooLargeError: It cannot take the request.
         """
         try:
             reply: Reply = self._call(request)
         except self._error as error:
-            raise ClientGoneError(self._what_happened(error)) from None
+            raise self._what_happened(error, len(request)) from None
         return reply
 
-    def _what_happened(self, error: Exception) -> str:
+    def _what_happened(self, error: Exception, size: int) -> WildscavError:
         import grpc
 
         call: Any = error  # every error of a call is one, too
         if call.code() is grpc.StatusCode.UNAVAILABLE:
-            return f"the client on {self.address} has gone"
+            return ClientGoneError(f"the client on {self.address} has gone")
         if call.code() is grpc.StatusCode.RESOURCE_EXHAUSTED:
-            return (
-                f"the client on {self.address} takes no message this large, "
+            return TooLargeError(
+                f"the client on {self.address} takes no message of {size / 1e6:.1f} MB, "
                 f"so it has to ask for fewer agents or supplies: {call.details()}"
             )
-        return f"the client on {self.address} failed: {call.code().name}: {call.details()}"
+        return ClientGoneError(f"the client on {self.address} failed: {call.code().name}: {call.details()}")
 
     def close(self) -> None:
         """Let go of the connection."""

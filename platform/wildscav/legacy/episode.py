@@ -1,9 +1,12 @@
 """What a ``GMCommand`` asks for, as the engine's own spec of a match.
 
-A scalar that the client does not send has the original's default. What cannot be is refused, by the name that
-the field has in the contract.
+A scalar that the client does not send has the original's default. One that is out of range counts as the
+nearest that is in it, since the client takes more than the engine plays and cannot be told; the log says
+so. What has no nearest, such as the number of a map, is refused, by the name that the field has in the
+contract.
 """
 
+import logging
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -25,6 +28,10 @@ TRACKS = {
 MODES = {track: mode for mode, track in TRACKS.items()}
 FRAMES_PER_ACTION = 5
 SHORTEST_TIME = 0.02  # s: a frame
+FARTHEST = 1000.0  # m from the middle of the largest map to its edges
+NAMES = {"game_mode", "map_id"}  # fields whose numbers stand for something: none is near another
+
+log = logging.getLogger("wildscav.legacy")
 MOST_AGENTS = 1000
 
 
@@ -170,8 +177,8 @@ def _equipment(setup: AgentSetup) -> "Equipment":
 
 
 def _returns_anywhere(command: GMCommand) -> bool:
-    """Return whether the dead come back at a random place: so they do unless the client says otherwise."""
-    return command.is_random_respawn_location or not command.HasField("is_random_respawn_location")
+    """Return whether the dead come back at a random place; where they started unless the client says so."""
+    return command.is_random_respawn_location
 
 
 def _supplies(command: GMCommand) -> "SupplyConfig":
@@ -205,38 +212,46 @@ def _wave(source: GMCommand | SupplyRefreshData, time: float) -> "SupplyWave":
 def _range(command: GMCommand, least: str, most: str) -> tuple[int, int]:
     low, high = _value(command, least), _value(command, most)
     if low > high:
-        raise RefusedEpisodeError(f"{least} is {low} and {most} is {high}: the first must not be the greater")
-    return low, high
+        log.warning("%s is %d and %s is %d: they are played the other way round", least, low, most, high)
+    return min(low, high), max(low, high)
 
 
 def _value(source: _Source, name: str) -> Any:
-    """Return a number of a message, or its default.
+    """Return a number of a message, or its default; the nearest that is allowed, if it is none of those.
 
     Raises:
-        RefusedEpisodeError: It is none of those that are allowed.
+        RefusedEpisodeError: It stands for something that is not there.
     """
     field = FIELDS[name]
     value = getattr(source, name) if source.HasField(name) else field.default
     value = round(value, 6) if isinstance(value, float) else value  # as it was before it had 32 bits
-    if not field.least <= value <= field.most:  # written so that NaN fails too
-        allowed = f"{field.least} to {field.most}"
-        raise RefusedEpisodeError(f"{_named(source, name)} is {value}, must be {allowed}")
-    return value
+    if field.least <= value <= field.most:  # written so that NaN is not in it
+        return value
+    what = f"{_named(source, name)} is {value}, must be {field.least} to {field.most}"
+    if name in NAMES:
+        raise RefusedEpisodeError(what)
+    played = field.default if math.isnan(value) else min(max(value, field.least), field.most)
+    log.warning("%s: %s is played", what, played)
+    return played
 
 
 def _place(source: _Source, name: str) -> "Place | None":
-    """Return a place in m, None where it is not given.
-
-    Raises:
-        RefusedEpisodeError: It has a number that is not finite.
-    """
+    """Return a place in m, None where it is not given; infinite numbers count as far, no numbers as 0."""
     if not source.HasField(name):
         return None
     vector: Vector3 = getattr(source, name)
     place = (float(vector.x), float(vector.y), float(vector.z))
-    if not all(map(math.isfinite, place)):
-        raise RefusedEpisodeError(f"{_named(source, name)} is {place}, must be finite")
-    return place
+    if all(map(math.isfinite, place)):
+        return place
+    x, y, z = (_finite(number) for number in place)
+    log.warning("%s is %s, must be finite: %s is played", _named(source, name), place, (x, y, z))
+    return x, y, z
+
+
+def _finite(number: float) -> float:
+    if math.isnan(number):
+        return 0.0
+    return number if math.isfinite(number) else math.copysign(FARTHEST, number)
 
 
 def _named(source: _Source, name: str) -> str:

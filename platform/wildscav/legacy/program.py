@@ -1,7 +1,9 @@
 """The program in place of the original's executable: ``fps.x86_64 -IP:HOST -PORT:N``.
 
-All that it says goes to stderr, which the client writes into its engine log. Exit status: 0 closed by the
-client, 1 the client has gone or was never there, 2 wrong arguments or an episode that cannot be played.
+All that it says goes to stderr, which the client writes into its engine log; warnings and errors go to the
+client's own stderr, too. Exit status: 0 closed by the client, 1 the client has gone or was never there, 2
+wrong arguments or an episode that cannot be played or told. A client that would wait forever for that is
+interrupted.
 """
 
 import logging
@@ -15,6 +17,7 @@ from typing import NoReturn
 from wildscav.errors import UserError, WildscavError
 from wildscav.legacy.channel import Client, ClientGoneError
 from wildscav.legacy.session import Session
+from wildscav.legacy.user import UserHandler, find_client, has_own_stderr, interrupt
 
 USAGE = "is started by the client's Game.init() as: fps.x86_64 -IP:HOST -PORT:N"
 
@@ -32,15 +35,20 @@ def main(engine_folder: Path, arguments: list[str]) -> NoReturn:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     # Ctrl-C in a terminal reaches us, too: whether it ends the session is for the client to say.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    client = None
     try:
-        serve(read_address(arguments), engine_folder / "records")
+        address = read_address(arguments)
+        client = find_client(int(address.rpartition(":")[2]))
+        if client is not None and has_own_stderr(client):
+            log.addHandler(UserHandler(client))
+        serve(address, engine_folder / "records")
     except ClientGoneError as error:
         end(1, str(error))
     except WildscavError as error:
-        end(2, str(error))
+        end(2, str(error), waiting=client)
     except Exception:
         log.exception("this is a fault of the engine")
-        end(3, "the client cannot be told and waits: stop it")
+        end(3, "the client cannot be told and waits: stop it", waiting=client)
     end(0)
 
 
@@ -78,12 +86,20 @@ def read_address(arguments: list[str]) -> str:
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
 
-def end(status: int, why: str = "") -> NoReturn:
-    """End the process at once, other threads and all; the first to say why is heard."""
+def end(status: int, why: str = "", waiting: int | None = None) -> NoReturn:
+    """End the process at once, other threads and all; the first to say why is heard.
+
+    Args:
+        status: Of the exit.
+        why: What the user is to read.
+        waiting: The client's process, if it waits for an answer that will never come: it is interrupted.
+    """
     _end_once.acquire()
     if why:
         log.error("%s", why)
     logging.shutdown()
+    if waiting is not None:
+        interrupt(waiting)
     os._exit(status)
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 START = Request(game_state=GameState.START).SerializeToString()
 UPDATE, OVER = GameState.UPDATE, GameState.OVER
 OBSERVATIONS = bytes([Request.AGENT_OBS_LIST_FIELD_NUMBER << 3 | 2])  # tag of a field of bytes
+STEEPEST = 89.99  # degrees: straight up and down, the client's own raycaster does not know where right is
 Row = dict[str, list]  # type: ignore[type-arg] # facts of agents by name, one for each seat
 
 
@@ -71,7 +72,8 @@ class _Agent:
         """Return what the agent is told of itself."""
         seat, own = self._seat, self._own
         _write_motion(own, facts, seat)
-        own.pitch, own.yaw = facts["pitch"][seat], facts["yaw"][seat]
+        own.pitch = min(STEEPEST, max(-STEEPEST, facts["pitch"][seat]))
+        own.yaw = facts["yaw"][seat]
         own.hp = health = facts["health"][seat]
         own.num_gun_ammo, own.num_pack_ammo = facts["clip"][seat], facts["spare_ammo"][seat]
         own.on_ground, own.is_fire = facts["on_ground"][seat], facts["fired"][seat]

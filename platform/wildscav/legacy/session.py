@@ -45,6 +45,7 @@ class Session:
         Raises:
             ClientGoneError: It is there no longer.
             RefusedEpisodeError: It asks for what cannot be.
+            TooLargeError: It asks for more than it can be told.
         """
         reply = self._client.ask(START)
         while reply.game_state != GameState.CLOSE:

@@ -66,7 +66,7 @@ def test_the_dead_wait_come_back_whole_and_are_invincible_for_a_while(competitor
     assert not competitor.seen_by(1).is_invincible
 
 
-@pytest.mark.parametrize(("is_random", "is_at_start"), [(False, True), (True, False), (None, False)])
+@pytest.mark.parametrize(("is_random", "is_at_start"), [(False, True), (True, False), (None, True)])
 def test_the_dead_come_back_where_the_client_wants(
     competitor: Competitor, is_random: bool | None, is_at_start: bool
 ) -> None:

@@ -109,29 +109,105 @@ def test_supplies_and_targets_are_for_the_modes_that_have_them() -> None:
 @pytest.mark.parametrize(
     ("fields", "why"),
     [
-        ({"timeout": 0}, "timeout is 0, must be 1 to 86400"),
         ({"map_id": 1000}, "map_id is 1000, must be 1 to 999"),
         ({"mode": 7}, "game_mode is 7, must be 0 to 2"),
-        ({"trigger_range": 0}, "trigger_range is 0.0, must be 0.01 to 20.0"),
-        ({"trigger_range": float("nan")}, "trigger_range is nan"),
-        ({"supply_create_percent": 51}, "supply_create_percent is 51, must be 0 to 50"),
-        (
-            {"supply_random_min": 5, "supply_random_max": 1},
-            "supply_random_min is 5 and supply_random_max is 1",
-        ),
-        ({"supply_grid_length": 0}, "supply_grid_length is 0, must be 1 to 100"),
-        ({"water_speed_decay": 0}, "water_speed_decay is 0.0, must be 0.01 to 1.0"),
-        ({"respawn_time": -1}, "respawn_time is -1, must be 0 to 600"),
         ({"num_agents": 0}, "num_agents is 0, must be 1 to 1000"),
         ({"agents": [setup(0), setup(1)], "num_agents": 1}, "num_agents is 1, must be 2 to 1000"),
         ({"agents": [setup(2), setup(2)]}, "agent_setups has the ids [2, 2]: one comes twice"),
-        ({"agents": [setup(3, hp=0)]}, "hp of agent 3 is 0, must be 1 to 10000"),
-        ({"agents": [setup(3, (0, float("inf"), 0))]}, "start_location of agent 3 is (0.0, inf, 0.0)"),
-        ({"target": (float("nan"), 0, 0)}, "target_location is (nan, 0.0, 0.0), must be finite"),
     ],
 )
 def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, Any], why: str) -> None:
-    mode = fields.pop("mode", BATTLE if "target" not in fields else GameMode.NAVIGATION_MODE)
+    mode = fields.pop("mode", BATTLE)
     with pytest.raises(RefusedEpisodeError) as refused:
         read_episode(command(mode, **fields))
     assert why in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("fields", "path", "played", "said"),
+    [
+        ({"timeout": 0}, "time_limit", 1, "timeout is 0, must be 1 to 86400: 1 is played"),
+        ({"trigger_range": 0}, "rules.target_distance", 0.01, "trigger_range is 0.0, must be 0.01 to 20.0"),
+        ({"trigger_range": 50}, "rules.target_distance", 20.0, "trigger_range is 50.0"),
+        ({"trigger_range": float("nan")}, "rules.target_distance", 1.0, "trigger_range is nan"),
+        ({"trigger_range": float("inf")}, "rules.target_distance", 20.0, "trigger_range is inf"),
+        ({"water_speed_decay": 0}, "rules.water_speed_factor", 0.01, "water_speed_decay is 0.0"),
+        ({"water_speed_decay": 2}, "rules.water_speed_factor", 1.0, "water_speed_decay is 2.0"),
+        ({"respawn_time": -1}, "rules.respawn_time", 0.02, "respawn_time is -1, must be 0 to 600"),
+        (
+            {"supply_loss_percent_when_dead": 101},
+            "rules.supply_loss",
+            1.0,
+            "supply_loss_percent_when_dead is 101",
+        ),
+        ({"supply_heatmap_radius": 1001}, "supplies.waves.0.radius", 1000, "supply_heatmap_radius is 1001"),
+        (
+            {"supply_create_percent": 51},
+            "supplies.waves.0.outdoor_richness",
+            50,
+            "must be 0 to 50: 50 is played",
+        ),
+        ({"supply_grid_length": 101}, "supplies.spacing", 100, "supply_grid_length is 101"),
+        ({"supply_grid_length": 0}, "supplies.spacing", 1, "supply_grid_length is 0"),
+        (
+            {"supply_random_max": 1001},
+            "supplies.outdoor_quantity",
+            (1, 1000),
+            "supply_random_max is 1001, must be 1 to 1000: 1000 is played",
+        ),
+        (
+            {"supply_random_min": 5, "supply_random_max": 1},
+            "supplies.outdoor_quantity",
+            (1, 5),
+            "supply_random_min is 5 and supply_random_max is 1: they are played the other way round",
+        ),
+        ({"agents": [setup(3, hp=0)]}, "equipment.0.health", 1, "hp of agent 3 is 0, must be 1 to 10000"),
+        (
+            {"agents": [setup(3, num_pack_ammo=1_000_000)]},
+            "equipment.0.spare_ammo",
+            100_000,
+            "num_pack_ammo of agent 3 is 1000000",
+        ),
+        (
+            {"agents": [setup(gun_capacity=1001)]},
+            "equipment.0.clip_size",
+            1000,
+            "gun_capacity of agent 0 is 1001",
+        ),
+        (
+            {"agents": [setup(attack_power=10_001)]},
+            "equipment.0.shot_damage",
+            10_000,
+            "attack_power of agent 0",
+        ),
+        (
+            {"agents": [setup(3, (0, float("nan"), 0))]},
+            "starts.0",
+            (0, 0, 0),
+            "start_location of agent 3 is (0.0, nan, 0.0), must be finite: (0.0, 0.0, 0.0) is played",
+        ),
+    ],
+)
+def test_a_number_out_of_range_counts_as_the_nearest_and_is_told(
+    caplog: pytest.LogCaptureFixture, fields: dict[str, Any], path: str, played: object, said: str
+) -> None:
+    found: Any = read_episode(command(BATTLE, **fields)).spec
+    for part in path.split("."):
+        found = found[int(part)] if part.isdigit() else getattr(found, part)
+    assert found == played
+    assert said in caplog.text
+
+
+def test_a_target_at_infinity_is_as_far_as_maps_are(caplog: pytest.LogCaptureFixture) -> None:
+    asked = command(GameMode.NAVIGATION_MODE, target=(float("inf"), 0, float("-inf")))
+    assert read_episode(asked).spec.target == (1000, 0, -1000)
+    assert "target_location is (inf, 0.0, -inf), must be finite" in caplog.text
+
+
+def test_a_refresh_too_late_is_told_by_its_name(caplog: pytest.LogCaptureFixture) -> None:
+    asked = command(BATTLE)
+    asked.supply_refresh_datas.append(SupplyRefreshData(supply_refresh_time=86_401))
+    supplies = read_episode(asked).spec.supplies
+    assert supplies is not None
+    assert supplies.waves[1].time == 86_400
+    assert "supply_refresh_time is 86401, must be 0 to 86400: 86400 is played" in caplog.text

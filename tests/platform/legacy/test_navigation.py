@@ -49,6 +49,15 @@ def test_turns_are_degrees_a_frame(competitor: Competitor) -> None:
     assert (seen.yaw, seen.pitch) == pytest.approx((30, -22.5)), "3 actions of 5 frames"
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_straight_up_and_down_is_not_told_quite(competitor: Competitor, way: int) -> None:
+    """The client's raycaster, which looks along the pitch that it is told, has no right and left there."""
+    competitor.begin(command(target=far_target()))
+    competitor.act({0: {"look_up_down_delta": 20 * way}}, times=2)
+    assert competitor.seen_by(0).pitch == pytest.approx(89.99 * way, abs=1e-4)
+    assert abs(competitor.seen_by(0).pitch) < 90
+
+
 def test_the_target_ends_the_episode_in_the_frame_in_which_it_is_reached(competitor: Competitor) -> None:
     start = open_way(12)
     target = [start[0], start[1], start[2] + 8]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from tests.platform.legacy.commands import face_to_face, open_way
-from tests.platform.legacy.original import install, logs, play
+from tests.platform.legacy.original import SCRIPTS, environment, free_port, install, logs, play
 
 from wildscav.legacy.install import install_engine
 from wildscav.legacy.maps import obj_of, paths_of
@@ -90,3 +90,13 @@ def test_gathering_with_a_depth_map_and_a_battle_of_ten_on_another_map(installed
     assert told["ammo"] < 15
     # Back after 10 s with the health of its own set-up, and invincible for 10 s.
     assert told["last"] == [60, True]
+
+
+@pytest.mark.slow
+def test_a_client_that_asks_for_what_cannot_be_told_stops_and_its_user_knows_why(installed: Path) -> None:
+    crowd = [environment(), SCRIPTS / "crowd.py", installed, str(free_port())]
+    done = subprocess.run(crowd, capture_output=True, text=True, timeout=300)
+    assert "KeyboardInterrupt" in done.stderr
+    assert done.returncode != 0
+    told = [line for line in done.stderr.splitlines() if line.startswith("wildscav: ")]
+    assert "it has to ask for fewer agents or supplies" in told[-1]

@@ -34,6 +34,14 @@ def test_new_names_are_those_of_the_sdk(name: str) -> None:
     assert named <= known
 
 
+def test_scripts_of_the_page_use_nothing_that_a_version_does_not_have() -> None:
+    scripts = "".join(re.findall(r"```(?:python|text)\n(.*?)```", PAGE, re.DOTALL))
+    assert "game.get_state()" in scripts
+    for only_in_the_older in ("outdoor_locations", "indoor_locations", "get_frame_count"):
+        assert f"game.{only_in_the_older}" not in scripts
+    assert "get_valid_locations" not in scripts, "only in the newer"
+
+
 @pytest.mark.slow
 def test_the_script_of_the_page_runs(tmp_path: Path) -> None:
     script = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]

@@ -1,6 +1,9 @@
 """The program that the client starts: its arguments, its log, its end."""
 
+import os
+import signal
 import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -94,7 +97,18 @@ def test_a_client_that_dies_ends_the_engine(start: Start) -> None:
     assert f"the client on 127.0.0.1:{competitor.port} has gone" in said.splitlines()[-1]
 
 
-def test_a_refused_field_is_a_clear_line_in_the_log(start: Start) -> None:
+@pytest.fixture
+def interrupts() -> Iterator[list[int]]:
+    """Count interrupts, which would end these tests: here they are the client's process."""
+    counted: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: counted.append(number))
+    yield counted
+    signal.signal(signal.SIGINT, before)
+
+
+def test_a_refused_field_is_a_clear_line_for_the_user_whose_client_stops_waiting(
+    start: Start, interrupts: list[int], capfd: pytest.CaptureFixture[str]
+) -> None:
     competitor = Competitor()
     process = start(competitor.port)
     competitor.wait()
@@ -103,6 +117,36 @@ def test_a_refused_field_is_a_clear_line_in_the_log(start: Start) -> None:
     assert process.returncode == 2
     assert said.splitlines()[-1].endswith("ERROR map_id is 1000, must be 1 to 999")
     assert "Traceback" not in said
+    # The client may well keep the engine's words in no file: its own stderr has them, too.
+    assert capfd.readouterr().err.splitlines() == ["wildscav: error: map_id is 1000, must be 1 to 999"]
+    assert interrupts == [signal.SIGINT]
+    competitor.die()
+
+
+def test_what_is_played_otherwise_than_asked_is_told_to_the_user_once(
+    start: Start, interrupts: list[int], capfd: pytest.CaptureFixture[str]
+) -> None:
+    competitor = Competitor()
+    process = start(competitor.port)
+    competitor.wait()
+    for _ in range(2):
+        competitor.begin(command(trigger_range=50, timeout=1))
+    competitor.close()
+    _, said = process.communicate(timeout=120)
+    line = "trigger_range is 50.0, must be 0.01 to 20.0: 20.0 is played"
+    assert process.returncode == 0
+    assert said.count(line) == 2, "the log has every episode's"
+    assert capfd.readouterr().err.splitlines().count(f"wildscav: warning: {line}") == 1
+    assert interrupts == []
+    competitor.die()
+
+
+def test_only_a_parent_that_listens_on_the_port_is_the_client() -> None:
+    code = "import sys; from wildscav.legacy.user import find_client; print(find_client(int(sys.argv[1])))"
+    competitor = Competitor()
+    for port, found in ((competitor.port, str(os.getpid())), (1, "None")):
+        said = subprocess.run([sys.executable, "-c", code, str(port)], capture_output=True, text=True).stdout
+        assert said.strip() == found
     competitor.die()
 
 

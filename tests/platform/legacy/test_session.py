@@ -8,7 +8,7 @@ import pytest
 from tests.platform.legacy.commands import command
 from tests.platform.legacy.competitor import Competitor
 
-from wildscav.legacy.channel import Client, ClientGoneError
+from wildscav.legacy.channel import Client, TooLargeError
 from wildscav.legacy.commander_pb2 import GameMode, GameState
 from wildscav.legacy.session import Session
 
@@ -68,7 +68,7 @@ def test_more_agents_than_the_client_has_room_for_are_told_as_such(tmp_path: Pat
     competitor = Competitor()
     client = Client(f"127.0.0.1:{competitor.port}")
     competitor.reply(GameState.RESET, gm_cmd=command(GameMode.SUP_BATTLE_MODE, num_agents=300))
-    with pytest.raises(ClientGoneError, match=r"takes no message this large.*fewer agents or supplies"):
+    with pytest.raises(TooLargeError, match=r"takes no message of \d+\.\d MB.*fewer agents or supplies"):
         Session(client, tmp_path).run()
     client.close()
     competitor.die()
