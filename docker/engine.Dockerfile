@@ -19,7 +19,7 @@ RUN mkdir -p /var/cache/wildscav && chown 65534:65534 /var/cache/wildscav
 USER 65534:65534
 EXPOSE 50051-50055
 ENTRYPOINT ["wildscav", "serve"]
-CMD ["--listen", "0.0.0.0:50051", "--workers", "4", "--organizer-token-file", "/run/secrets/organizer_token", \
+CMD ["--listen", "0.0.0.0:50051", "--insecure", "--workers", "4", "--organizer-token-file", "/run/secrets/organizer_token", \
     "--log-format", "json"]
 
 FROM source AS evaluator

@@ -34,14 +34,19 @@ async def host(server: MatchServer, spec: MatchSpec, **options: Any) -> HostedMa
     return await server.host(spec, names=[f"seat {seat}" for seat in range(len(spec.seats))], **options)
 
 
-def serving(tmp_path: Path, test: Callable[[MatchServer, str], Awaitable[Result]], **options: Any) -> Result:
+def serving(
+    tmp_path: Path,
+    test: Callable[[MatchServer, str], Awaitable[Result]],
+    patience: float = 300.0,
+    **options: Any,
+) -> Result:
     """Run a test in a loop with a server on a unix socket."""
 
     async def run() -> Result:
         server = MatchServer(**options)
         (address,) = await server.start([f"unix:{tmp_path / 'match.sock'}"])
         try:
-            async with asyncio.timeout(300):
+            async with asyncio.timeout(patience):
                 return await test(server, address)
         finally:
             await server.stop()

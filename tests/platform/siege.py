@@ -81,7 +81,7 @@ class Siege:
                 self._honest = await host(self.server, small_spec("navigation", seconds=HONEST))
             finally:
                 how = await ended(agent)
-            assert how == (0, "")
+            assert how == (0, ""), how
 
     def attack(self, attacks: Sequence[Sequence[Move]]) -> list[str]:
         """Let clients attack a match of their own each, all at once; return how their streams ended."""

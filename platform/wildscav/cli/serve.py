@@ -11,6 +11,7 @@ from wildscav.errors import UserError
 
 if TYPE_CHECKING:
     from wildscav.logs import LogFormat
+    from wildscav.server.tls import Certificate
 
 SHORTEST_TOKEN = 16  # characters
 MOST_WORKERS = 64
@@ -21,6 +22,8 @@ class Serving(NamedTuple):
 
     addresses: list[str]
     token: str | None
+    certificate: "Certificate | None"
+    insecure: bool
     log_format: "LogFormat | None"
     metrics_port: int | None
 
@@ -34,6 +37,19 @@ def serve(
         Path | None,
         typer.Option(help="File with the secret that opening a match asks for. Needed beyond this machine."),
     ] = None,
+    tls_cert: Annotated[
+        Path | None,
+        typer.Option(help="Certificate to show to clients, PEM. Needed beyond this machine."),
+    ] = None,
+    tls_key: Annotated[Path | None, typer.Option(help="Its private key, PEM.")] = None,
+    client_ca: Annotated[
+        Path | None,
+        typer.Option(help="Let in only clients with a certificate that this authority (PEM) has signed."),
+    ] = None,
+    insecure: Annotated[
+        bool,
+        typer.Option("--insecure", help="Let other machines in without TLS: tokens can be read on the way."),
+    ] = False,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -67,8 +83,24 @@ def serve(
     from wildscav_engine.threads import cores
 
     token = None if organizer_token_file is None else _read_token(organizer_token_file)
-    how = Serving(listen or ["127.0.0.1:50051"], token, log_format, metrics_port)
+    certificate = _certificate(tls_cert, tls_key, client_ca)
+    addresses = listen or ["127.0.0.1:50051"]
+    how = Serving(addresses, token, certificate, insecure, log_format, metrics_port)
     asyncio.run(_serve(how, workers or min(cores(), MOST_WORKERS)))
+
+
+def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -> "Certificate | None":
+    from wildscav.server.tls import Certificate
+
+    if chain is None and key is None:
+        if client_ca is not None:
+            raise UserError("--client-ca needs --tls-cert and --tls-key", exit_code=2)
+        return None
+    if chain is None or key is None:
+        raise UserError("--tls-cert and --tls-key belong together: name both or none", exit_code=2)
+    certificate = Certificate(str(chain), str(key), None if client_ca is None else str(client_ca))
+    certificate.context()  # before the engine is prepared, which may take a while
+    return certificate
 
 
 def _read_token(path: Path) -> str:
@@ -96,10 +128,11 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     from wildscav.console import PREPARING, console
     from wildscav.logs import open_log
     from wildscav.metrics import serving_metrics
-    from wildscav.server import MatchServer
+    from wildscav.server import Door, MatchServer
     from wildscav.server.warm import warm
 
-    server = MatchServer(arena=True, organizer_token=how.token, log=open_log(how.log_format))
+    door = Door(tls=how.certificate.context() if how.certificate else None, insecure=how.insecure)
+    server = MatchServer(arena=True, organizer_token=how.token, door=door, log=open_log(how.log_format))
     taken = await server.start(how.addresses)
     with console.status(PREPARING):
         await asyncio.to_thread(warm)
@@ -118,7 +151,12 @@ async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> Non
     from wildscav.server.shared import SharedServer
 
     server = SharedServer(
-        workers, organizer_token=how.token, log_format=how.log_format, metrics_port=how.metrics_port
+        workers,
+        organizer_token=how.token,
+        certificate=how.certificate,
+        insecure=how.insecure,
+        log_format=how.log_format,
+        metrics_port=how.metrics_port,
     )
     with console.status(PREPARING):
         taken = await server.start(how.addresses)

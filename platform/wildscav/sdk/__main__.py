@@ -1,8 +1,9 @@
 """Start an agent: ``python -m wildscav.sdk agent:Homing``, in the submission's folder.
 
 Or ``python -m wildscav.sdk FOLDER``: the entry point stands in the folder's submission.toml, or a command
-that takes the place of this process. Exit codes: 0 the match was played, 2 usage, 3 the agent's code failed,
-4 the server cannot be reached or refuses.
+that takes the place of this process. For a server with TLS, ``--ca``, ``--cert`` and ``--key`` name files, as
+``WILDSCAV_CA`` and so on do. Exit codes: 0 the match was played, 2 usage, 3 the agent's code failed, 4 the server
+cannot be reached or refuses.
 """
 
 import asyncio
@@ -19,18 +20,25 @@ from typing import Any, NoReturn
 import wildscav
 from wildscav.errors import RefusedError, ServerUnreachableError, UserError
 from wildscav.sdk.agent import Agent
+from wildscav.sdk.credentials import CA_VARIABLE, CERT_VARIABLE, KEY_VARIABLE
 from wildscav.sdk.overdue import watch_start_up
 from wildscav.sdk.run import run
 
 PLAYED, USAGE, AGENT_FAILED, NO_SERVER = 0, 2, 3, 4
+OPTIONS = {"--ca": CA_VARIABLE, "--cert": CERT_VARIABLE, "--key": KEY_VARIABLE}
+USAGE_LINE = (
+    "usage: python -m wildscav.sdk MODULE:CLASS [--ca FILE] [--cert FILE --key FILE]"
+    "  (or FOLDER with a submission.toml instead of MODULE:CLASS)"
+)
 
 
 def main(arguments: list[str]) -> int:
     """Play one match and return the exit code."""
-    if len(arguments) != 1 or arguments[0].startswith("-"):
-        return _fail(USAGE, "usage: python -m wildscav.sdk MODULE:CLASS  (or FOLDER with a submission.toml)")
+    target = _take_options(arguments)
+    if target is None:
+        return _fail(USAGE, USAGE_LINE)
     try:
-        entry_point = _enter(arguments[0])
+        entry_point = _enter(target)
         watch_start_up()
         run(_load(entry_point))
     except UserError as error:
@@ -43,6 +51,15 @@ def main(arguments: list[str]) -> int:
         _print_own_code(error)
         return AGENT_FAILED
     return PLAYED
+
+
+def _take_options(arguments: list[str]) -> str | None:
+    """Put the options into the environment, and return what else was said; None if it is not understood."""
+    rest = list(arguments)
+    while len(rest) > 2 and rest[-2] in OPTIONS:
+        value, name = rest.pop(), rest.pop()
+        os.environ[OPTIONS[name]] = str(Path(value).absolute())  # the folder will be left
+    return rest[0] if len(rest) == 1 and not rest[0].startswith("-") else None
 
 
 def _fail(code: int, message: str) -> int:

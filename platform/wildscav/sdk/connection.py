@@ -13,6 +13,7 @@ import grpc
 from wildscav.errors import ServerUnreachableError
 from wildscav.proto.match_pb2 import ClientMessage, MatchOver, ServerMessage
 from wildscav.sdk.agent import Action, MatchInfo, Observation
+from wildscav.sdk.credentials import Credentials, why_not
 from wildscav.wire.actions import encode_action
 from wildscav.wire.errors import decode_error
 from wildscav.wire.matches import decode_match_info, encode_join, encode_ready
@@ -20,6 +21,7 @@ from wildscav.wire.observations import decode_observation
 
 METHOD = "/wildscav.match.v1.Match/Play"
 CONNECT_TIMEOUT = 5.0  # s
+NOT_ENCRYPTED = Credentials()
 LONG_THOUGHT = 0.05  # s after which it is worth a look whether the server is still there
 CHANNEL_OPTIONS = (
     ("grpc.max_receive_message_length", -1),  # sensors may be large, and the server is trusted
@@ -34,6 +36,7 @@ class Connection:
         address: ``host:port`` or ``unix:/path``.
         token: The seat's token.
         sdk_version: Told to the server.
+        credentials: Of TLS; not encrypted without them.
 
     Raises:
         ServerUnreachableError: No server answers, or the connection was lost.
@@ -43,13 +46,20 @@ class Connection:
     match: MatchInfo
     over: MatchOver  # there once the match has ended
 
-    def __init__(self, address: str, token: str, sdk_version: str) -> None:
-        self._address = address
+    def __init__(
+        self, address: str, token: str, sdk_version: str, credentials: Credentials = NOT_ENCRYPTED
+    ) -> None:
+        self._address, self._credentials = address, credentials
         self._join = encode_join(token, "wildscav-python", sdk_version)
 
     async def __aenter__(self) -> Self:
         self._loop = asyncio.get_running_loop()
-        self._channel = grpc.aio.insecure_channel(self._address, options=CHANNEL_OPTIONS)
+        secret = self._credentials.channel()
+        self._channel = (
+            grpc.aio.insecure_channel(self._address, options=CHANNEL_OPTIONS)
+            if secret is None
+            else grpc.aio.secure_channel(self._address, secret, options=CHANNEL_OPTIONS)
+        )
         try:
             message = await self._open()
             if not message.HasField("match_info"):
@@ -61,11 +71,7 @@ class Connection:
         return self
 
     async def _open(self) -> ServerMessage:
-        try:
-            async with asyncio.timeout(CONNECT_TIMEOUT):
-                await self._channel.channel_ready()
-        except TimeoutError:
-            raise ServerUnreachableError(f"no match server answers at {self._address}") from None
+        await self._connect()
         play = self._channel.stream_stream(
             METHOD,
             request_serializer=ClientMessage.SerializeToString,
@@ -74,6 +80,24 @@ class Connection:
         self._call = play()
         self._heard = self._loop.time()  # when the last message came
         return await self._exchange(self._join)
+
+    async def _connect(self) -> None:
+        """Wait until there is a connection; if TLS prevents it, find out what is wrong."""
+        try:
+            async with asyncio.timeout(CONNECT_TIMEOUT):
+                state = self._channel.get_state(try_to_connect=True)
+                while state != grpc.ChannelConnectivity.READY:
+                    await self._channel.wait_for_state_change(state)
+                    state = self._channel.get_state(try_to_connect=True)
+                    if state == grpc.ChannelConnectivity.TRANSIENT_FAILURE:
+                        await self._check_tls()
+        except TimeoutError:
+            raise ServerUnreachableError(f"no match server answers at {self._address}") from None
+
+    async def _check_tls(self) -> None:
+        why = await asyncio.to_thread(why_not, self._address, self._credentials)
+        if why:
+            raise ServerUnreachableError(f"no match server answers at {self._address}{why}")
 
     async def _exchange(self, message: ClientMessage) -> ServerMessage:
         """Send a message and wait for the next one."""

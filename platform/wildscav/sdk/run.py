@@ -22,14 +22,15 @@ def run(agent_class_or_factory: Callable[[], Agent]) -> None:
     """Play one match, and return when it is over.
 
     The server's address and the seat's token come from the environment: ``WILDSCAV_ADDRESS`` (``host:port``
-    or ``unix:/path``) and ``WILDSCAV_TOKEN``. From then on the process runs as ``SCHED_BATCH``, where there
-    is such a policy and no other one was chosen.
+    or ``unix:/path``) and ``WILDSCAV_TOKEN``; for TLS, also ``WILDSCAV_CA``, and ``WILDSCAV_CERT`` and
+    ``WILDSCAV_KEY`` where the server asks for a client's certificate. From then on the process runs as
+    ``SCHED_BATCH``, where there is such a policy and no other one was chosen.
 
     Args:
         agent_class_or_factory: A subclass of ``Agent``, or anything that makes an agent when called.
 
     Raises:
-        UserError: Address or token is missing.
+        UserError: Address or token is missing, or a certificate cannot be read.
         AgentError: The agent answers with something else than an action.
         ServerUnreachableError: No server answers, or the connection was lost.
         RefusedError: The server does not give the seat.
@@ -88,9 +89,10 @@ async def _play(agent: Agent, address: str, token: str) -> "MatchOver":
     # Imported here because the command line, which imports this package, should start quickly.
     from wildscav import __version__
     from wildscav.sdk.connection import Connection
+    from wildscav.sdk.credentials import Credentials
 
     aside = Aside()
-    async with Connection(address, token, __version__) as connection:
+    async with Connection(address, token, __version__, Credentials.of()) as connection:
         aside.call(agent.reset, connection.match)
         end_watch()  # of the start
         observation = await connection.first()

@@ -13,44 +13,55 @@ LAST_PORT = 65_535
 PATH_LIMIT = 107  # bytes, of a unix socket's path on Linux
 
 
-def check_free(address: str) -> None:
-    """Find out whether an address can be listened on: gRPC's own errors do not say what is wrong.
+def bind(address: str) -> list[socket.socket]:
+    """Return sockets that are bound to an address and do not listen yet: a name may have several addresses.
 
     Raises:
         AddressInUseError: Somebody listens there, or the address is not this machine's.
         UserError: It is malformed.
     """
     if address.startswith(UNIX):
-        _check_path_free(address, Path(address.removeprefix(UNIX).removeprefix("//")))
-    else:
-        _check_port_free(address)
+        return [_bind_path(address, Path(address.removeprefix(UNIX).removeprefix("//")))]
+    return _bind_port(address)
 
 
-def _check_path_free(address: str, path: Path) -> None:
+def _bind_path(address: str, path: Path) -> socket.socket:
     if len(str(path).encode()) > PATH_LIMIT:
         raise UserError(f"{address}: the path of a socket has {PATH_LIMIT} bytes at most", exit_code=2)
     if not path.parent.is_dir():
         raise UserError(f"{address}: there is no folder {path.parent}", exit_code=2)
-    if not path.exists():
-        return
-    with socket.socket(socket.AF_UNIX) as probe:
-        if not path.is_socket() or probe.connect_ex(str(path)) == 0:
-            raise AddressInUseError(address)
-
-
-def _check_port_free(address: str) -> None:
-    host, port = split(address)
+    if path.exists():
+        with socket.socket(socket.AF_UNIX) as probe:
+            if not path.is_socket() or probe.connect_ex(str(path)) == 0:
+                raise AddressInUseError(address)
+        path.unlink()  # whoever listened here has gone
+    bound = socket.socket(socket.AF_UNIX)
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family, kind, protocol, _, where = found[0]
-        with socket.socket(family, kind, protocol) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind(where)
-            # Two sockets may be bound with SO_REUSEADDR, but only one may listen.
-            probe.listen()
+        bound.bind(str(path))
     except OSError as error:
+        bound.close()
+        raise AddressInUseError(address, error.strerror or str(error)) from None
+    return bound
+
+
+def _bind_port(address: str) -> list[socket.socket]:
+    host, port = split(address)
+    bound: list[socket.socket] = []
+    try:
+        places = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        for family, kind, protocol, _, where in dict.fromkeys(places):
+            bound.append(socket.socket(family, kind, protocol))
+            bound[-1].setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if family == socket.AF_INET6 and len(places) > 1:
+                bound[-1].setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+            bound[-1].bind((where[0], port, *where[2:]))
+            port = bound[-1].getsockname()[1]  # all the same one, whichever was free
+    except OSError as error:
+        for one in bound:
+            one.close()
         reason = "it is in use already" if error.errno == errno.EADDRINUSE else error.strerror or str(error)
         raise AddressInUseError(address, reason) from None
+    return bound
 
 
 def split(address: str) -> tuple[str, int]:

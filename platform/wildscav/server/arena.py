@@ -11,9 +11,7 @@ import grpc
 
 from wildscav.leftovers import temporary_folder
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
-from wildscav.proto.match_pb2_grpc import ArenaServicer
 from wildscav.server.deadlines import Clock
-from wildscav.server.organizer import Context, Organizer
 from wildscav.server.reports import MatchOutcome
 from wildscav.server.session import HostedMatch, MatchCancelledError
 from wildscav.wire.errors import RefusalError
@@ -28,30 +26,21 @@ KEPT_LIMIT = 256  # finished matches that can still be asked for
 State = GetMatchResponse.State
 
 
-class ArenaService(ArenaServicer):
+class ArenaService:
     """Opens matches for organizers, and hands out their results.
 
     Args:
         server: Hosts the matches.
-        organizer: Tells who may call.
     """
 
-    def __init__(self, server: "MatchServer", organizer: Organizer) -> None:
+    def __init__(self, server: "MatchServer") -> None:
         self._server = server
-        self._organizer = organizer
         self._open: dict[str, HostedMatch | None] = {}  # None: its map is being made
         self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()
         self._keepers: set[asyncio.Task[None]] = set()
 
-    async def HostMatch(self, request: HostMatchRequest, context: Context) -> HostMatchResponse:  # noqa: N802
-        """Open a match."""
-        return await self._organizer.answer(context, lambda: self._host(request))
-
-    async def GetMatch(self, request: GetMatchRequest, context: Context) -> GetMatchResponse:  # noqa: N802
-        """Tell how a match stands."""
-        return await self._organizer.answer(context, lambda: self._get(request.match_id))
-
-    async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
+    async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
+        """Open a match. See ``routes.Arena``."""
         from pydantic import ValidationError
 
         from wildscav_engine.match import MatchSetupError
@@ -101,7 +90,9 @@ class ArenaService(ArenaServicer):
         if len(self._closed) > KEPT_LIMIT:
             self._closed.popitem(last=False)
 
-    async def _get(self, match_id: str) -> GetMatchResponse:
+    async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
+        """Tell how a match stands. See ``routes.Arena``."""
+        match_id = request.match_id
         if match_id in self._closed:
             return self._closed[match_id]
         hosted = self._open.get(match_id)

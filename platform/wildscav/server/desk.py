@@ -7,8 +7,6 @@ from typing import TypeVar
 import grpc
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
-from wildscav.proto.match_pb2_grpc import ArenaServicer
-from wildscav.server.organizer import Context, Organizer
 from wildscav.server.workforce import Worker, WorkerLostError
 from wildscav.wire.errors import RefusalError, reason_of
 from wildscav.wire.matches import encode_seat_address
@@ -17,7 +15,7 @@ Answer = TypeVar("Answer")
 State = GetMatchResponse.State
 
 
-class FrontDesk(ArenaServicer):
+class FrontDesk:
     """Serves organizers at one address.
 
     A match's id is ``WORKER.GENERATION-ID``: it says who plays it, and whether that process is there yet.
@@ -25,20 +23,19 @@ class FrontDesk(ArenaServicer):
     Args:
         workers: Take turns.
         place: Which one of a worker's addresses goes with this one.
-        organizer: Tells who may call.
     """
 
-    def __init__(self, workers: Sequence[Worker], place: int, organizer: Organizer) -> None:
-        self._workers, self._place, self._organizer = workers, place, organizer
+    def __init__(self, workers: Sequence[Worker], place: int) -> None:
+        self._workers, self._place = workers, place
         self._turns = count()
 
-    async def HostMatch(self, request: HostMatchRequest, context: Context) -> HostMatchResponse:  # noqa: N802
+    async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
         """Open a match at the worker whose turn it is, or at the next one that has room."""
-        return await self._organizer.answer(context, lambda: _refused(self._host(request)))
+        return await _refused(self._host(request))
 
-    async def GetMatch(self, request: GetMatchRequest, context: Context) -> GetMatchResponse:  # noqa: N802
-        """Tell how a match stands."""
-        return await self._organizer.answer(context, lambda: _refused(self._get(request.match_id)))
+    async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
+        """Tell how a match stands. See ``routes.Arena``."""
+        return await _refused(self._get(request.match_id))
 
     async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
         full: Exception | None = None

@@ -55,6 +55,7 @@ class Diary:
                 "seat_ended",
                 match=match.id,
                 seat=report.seat,
+                sdk=seat.sdk,
                 status=report.status.value,
                 fault=report.status.fault,
                 detail=report.detail,

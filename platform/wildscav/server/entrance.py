@@ -1,30 +1,46 @@
-"""An entrance of a match server: one address, with a gRPC server of its own that listens there.
+"""An entrance of a match server: one address, with a listener of its own.
 
-gRPC does not tell over which of its addresses a stream came in, so each has a server to itself. A seat can
-thus be tied to one address, and nobody who crowds one keeps others from joining at another.
+A seat can thus be tied to one address, and nobody who crowds one keeps others from joining at another.
 """
 
+import contextlib
+import ssl
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 
-import grpc
-from grpc_health.v1 import health, health_pb2, health_pb2_grpc
-
-from wildscav.errors import AddressInUseError
-from wildscav.proto.match_pb2_grpc import ArenaServicer, add_ArenaServicer_to_server
-from wildscav.server.addresses import with_port
+from wildscav.errors import UserError
+from wildscav.server.addresses import UNIX, bind, is_public, with_port
+from wildscav.server.http2.connection import Route
+from wildscav.server.http2.listener import Listener
+from wildscav.server.routes import PLAY, Health
 from wildscav.server.service import MatchService, Place
 from wildscav.wire.errors import RefusalError
 
-SERVICES = ("", "wildscav.match.v1.Match")
-OPTIONS = (
-    ("grpc.so_reuseport", 0),  # so that a port in use is an error
-    ("grpc.max_receive_message_length", 256 * 1024),  # bytes: actions are tiny, specs small
-    ("grpc.keepalive_time_ms", 30_000),  # finds out that a remote peer is gone
-    ("grpc.keepalive_timeout_ms", 10_000),
-    ("grpc.server_handshake_timeout_ms", 10_000),  # for a connection to speak HTTP/2
-    ("grpc.max_connection_idle_ms", 60_000),  # without a stream
-    ("grpc.max_concurrent_streams", 128),  # of one connection
-)
+CONNECTIONS = 2000  # to one address at one time
+
+
+@dataclass(frozen=True)
+class Door:
+    """How an address is guarded."""
+
+    connections: int = CONNECTIONS  # open at one time: then a stranger's has to go
+    visits: int | None = None  # connections that may come in all; then the address is closed
+    tls: ssl.SSLContext | None = field(default=None, compare=False)  # of ports; unix sockets need none
+    insecure: bool = False  # whether other machines may come without TLS
+
+    def check_address(self, address: str) -> None:
+        """Let a server listen at an address.
+
+        Raises:
+            UserError: What is said there could be read on the way.
+        """
+        if self.tls is None and not self.insecure and is_public(address):
+            raise UserError(
+                f"{address} can be reached from other machines, and tokens would cross the network in clear: "
+                "name a certificate (--tls-cert, --tls-key), or say --insecure if you trust the network",
+                exit_code=2,
+            )
 
 
 class Entrance:
@@ -32,53 +48,57 @@ class Entrance:
 
     Args:
         address: Free to be taken; port 0 takes any.
-        connections: How many may be open at one time; more are closed at once.
+        door: How it is guarded.
         places: What each token stands for.
         refused: Told of every refusal.
         broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
-        arena: Opens matches over the wire; nobody does if none.
+        flooded: Told of the address of one seat that its agent flooded, and of what it did.
+        more: What else is served there.
 
     Raises:
         AddressInUseError: The address cannot be had.
+        UserError: It is malformed.
     """
 
     def __init__(
         self,
         address: str,
-        connections: int,
+        door: Door,
         places: Mapping[str, Place],
         refused: Callable[[RefusalError], None],
         broke: Callable[[str, Exception], None],
-        arena: ArenaServicer | None,
+        flooded: Callable[[str, str], None],
+        more: Mapping[str, Route],
     ) -> None:
-        limit = ("grpc.max_allowed_incoming_connections", connections)
-        self._grpc = grpc.aio.server(options=(*OPTIONS, limit))
-        try:
-            port = self._grpc.add_insecure_port(address)
-        except RuntimeError as error:
-            raise AddressInUseError(address, str(error)) from None
-        self.address = with_port(address, port)
+        sockets = bind(address)
+        name = sockets[0].getsockname()
+        self.address = address if address.startswith(UNIX) else with_port(address, name[1])
+        self._path = Path(name) if address.startswith(UNIX) else None
+        self._inode = self._path.stat().st_ino if self._path else 0
         self._service = MatchService(places, refused, broke, self.address)
-        self._grpc.add_generic_rpc_handlers((self._service.handler(),))
-        self._health = health.aio.HealthServicer()  # type: ignore[attr-defined]
-        health_pb2_grpc.add_HealthServicer_to_server(self._health, self._grpc)
-        if arena is not None:
-            add_ArenaServicer_to_server(arena, self._grpc)
+        self._health = Health()
+        self._listener = Listener(
+            sockets,
+            {PLAY: Route(self._service.play), **self._health.routes(), **more},
+            connections=door.connections,
+            visits=door.visits,
+            crowded=lambda reason: flooded(self.address, reason),
+            tls=None if self._path else door.tls,
+        )
 
     @property
     def strangers(self) -> int:
         """How many streams have not said which seat they are."""
         return len(self._service.strangers)
 
-    async def start(self) -> None:
+    def start(self) -> None:
         """Let streams come in."""
-        await self._grpc.start()
-        for service in SERVICES:
-            await self._health.set(service, health_pb2.HealthCheckResponse.SERVING)
+        self._listener.start()
+        self._health.serving = True
 
-    async def announce_end(self) -> None:
+    def announce_end(self) -> None:
         """Tell whoever asks that the server is about to stop."""
-        await self._health.enter_graceful_shutdown()
+        self._health.serving = False
 
     async def stop(self, grace: float) -> None:
         """Close all connections.
@@ -86,4 +106,8 @@ class Entrance:
         Args:
             grace: s that open calls have to end by themselves.
         """
-        await self._grpc.stop(grace)
+        await self._listener.stop(grace)
+        if self._path is not None:
+            with contextlib.suppress(OSError):
+                if self._path.stat().st_ino == self._inode:  # and nobody else's by now
+                    self._path.unlink()

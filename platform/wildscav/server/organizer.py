@@ -1,17 +1,13 @@
 """Who may open matches on a shared server: whoever has its secret, or everyone where there is none."""
 
 import hmac
-from collections.abc import Awaitable, Callable
-from typing import Any, TypeAlias, TypeVar
 
 import grpc
 
 from wildscav.errors import UserError
 from wildscav.server.addresses import is_public
-from wildscav.wire.errors import RefusalError, encode_refusal
-
-Answer = TypeVar("Answer")
-Context: TypeAlias = grpc.aio.ServicerContext[Any, Any]
+from wildscav.server.http2.stream import Stream
+from wildscav.wire.errors import RefusalError
 
 
 class Organizer:
@@ -24,29 +20,21 @@ class Organizer:
     def __init__(self, token: str | None) -> None:
         self._token = token
 
-    def check(self, context: Context) -> None:
+    def admit(self, stream: Stream) -> None:
         """Let an organizer's call pass.
 
         Raises:
             RefusalError: It does not carry the secret.
         """
-        if self._token is None:
-            return
-        metadata = dict(context.invocation_metadata() or ())
-        given = str(metadata.get("authorization", "")).removeprefix("Bearer ")
-        if not hmac.compare_digest(given.encode(), self._token.encode()):
-            raise RefusalError(
-                grpc.StatusCode.UNAUTHENTICATED, "ORGANIZER_TOKEN", "this call needs the organizer's token"
-            )
-
-    async def answer(self, context: Context, call: Callable[[], Awaitable[Answer]]) -> Answer:
-        """Answer an organizer's call; whatever is refused ends it with that status."""
-        try:
-            self.check(context)
-            return await call()
-        except RefusalError as refusal:
-            await context.abort_with_status(encode_refusal(refusal))
-            raise
+        if self._token is not None:
+            given = stream.headers.get("authorization", "").removeprefix("Bearer ")
+            if not hmac.compare_digest(given.encode(), self._token.encode()):
+                raise RefusalError(
+                    grpc.StatusCode.UNAUTHENTICATED,
+                    "ORGANIZER_TOKEN",
+                    "this call needs the organizer's token",
+                )
+        stream.trust()
 
     def check_address(self, address: str) -> None:
         """Let a server listen for organizers at an address.

@@ -37,6 +37,7 @@ class Seat:
         self.sensors = sensors
         self.stream: asyncio.Task[Any] | None = None  # serves its connection
         self.refusal: RefusalError | None = None  # why its stream was ended
+        self.sdk = ""  # what its client calls itself
         self.gets_ready = False  # whether it says itself when it is set up
         self.ready = False  # whether it is
         self.start_up: float | None = None  # s that it took to be

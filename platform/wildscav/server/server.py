@@ -8,25 +8,26 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from wildscav.logs import Log
-from wildscav.server.addresses import check_free
 from wildscav.server.arena import ArenaService
 from wildscav.server.deadlines import Clock, TimeBank
 from wildscav.server.diary import Diary
-from wildscav.server.entrance import Entrance
+from wildscav.server.entrance import Door, Entrance
 from wildscav.server.meters import ServerMeters
 from wildscav.server.organizer import Organizer
+from wildscav.server.reports import SeatStatus
+from wildscav.server.routes import arena_routes
 from wildscav.server.seat import Seat, parse_sensors
 from wildscav.server.service import Place
 from wildscav.server.session import HostedMatch, MatchCancelledError
 from wildscav.server.warm import warm
-from wildscav.wire.errors import RefusalError
+from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
     from wildscav_engine.sensors import Sensor
     from wildscav_engine.spec import MatchSpec
 
-CONNECTIONS = 2000  # to one address at one time
+DEFAULT_DOOR = Door()
 
 
 class MatchServer:
@@ -35,7 +36,7 @@ class MatchServer:
     Args:
         arena: Whether matches can be opened over the wire, too.
         organizer_token: The secret that the arena asks for; needed on addresses that others can reach.
-        connections: How many may be open to one address; more are closed at once.
+        door: How each address is guarded.
         log: Where to write what happens; nowhere if none.
     """
 
@@ -44,15 +45,15 @@ class MatchServer:
         *,
         arena: bool = False,
         organizer_token: str | None = None,
-        connections: int = CONNECTIONS,
+        door: Door = DEFAULT_DOOR,
         log: Log | None = None,
     ) -> None:
         self._places: dict[str, Place] = {}
         self._matches: set[HostedMatch] = set()
         self._entrances: list[Entrance] = []
-        self._connections = connections
+        self._door = door
         self._organizer = Organizer(organizer_token)
-        self._arena = ArenaService(self, self._organizer) if arena else None
+        self._arena = arena_routes(ArenaService(self), self._organizer) if arena else {}
         self.meters = ServerMeters(
             lambda: self._matches, lambda: sum(one.strangers for one in self._entrances)
         )
@@ -72,20 +73,20 @@ class MatchServer:
             AddressInUseError: An address cannot be had.
             UserError: An address is malformed, or an arena without a token would be open to others.
         """
-        service = self._arena if arena else None
+        more = self._arena if arena else {}
         for address in addresses:
-            check_free(address)
-            if service is not None:
+            self._door.check_address(address)
+            if more:
                 self._organizer.check_address(address)
         allow_many_files()
         new = []
         for address in addresses:
             new.append(
-                Entrance(address, self._connections, self._places, self._refused, self._broke, service)
+                Entrance(address, self._door, self._places, self._refused, self._broke, self._flooded, more)
             )
             self._entrances.append(new[-1])
         for entrance in new:
-            await entrance.start()
+            entrance.start()
         return [entrance.address for entrance in new]
 
     async def host(
@@ -158,6 +159,13 @@ class MatchServer:
         for match in {place.match for place in self._places.values() if place.address == address}:
             match.fail(error)
 
+    def _flooded(self, address: str, reason: str) -> None:
+        """Put the seats out that are joined at an address which their agent has flooded."""
+        self._refused(ProtocolRefusalError("FLOOD", reason))
+        for place in tuple(self._places.values()):
+            if place.address == address:
+                place.match.give_up(place.seat.number, reason, SeatStatus.PROTOCOL_ERROR)
+
     def _forget(self, hosted: HostedMatch) -> None:
         self._matches.discard(hosted)
         how = "cancelled" if hosted.task.cancelled() else "failed" if hosted.task.exception() else "finished"
@@ -173,7 +181,7 @@ class MatchServer:
             grace: s that open calls have to end by themselves.
         """
         for entrance in self._entrances:
-            await entrance.announce_end()
+            entrance.announce_end()
         for hosted in tuple(self._matches):
             hosted.cancel()
             with contextlib.suppress(MatchCancelledError):

@@ -4,28 +4,25 @@ It takes and gives bytes: what comes from outside is measured before it is parse
 """
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import grpc
 from google.protobuf.message import DecodeError
 
 from wildscav.proto import PROTOCOL_VERSION
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join
+from wildscav.server.http2.stream import Stream, StreamLostError
 from wildscav.server.reports import SeatStatus
 from wildscav.server.seat import Seat
 from wildscav.server.session import HostedMatch
 from wildscav.server.strangers import Strangers
-from wildscav.wire.errors import ProtocolRefusalError, RefusalError, encode_refusal
+from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
-SERVICE = "wildscav.match.v1.Match"
 JOIN_TIME = 10.0  # s that a new stream has to say who it is
 REFUSAL_DELAY = 0.2  # s until a stranger hears that it is refused: who tries again and again, tries slowly
 STREAM_ENDED = "its stream ended"
 STALE_LIMIT = 16  # old answers that a seat may send in one step
-MESSAGE_LIMIT = 4096  # bytes of what an agent sends; an action has 40 at most
-
-Context: TypeAlias = "grpc.aio.ServicerContext[bytes, bytes]"
 
 
 class Place(NamedTuple):
@@ -34,10 +31,6 @@ class Place(NamedTuple):
     match: HostedMatch
     seat: Seat
     address: str | None = None  # the only one over which it can be taken; any if none
-
-
-class StreamLostError(Exception):
-    """The connection of a stream is gone."""
 
 
 class MatchService:
@@ -60,33 +53,30 @@ class MatchService:
         self._places, self._refused, self._broke, self._address = places, refused, broke, address
         self.strangers = Strangers()
 
-    def handler(self) -> grpc.GenericRpcHandler:
-        """Return what a gRPC server is to be given."""
-        play = grpc.stream_stream_rpc_method_handler(self.play)
-        handler: grpc.GenericRpcHandler = grpc.method_handlers_generic_handler(SERVICE, {"Play": play})
-        return handler
-
-    async def play(self, _: AsyncIterator[bytes], context: Context) -> None:
+    async def play(self, stream: Stream) -> None:
         """Serve one seat from joining to the end of its match."""
         try:
-            place, gets_ready = await self._welcome(context)
-            await _begin(context)
-            await _take_and_serve(place, context, gets_ready=gets_ready)
+            place, join = await self._welcome(stream)
+            await _take_and_serve(place, stream, join)
         except RefusalError as refusal:
             self._refused(refusal)
-            await _refuse(context, refusal)
+            raise
+        except asyncio.CancelledError:
+            if stream.refusal is not None:  # nobody is there to hear it, but it is to be known
+                self._refused(stream.refusal)
+            raise
         except StreamLostError:
             pass  # nobody is there to hear anything
-        except Exception as error:  # noqa: BLE001 - whoever came is not to blame
+        except Exception as error:
             self._broke(self._address, error)
-            await _refuse(context, _platform_failed())
+            raise _platform_failed() from error
 
-    async def _welcome(self, context: Context) -> tuple[Place, bool]:
-        """Find out who has come, and whether it will get ready. Whoever is refused here waits for it."""
+    async def _welcome(self, stream: Stream) -> tuple[Place, Join]:
+        """Find out who has come. Whoever is refused here waits for it."""
         with self.strangers.counted(_this_task()):
             try:
-                join = await _read_join(context)
-                return self._place(join), join.gets_ready
+                join = await _read_join(stream)
+                return self._place(join), join
             except RefusalError:
                 await asyncio.sleep(REFUSAL_DELAY)
                 raise
@@ -123,36 +113,40 @@ def _platform_failed() -> RefusalError:
     return RefusalError(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", "the platform failed")
 
 
-async def _take_and_serve(place: Place, context: Context, *, gets_ready: bool) -> None:
+async def _take_and_serve(place: Place, stream: Stream, join: Join) -> None:
     """Take a seat for this stream, and speak the protocol with it."""
     try:
-        place.match.join(place.seat, _this_task(), gets_ready=gets_ready)
+        place.match.join(place.seat, _this_task(), join)
+        stream.trust()
     except RefusalError:
         raise
     except Exception as error:
         place.match.fail(error)
         raise _platform_failed() from error
-    await _serve(place, context)
+    await _serve(place, stream)
 
 
-async def _serve(place: Place, context: Context) -> None:
+async def _serve(place: Place, stream: Stream) -> None:
     """Speak the protocol with a seat that has been taken."""
     match, seat = place.match, place.seat
     loop = asyncio.get_running_loop()
     try:
-        await _write(context, match.info_for(seat).SerializeToString())
+        await stream.write(match.info_for(seat).SerializeToString())
         if seat.gets_ready:
-            await _read_ready(context)
+            await _read_ready(stream)
             match.ready(seat)
         while (observation := await match.next_observation(seat)) is not None:
             seat.asked_at = loop.time()
-            await _write(context, observation)
-            match.receive(seat, await _read_answer(seat, context))
-        await _write(context, match.goodbye_to(seat).SerializeToString())
+            await stream.write(observation)
+            match.receive(seat, await _read_answer(seat, stream))
+        await stream.write(match.goodbye_to(seat).SerializeToString())
     except asyncio.CancelledError:
-        if seat.refusal is None:  # the connection was lost
+        refusal = seat.refusal or stream.refusal
+        if refusal is None:  # the connection was lost
             raise
-        raise seat.refusal from None
+        if isinstance(refusal, ProtocolRefusalError):
+            match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
+        raise refusal from None
     except ProtocolRefusalError as refusal:
         match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
         raise
@@ -166,11 +160,11 @@ async def _serve(place: Place, context: Context) -> None:
         match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
 
 
-async def _read_join(context: Context) -> Join:
+async def _read_join(stream: Stream) -> Join:
     """Read the first message, which must be a Join."""
     try:
         async with asyncio.timeout(JOIN_TIME):
-            message = await _read(context)
+            message = await _read(stream)
     except TimeoutError:
         raise ProtocolRefusalError("JOIN_TIMEOUT", f"said nothing for {JOIN_TIME:g} s") from None
     if not message.HasField("join"):
@@ -178,15 +172,15 @@ async def _read_join(context: Context) -> Join:
     return message.join
 
 
-async def _read_ready(context: Context) -> None:
-    if not (await _read(context)).HasField("ready"):
+async def _read_ready(stream: Stream) -> None:
+    if not (await _read(stream)).HasField("ready"):
         raise ProtocolRefusalError("PROTOCOL_ERROR", "after a Join that says so, a Ready must come")
 
 
-async def _read_answer(seat: Seat, context: Context) -> Action:
+async def _read_answer(seat: Seat, stream: Stream) -> Action:
     """Read the answer to a seat's last observation, dropping older ones."""
     for _ in range(STALE_LIMIT):
-        message = await _read(context)
+        message = await _read(stream)
         if not message.HasField("action"):
             raise ProtocolRefusalError("PROTOCOL_ERROR", "after joining, every message must be an Action")
         if message.action.step == seat.asked:
@@ -199,7 +193,7 @@ async def _read_answer(seat: Seat, context: Context) -> Action:
     raise ProtocolRefusalError("FLOOD", f"sent {STALE_LIMIT} old answers in one step")
 
 
-async def _read(context: Context) -> ClientMessage:
+async def _read(stream: Stream) -> ClientMessage:
     """Read a message.
 
     Raises:
@@ -207,46 +201,6 @@ async def _read(context: Context) -> ClientMessage:
         StreamLostError: The stream has ended.
     """
     try:
-        content = await context.read()
-    except grpc.aio.BaseError as error:
-        raise StreamLostError from error
-    if not isinstance(content, bytes):
-        raise StreamLostError
-    if len(content) > MESSAGE_LIMIT:
-        raise ProtocolRefusalError(
-            "MESSAGE_TOO_LARGE",
-            f"sent a message of {len(content):,} bytes; {MESSAGE_LIMIT:,} are allowed",
-            grpc.StatusCode.RESOURCE_EXHAUSTED,
-        )
-    try:
-        return ClientMessage.FromString(content)
+        return ClientMessage.FromString(await stream.read())
     except DecodeError:
         raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are no ClientMessage") from None
-
-
-async def _begin(context: Context) -> None:
-    """Send the head of a stream, while nobody can end it.
-
-    It would go out with the first message. If the stream is ended while that is under way, gRPC takes the
-    head for unsent, sends it with the status once more, fails, and the client never hears of its end.
-    """
-    try:
-        await context.send_initial_metadata(())
-    except grpc.aio.BaseError as error:
-        raise StreamLostError from error
-
-
-async def _write(context: Context, message: bytes) -> None:
-    """Send the bytes of a ``ServerMessage``."""
-    try:
-        await context.write(message)
-    except grpc.aio.BaseError as error:
-        raise StreamLostError from error
-
-
-async def _refuse(context: Context, refusal: RefusalError) -> None:
-    """End a stream with a status, if anybody is there to hear it."""
-    try:
-        await context.abort_with_status(encode_refusal(refusal))
-    except grpc.aio.BaseError:
-        return

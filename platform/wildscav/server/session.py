@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import grpc
 
 from wildscav.errors import WildscavError
-from wildscav.proto.match_pb2 import Action, MatchOver, ServerMessage
+from wildscav.proto.match_pb2 import Action, Join, MatchOver, ServerMessage
 from wildscav.server.deadlines import Clock
 from wildscav.server.lockstep import LAG, Lockstep
 from wildscav.server.reports import MatchOutcome, SeatStatus
 from wildscav.server.seat import Seat
 from wildscav.server.senses import match_info
 from wildscav.wire.errors import RefusalError
-from wildscav.wire.matches import encode_match_info, encode_seat_result
+from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
 
 if TYPE_CHECKING:
     from wildscav_engine.match import Match
@@ -126,13 +126,13 @@ class HostedMatch:
 
     # What the seats' streams do.
 
-    def join(self, seat: Seat, stream: asyncio.Task[None], *, gets_ready: bool) -> None:
+    def join(self, seat: Seat, stream: asyncio.Task[None], join: Join) -> None:
         """Take a seat for a stream.
 
         Args:
             seat: Which one.
             stream: Serves its connection.
-            gets_ready: Whether the seat will say itself when it is set up.
+            join: What it said.
 
         Raises:
             RefusalError: The seat is not to be had.
@@ -143,8 +143,9 @@ class HostedMatch:
             )
         if seat.stream is not None:
             raise RefusalError(grpc.StatusCode.ALREADY_EXISTS, "SEAT_TAKEN", f"seat {seat.number} is taken")
-        seat.stream, seat.gets_ready = stream, gets_ready
-        if not gets_ready:
+        seat.stream, seat.gets_ready = stream, join.gets_ready
+        seat.sdk = decode_sdk(join)
+        if not join.gets_ready:
             self.ready(seat)
 
     def info_for(self, seat: Seat) -> ServerMessage:

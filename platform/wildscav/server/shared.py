@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING
 
 from wildscav.leftovers import own_folder
 from wildscav.logs import open_log
-from wildscav.server.addresses import UNIX, check_free, split
+from wildscav.server.addresses import UNIX, split
 from wildscav.server.desk import FrontDesk
 from wildscav.server.diary import Diary
-from wildscav.server.entrance import Entrance
+from wildscav.server.entrance import Door, Entrance
 from wildscav.server.organizer import Organizer
-from wildscav.server.server import CONNECTIONS, allow_many_files
+from wildscav.server.routes import arena_routes
+from wildscav.server.server import allow_many_files
+from wildscav.server.tls import Certificate
 from wildscav.server.worker import Orders
 from wildscav.server.workforce import Worker
 
@@ -31,6 +33,8 @@ class SharedServer:
     Args:
         workers: How many processes, at least 1.
         organizer_token: The secret that opening a match asks for; needed on addresses that others can reach.
+        certificate: How its ports are encrypted; they are not if none.
+        insecure: Whether other machines may come without that.
         log_format: Of the lines on stderr for what happens; none if None.
         metrics_port: Of the first worker's metrics, on this machine alone; the others' follow. 0 takes free
             ones; None: none are served.
@@ -41,10 +45,14 @@ class SharedServer:
         workers: int,
         *,
         organizer_token: str | None = None,
+        certificate: Certificate | None = None,
+        insecure: bool = False,
         log_format: "LogFormat | None" = None,
         metrics_port: int | None = None,
     ) -> None:
         self._organizer = Organizer(organizer_token)
+        self._door = Door(tls=certificate.context() if certificate else None, insecure=insecure)
+        self._certificate = certificate
         self._count, self._log_format, self._metrics_port = workers, log_format, metrics_port
         self._folder = tempfile.TemporaryDirectory(prefix="serve-", dir=own_folder())
         self._log = open_log(log_format)
@@ -67,22 +75,32 @@ class SharedServer:
             UserError: An address is malformed or open to others without a token, or a worker cannot start.
         """
         for address in addresses:
-            check_free(address)
+            self._door.check_address(address)
             self._organizer.check_address(address)
         allow_many_files()
         self.workers = [
             Worker(self._orders(number, addresses), self._log) for number in range(1, self._count + 1)
         ]
+        try:
+            self._bind(addresses)
+        except BaseException:
+            await self.stop()
+            raise
         started = await asyncio.gather(*(worker.start() for worker in self.workers), return_exceptions=True)
         for failure in filter(None, started):
             await self.stop()
             raise failure
-        for place, address in enumerate(addresses):
-            desk = FrontDesk(self.workers, place, self._organizer)
-            entrance = Entrance(address, CONNECTIONS, {}, self._diary.refused, self._diary.broke, desk)
-            await entrance.start()
-            self._entrances.append(entrance)
+        for entrance in self._entrances:
+            entrance.start()
         return [entrance.address for entrance in self._entrances]
+
+    def _bind(self, addresses: Sequence[str]) -> None:
+        """Take the organizers' addresses, though nobody is let in yet."""
+        for place, address in enumerate(addresses):
+            desk = arena_routes(FrontDesk(self.workers, place), self._organizer)
+            self._entrances.append(
+                Entrance(address, self._door, {}, self._diary.refused, self._diary.broke, _ignore, desk)
+            )
 
     def _orders(self, number: int, addresses: Sequence[str]) -> Orders:
         first = self._metrics_port
@@ -90,6 +108,8 @@ class SharedServer:
             seats=[beside(address, number) for address in addresses],
             arena=f"{UNIX}{Path(self._folder.name) / str(number)}",
             number=number,
+            certificate=self._certificate,
+            insecure=self._door.insecure,
             log_format=self._log_format,
             metrics_port=first + number - 1 if first else first,
         )
@@ -97,10 +117,14 @@ class SharedServer:
     async def stop(self) -> None:
         """End the workers, their matches with them, and close all connections."""
         for entrance in self._entrances:
-            await entrance.announce_end()
+            entrance.announce_end()
         await asyncio.gather(*(worker.stop() for worker in self.workers))
         await asyncio.gather(*(entrance.stop(1.0) for entrance in self._entrances))
         self._folder.cleanup()
+
+
+def _ignore(address: str, reason: str) -> None:
+    """Hear of a flood: where organizers call, no seat is to blame."""
 
 
 def beside(address: str, number: int) -> str:

@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wildscav.errors import AddressInUseError, UserError
 from wildscav.logs import open_log
 from wildscav.metrics import serving_metrics
+from wildscav.server.entrance import Door
 from wildscav.server.server import MatchServer
+from wildscav.server.tls import Certificate
 from wildscav.server.warm import warm
 
 if TYPE_CHECKING:
@@ -28,6 +30,8 @@ class Orders(NamedTuple):
     seats: Sequence[str]  # addresses to listen on for seats
     arena: str  # the address at which it is given matches
     number: int  # in log lines
+    certificate: Sequence[Any] | None = None  # of its ports, as in ``Certificate``
+    insecure: bool = False  # whether other machines may come without it
     log_format: "LogFormat | None" = None
     metrics_port: int | None = None
 
@@ -46,7 +50,13 @@ async def _work(orders: Orders) -> None:
     loop = asyncio.get_running_loop()
     loop.add_signal_handler(signal.SIGTERM, stopped.set)
     loop.add_reader(sys.stdin.fileno(), stopped.set)  # there is nothing more to read but its end
-    server = MatchServer(arena=True, log=open_log(orders.log_format, worker=orders.number))
+    try:
+        tls = Certificate(*orders.certificate).context() if orders.certificate else None
+    except UserError as error:
+        _answer(Ready(error=str(error), exit_code=error.exit_code))
+        return
+    log = open_log(orders.log_format, worker=orders.number)
+    server = MatchServer(arena=True, door=Door(tls=tls, insecure=orders.insecure), log=log)
     try:
         taken = await server.start(orders.seats, arena=False)
         await server.start([orders.arena])

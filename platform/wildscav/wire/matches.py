@@ -19,6 +19,8 @@ from wildscav.proto.match_pb2 import Vector as VectorMessage
 from wildscav.sdk.agent import MatchInfo, SupplyWave, Vector
 from wildscav.wire.observations import decode_vector
 
+SDK_LIMIT = 100  # characters of a client's name, and of its version
+
 
 def encode_join(token: str, sdk_name: str, sdk_version: str) -> ClientMessage:
     """Return the message that takes a seat."""
@@ -30,6 +32,12 @@ def encode_join(token: str, sdk_name: str, sdk_version: str) -> ClientMessage:
         gets_ready=True,
     )
     return ClientMessage(join=join)
+
+
+def decode_sdk(join: Join) -> str:
+    """Return what a client calls itself, in a line that is safe to print."""
+    parts = (part[:SDK_LIMIT] for part in (join.sdk_name, join.sdk_version))
+    return " ".join("".join(one if one.isprintable() else "?" for one in part) for part in parts).strip()
 
 
 def encode_ready() -> ClientMessage:

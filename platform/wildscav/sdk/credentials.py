@@ -1,0 +1,121 @@
+"""How a client trusts its server, and is trusted by it: TLS, where certificates are named."""
+
+import os
+import socket
+import ssl
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import grpc
+
+from wildscav.errors import UserError, describe
+
+CA_VARIABLE, CERT_VARIABLE, KEY_VARIABLE = "WILDSCAV_CA", "WILDSCAV_CERT", "WILDSCAV_KEY"
+PROBE_TIME = 3.0  # s
+
+
+class Credentials(NamedTuple):
+    """Files of PEM; without the first, a connection is not encrypted."""
+
+    ca: str = ""  # the authority that signed the server's certificate
+    cert: str = ""  # the client's own certificate, where the server asks for one
+    key: str = ""  # its private key
+
+    @classmethod
+    def of(cls, environment: Mapping[str, str] = os.environ) -> "Credentials":
+        """Return what the environment names.
+
+        Raises:
+            UserError: A file cannot be read, or one that belongs to another is missing.
+        """
+        named = cls(*(environment.get(name, "") for name in (CA_VARIABLE, CERT_VARIABLE, KEY_VARIABLE)))
+        if bool(named.cert) != bool(named.key):
+            raise UserError(
+                f"{CERT_VARIABLE} and {KEY_VARIABLE} belong together: name both or none", exit_code=2
+            )
+        if named.cert and not named.ca:
+            raise UserError(
+                f"{CERT_VARIABLE} needs {CA_VARIABLE}: who signed the server's certificate", exit_code=2
+            )
+        if named.ca:
+            named.context()
+        return named
+
+    def context(self) -> ssl.SSLContext:
+        """Return the same for Python's own TLS.
+
+        Raises:
+            UserError: A file cannot be read, or is not what it should be.
+        """
+        for path in filter(None, self):
+            _read(path)
+        try:
+            context = ssl.create_default_context(cafile=self.ca)
+            context.set_alpn_protocols(["h2"])
+            if self.cert:
+                context.load_cert_chain(self.cert, self.key, password="")
+        except ssl.SSLError as error:
+            files = ", ".join(filter(None, self))
+            raise UserError(
+                f"{files}: not certificates and a key in PEM ({error.reason})", exit_code=2
+            ) from None
+        return context
+
+    def channel(self) -> grpc.ChannelCredentials | None:
+        """Return the same for gRPC; None: not encrypted."""
+        if not self.ca:
+            return None
+        own = [_read(path) for path in (self.key, self.cert) if path]
+        credentials: grpc.ChannelCredentials = grpc.ssl_channel_credentials(_read(self.ca), *own)
+        return credentials
+
+
+def _read(path: str) -> bytes:
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise UserError(f"cannot read {describe(error)}", exit_code=2) from None
+
+
+def why_not(address: str, credentials: Credentials) -> str:
+    """Return why TLS fails at an address, in half a sentence that ends a line; "" if it does not.
+
+    gRPC tells its users nothing of it but that there is no connection.
+    """
+    if address.startswith("unix:"):
+        return ""
+    host, _, port = address.rpartition(":")
+    host = host.removeprefix("[").removesuffix("]")
+    context = credentials.context() if credentials.ca else _any_server()
+    try:
+        with (
+            socket.create_connection((host, int(port)), PROBE_TIME) as plain,
+            context.wrap_socket(plain, server_hostname=host) as encrypted,
+        ):
+            encrypted.recv(
+                1
+            )  # a server that does not take the client's certificate says so after the handshake
+    except ssl.SSLCertVerificationError as error:
+        return f": its certificate is not accepted ({error.verify_message or error.reason})"
+    except ssl.SSLError as error:
+        if not credentials.ca:
+            return ""
+        if "CERTIFICATE" in (error.reason or "") or "UNKNOWN_CA" in (error.reason or ""):
+            return f": it accepts no client without the right certificate ({_words(error)}; --cert and --key)"
+        return f": it does not speak TLS as it should ({_words(error)})"
+    except (OSError, ValueError):
+        return ""
+    return "" if credentials.ca else f": it speaks TLS; name its authority with --ca or {CA_VARIABLE}"
+
+
+def _any_server() -> ssl.SSLContext:
+    """Return what shakes hands with any server, only to find out whether it speaks TLS."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    context.set_alpn_protocols(["h2"])
+    return context
+
+
+def _words(error: ssl.SSLError) -> str:
+    return (error.reason or str(error)).lower().replace("_", " ")

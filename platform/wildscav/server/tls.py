@@ -1,0 +1,66 @@
+"""TLS at a server's addresses: its certificate, and whose clients' certificates it takes."""
+
+import ssl
+from pathlib import Path
+from typing import NamedTuple
+
+from wildscav.errors import UserError, describe
+
+
+class Certificate(NamedTuple):
+    """What a server shows its clients, and may ask of them. Files of PEM."""
+
+    chain: str  # its own certificate first
+    key: str
+    client_ca: str | None = (
+        None  # who has to have signed each client's certificate; none is asked for if None
+    )
+
+    def context(self) -> ssl.SSLContext:
+        """Read the files.
+
+        Raises:
+            UserError: One cannot be read, or they do not belong together.
+        """
+        for path in filter(None, self):
+            readable(path)
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        context.minimum_version = ssl.TLSVersion.TLSv1_2
+        context.set_alpn_protocols(["h2"])
+        try:
+            context.load_cert_chain(self.chain, self.key, password=_no_password)
+        except (ssl.SSLError, ValueError) as error:
+            raise UserError(
+                f"{self.chain} and {self.key} are no certificate with its key: {_reason(error)}", exit_code=2
+            ) from None
+        if self.client_ca is not None:
+            context.verify_mode = ssl.CERT_REQUIRED
+            try:
+                context.load_verify_locations(self.client_ca)
+            except ssl.SSLError as error:
+                raise UserError(
+                    f"{self.client_ca} holds no certificate: {_reason(error)}", exit_code=2
+                ) from None
+        return context
+
+
+def readable(path: str) -> None:
+    """Find out whether a file can be read.
+
+    Raises:
+        UserError: It cannot; says why.
+    """
+    try:
+        Path(path).read_bytes()
+    except OSError as error:
+        raise UserError(f"cannot read {describe(error)}", exit_code=2) from None
+
+
+def _no_password() -> str:
+    raise ValueError("the key is encrypted, and nobody is there to type its password")
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, ssl.SSLError):
+        return (error.reason or str(error)).lower().replace("_", " ")
+    return str(error)
