@@ -4,7 +4,9 @@ import asyncio
 from pathlib import Path
 
 import grpc
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 from tests.platform.hand_set_clock import HOP, HandSetLoop, has_answered, serving_by_hand
 from tests.platform.seats import HandPlayed, connected, ended, host, small_spec, start_agent
 
@@ -208,5 +210,66 @@ def test_two_matches_at_once_do_not_wait_for_each_other(tmp_path: Path) -> None:
             await waiting.act(0)
             await waiting.play_out()
             assert (await slow.finished()).seats[0].status == SeatStatus.FINISHED
+
+    serving_by_hand(tmp_path, play)
+
+
+class SlowSensor:
+    """A sensor that takes some time to read."""
+
+    def __init__(self, clock: HandSetLoop, takes: float) -> None:
+        self._clock, self._takes = clock, takes
+
+    def read(self, match: object, seats: list[int]) -> list[NDArray[np.float32]]:
+        self._clock.now += self._takes
+        return [np.zeros(1, np.float32)]
+
+
+@pytest.mark.parametrize("slow", [0, 1], ids=["asked first", "asked last"])
+def test_a_seat_pays_for_its_sensors_itself(tmp_path: Path, slow: int) -> None:
+    takes, bank = 0.375, 2.0
+    limits = Clock(step_budget=BUDGET, time_bank=bank)
+
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=limits)
+        hosted.seats[slow].sensors["slow"] = SlowSensor(clock, takes)  # type: ignore[assignment]
+        async with connected(address) as first, connected(address) as second:
+            seats = (first, second)
+            for number, seat in enumerate(seats):
+                await seat.join(hosted.tokens[number])
+            for step in range(3):
+                for seat in seats:
+                    assert (await seat.read()).observation.step == step
+                for number, seat in enumerate(seats):
+                    await seat.act(step)
+                    await has_answered(hosted, number, step)
+            reports = [hosted.seats[number].report() for number in range(2)]
+            hosted.cancel()
+        assert reports[slow].time_bank == bank - 3 * (takes - BUDGET)
+        assert reports[1 - slow].time_bank == bank
+        assert [report.think_time.total for report in reports] == [0.0, 0.0]  # neither has thought
+
+    serving_by_hand(tmp_path, play)
+
+
+def test_a_seat_whose_sensors_take_longer_than_it_has_is_asked_no_more(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=HASTY)
+        hosted.seats[0].sensors["slow"] = SlowSensor(clock, 1.0)  # type: ignore[assignment]
+        async with connected(address) as slow, connected(address) as lively:
+            await slow.join(hosted.tokens[0])
+            await lively.join(hosted.tokens[1])
+            began = clock.time()
+            await slow.read()
+            for step in range(20):
+                await answer(lively, hosted, 1, step)
+                if step == 2:
+                    await slow.act(0)  # far too late
+                while hosted.match.step_number == step:
+                    await clock.pass_time(HOP)
+            assert clock.time() - began < 1.0 + 21 * TURN  # the sensor was read once
+        asleep, awake = (await hosted.finished()).seats.values()
+        assert (asleep.status, asleep.steps_played) == (SeatStatus.TIMED_OUT, 0)
+        assert (awake.status, awake.steps_played, awake.time_bank) == (SeatStatus.FINISHED, 20, BANK)
 
     serving_by_hand(tmp_path, play)

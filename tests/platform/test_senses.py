@@ -113,6 +113,25 @@ def sent(match: Match, seats: list[int]) -> list[bytes]:
 
 
 SEATS = [2, 0, 3, 1]  # in any order
+ELSEWHERE = {"tensors"}  # are put behind what the kernel writes
+
+
+def test_every_field_of_the_protocol_is_written_or_known_to_be_added_later() -> None:
+    match = scrambled(seed=1, largest=2**31 - 1, fully=True)
+    match.state.agents.hit_seat[:], match.state.agents.hit_by_seat[:] = 1, 1
+    match.state.agents.knows_target[:] = True
+    (content,) = sent(match, [0])
+    message = Observation.FromString(content)
+
+    for kind, written in (
+        (Observation, message),
+        (VisibleAgent, message.agents[0]),
+        (SupplyBox, message.supply_boxes[0]),
+    ):
+        fields = {field.name for field in kind.DESCRIPTOR.fields}
+        assert fields - {field.name for field, _ in written.ListFields()} == (
+            ELSEWHERE if kind is Observation else set()
+        )
 
 
 @pytest.mark.parametrize("track", TRACKS)

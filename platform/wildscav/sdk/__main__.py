@@ -2,8 +2,8 @@
 
 Or ``python -m wildscav.sdk FOLDER``: the entry point stands in the folder's submission.toml, or a command
 that takes the place of this process. For a server with TLS, ``--ca``, ``--cert`` and ``--key`` name files, as
-``WILDSCAV_CA`` and so on do. Exit codes: 0 the match was played, 2 usage, 3 the agent's code failed, 4 the server
-cannot be reached or refuses.
+``WILDSCAV_CA`` and so on do. Exit codes: 0 the match was played, 2 usage, 3 the agent's code failed, 4 the
+server cannot be reached or refuses.
 """
 
 import asyncio

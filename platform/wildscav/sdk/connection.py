@@ -83,6 +83,8 @@ class Connection:
 
     async def _connect(self) -> None:
         """Wait until there is a connection; if TLS prevents it, find out what is wrong."""
+        if self._credentials.ca:
+            await self._check_tls()  # before gRPC tries, which would write a log of its own
         try:
             async with asyncio.timeout(CONNECT_TIMEOUT):
                 state = self._channel.get_state(try_to_connect=True)

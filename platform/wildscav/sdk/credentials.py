@@ -93,20 +93,28 @@ def why_not(address: str, credentials: Credentials) -> str:
             socket.create_connection((host, int(port)), PROBE_TIME) as plain,
             context.wrap_socket(plain, server_hostname=host) as encrypted,
         ):
-            encrypted.recv(
-                1
-            )  # a server that does not take the client's certificate says so after the handshake
+            lets_in = _is_greeted(encrypted)
     except ssl.SSLCertVerificationError as error:
         return f": its certificate is not accepted ({error.verify_message or error.reason})"
     except ssl.SSLError as error:
-        if not credentials.ca:
-            return ""
-        if "CERTIFICATE" in (error.reason or "") or "UNKNOWN_CA" in (error.reason or ""):
-            return f": it accepts no client without the right certificate ({_words(error)}; --cert and --key)"
-        return f": it does not speak TLS as it should ({_words(error)})"
+        reason = (error.reason or str(error)).lower().replace("_", " ")
+        return f": it does not speak TLS as it should ({reason})" if credentials.ca else ""
     except (OSError, ValueError):
         return ""
-    return "" if credentials.ca else f": it speaks TLS; name its authority with --ca or {CA_VARIABLE}"
+    if not credentials.ca:
+        return f": it speaks TLS; name its authority with --ca or {CA_VARIABLE}"
+    if not lets_in:
+        shown = "the one shown" if credentials.cert else "none"
+        return f": it wants a client's certificate, and {shown} is not accepted (--cert, --key)"
+    return ""
+
+
+def _is_greeted(encrypted: ssl.SSLSocket) -> bool:
+    """Return whether a server has anything to say: it rejects a client's certificate after the handshake."""
+    try:
+        return bool(encrypted.recv(1))
+    except OSError:
+        return False
 
 
 def _any_server() -> ssl.SSLContext:
@@ -115,7 +123,3 @@ def _any_server() -> ssl.SSLContext:
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     context.set_alpn_protocols(["h2"])
     return context
-
-
-def _words(error: ssl.SSLError) -> str:
-    return (error.reason or str(error)).lower().replace("_", " ")

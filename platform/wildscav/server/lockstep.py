@@ -13,7 +13,7 @@ then, so that the first agents think while the others are served.
 
 import asyncio
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from wildscav.proto.match_pb2 import Action
 from wildscav.server.deadlines import Clock
 from wildscav.server.seat import Seat
+from wildscav.server.seat_time import SeatTime
 from wildscav.server.senses import Senses
 from wildscav.wire.actions import ACTION_FIELDS, decode_action
 from wildscav.wire.observations import encode_observation
@@ -39,17 +40,18 @@ class Lockstep:
         match: At its start.
         seats: Those that agent processes fill.
         clock: The limits of their time.
+        time: What it is measured by.
     """
 
-    def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock) -> None:
-        self._match, self._seats, self._clock = match, seats, clock
+    def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatTime) -> None:
+        self._match, self._seats, self._clock, self._time = match, seats, clock, time
         self._senses = Senses(match, [seat.number for seat in seats])
         self._loop = asyncio.get_running_loop()
         columns = range(len(ACTION_FIELDS))
         self._outside = tuple(column for column in columns if column not in match.track.fields)
         self._done: asyncio.Future[None] = self._loop.create_future()  # nobody is asked any more
         self._patience = clock.patience(match.spec)  # s that steps may still wait beyond their budgets
-        # The open step; times by the loop's clock:
+        # The open step; times are those of seats:
         self._opened = 0.0
         self._due = 0.0  # when to look at the clock again
         self._excused = False  # whether the server's own delay has been made good
@@ -88,19 +90,32 @@ class Lockstep:
         """Return the bytes of the open step's message to a seat that has not had it; None: it must wait."""
         if self._step is None or seat not in self._pending or seat.asked == self._step:
             return None
-        message = encode_observation(self._senses.of(seat.number), seat.sense(self._match))
-        seat.asked, seat.asked_at = self._step, self._loop.time()
+        if seat.bank.used_up and seat.sensing > self._clock.step_budget:
+            return None  # it cannot answer in time any more, and all others would wait for its sensors
+        message = encode_observation(self._senses.of(seat.number), self._sense(seat))
+        now = self._time.now()
+        seat.asked, seat.asked_at = self._step, now - seat.sensing
         if seat.called:
-            seat.called, self._opened = False, seat.asked_at  # nobody pays for what others' observations take
+            seat.called, self._opened = False, now  # nobody pays for what others' observations take
         return message
+
+    def _sense(self, seat: Seat) -> dict[str, NDArray[Any]]:
+        """Read a seat's sensors: what that takes is the seat's own time, and nobody else's."""
+        if not seat.sensors:
+            return {}
+        began = self._loop.time()
+        with self._time.standing_still():
+            readings = seat.sense(self._match)
+        seat.sensing = self._loop.time() - began
+        return readings
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
         if self._step is None or seat not in self._pending or seat.asked != self._step:
             seat.conduct.dropped_actions += 1
             return
-        now = self._loop.time()
-        self._give_back(now - self._due)
+        now = self._time.now()
+        self._give_back(now)
         self._pending.discard(seat)
         if self._charge(seat, now):
             self._accept(seat, message)
@@ -111,9 +126,8 @@ class Lockstep:
 
     def _charge(self, seat: Seat, now: float) -> bool:
         """Charge a seat for the open step, and return whether it had the time."""
-        # What the server has given back can be more than what has gone by.
-        elapsed = max(0.0, now - self._asked_at(seat))
-        seat.times.append(elapsed)
+        elapsed = now - self._asked_at(seat)
+        seat.times.append(max(0.0, elapsed - seat.sensing) if seat.asked == self._step else elapsed)
         return seat.bank.charge(elapsed)
 
     def _count_late(self, seat: Seat) -> None:
@@ -154,7 +168,7 @@ class Lockstep:
         self._senses.take(seat.bank.left for seat in self._seats)
         self._rows.fill(0.0)
         self._pending = set(present)
-        self._opened = self._loop.time()
+        self._opened = self._time.now()
         for seat in present:
             seat.call()
         self._excused = False
@@ -163,7 +177,7 @@ class Lockstep:
 
     def _settle(self) -> None:
         """After one seat less is waited for: close the step if nobody else has time left."""
-        now = self._loop.time()
+        now = self._time.now()
         if not self._pending:
             self._close(now)
         elif now > self._opened + self._clock.step_budget:
@@ -204,19 +218,19 @@ class Lockstep:
         and cancel one for each costs more than to be woken for nothing ten times a second.
         """
         self._due = when
-        if self._timer is None or self._timer.when() > when:
+        if self._timer is None or self._timer.when() > self._time.on_loop(when):
             self._set_timer()
 
     def _set_timer(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        self._timer = self._loop.call_at(self._due, self._timer_fires)
+        self._timer = self._loop.call_at(self._time.on_loop(self._due), self._timer_fires)
 
     def _timer_fires(self) -> None:
         self._timer = None
         if self._step is None:
             return
-        if self._loop.time() < self._due:
+        if self._time.now() < self._due:  # it was moved, or the clock has stood still
             self._set_timer()
             return
         try:
@@ -230,20 +244,18 @@ class Lockstep:
             self._timer = None
 
     def _time_is_up(self) -> None:
-        now = self._loop.time()
-        self._give_back(now - self._due)
+        now = self._time.now()
+        self._give_back(now)
         self._close_or_wait(now)
 
-    def _give_back(self, lag: float) -> None:
+    def _give_back(self, now: float) -> None:
         """Give the agents back, once a step, what the server is late with looking at the clock.
 
-        It was busy then, and answers may lie unread.
-
-        Args:
-            lag: s.
+        It was busy then, and answers may lie unread. Nobody gets more than has passed since it was asked.
         """
+        lag = now - self._due
         if lag > LAG and not self._excused:
             self._excused = True
-            self._opened += lag + LAG
+            self._opened = min(now, self._opened + lag + LAG)
             for seat in self._pending:
-                seat.asked_at += lag + LAG
+                seat.asked_at = min(now, seat.asked_at + lag + LAG)

@@ -43,7 +43,8 @@ class Seat:
         self.start_up: float | None = None  # s that it took to be
         self.gone = False  # plays no action for the rest of the match
         self.asked = -1  # step of the last observation that it was handed
-        self.asked_at = 0.0  # when it was sent, by the loop's clock
+        self.asked_at = 0.0  # when its time for that step began: when it was sent, less what its sensors took
+        self.sensing = 0.0  # s that reading its sensors took for that step
         self.conduct = Conduct()
         self.first_late: int | None = None  # the first step that was played without its answer
         self.times = array("d")  # s, of each step

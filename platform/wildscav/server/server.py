@@ -17,6 +17,7 @@ from wildscav.server.organizer import Organizer
 from wildscav.server.reports import SeatStatus
 from wildscav.server.routes import arena_routes
 from wildscav.server.seat import Seat, parse_sensors
+from wildscav.server.seat_time import SeatTime
 from wildscav.server.service import Place
 from wildscav.server.session import HostedMatch, MatchCancelledError
 from wildscav.server.warm import warm
@@ -51,7 +52,7 @@ class MatchServer:
         self._places: dict[str, Place] = {}
         self._matches: set[HostedMatch] = set()
         self._entrances: list[Entrance] = []
-        self._door = door
+        self._door, self._time = door, SeatTime()
         self._organizer = Organizer(organizer_token)
         self._arena = arena_routes(ArenaService(self), self._organizer) if arena else {}
         self.meters = ServerMeters(
@@ -75,9 +76,9 @@ class MatchServer:
         """
         more = self._arena if arena else {}
         for address in addresses:
-            self._door.check_address(address)
             if more:
                 self._organizer.check_address(address)
+            self._door.check_address(address)
         allow_many_files()
         new = []
         for address in addresses:
@@ -134,7 +135,7 @@ class MatchServer:
             seats.append(Seat(number, secrets.token_urlsafe(24), TimeBank(clock), wanted))
         # In a thread, so that other matches play on while the map is made.
         match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats], make)
-        hosted = HostedMatch(match, names, seats, clock, starting=starting)
+        hosted = HostedMatch(match, names, seats, clock, self._time, starting=starting)
         self._matches.add(hosted)
         self._places.update({seat.token: Place(hosted, seat, own.get(seat.number)) for seat in seats})
         hosted.task.add_done_callback(lambda _: self._forget(hosted))

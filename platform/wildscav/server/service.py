@@ -129,14 +129,12 @@ async def _take_and_serve(place: Place, stream: Stream, join: Join) -> None:
 async def _serve(place: Place, stream: Stream) -> None:
     """Speak the protocol with a seat that has been taken."""
     match, seat = place.match, place.seat
-    loop = asyncio.get_running_loop()
     try:
         await stream.write(match.info_for(seat).SerializeToString())
         if seat.gets_ready:
             await _read_ready(stream)
             match.ready(seat)
         while (observation := await match.next_observation(seat)) is not None:
-            seat.asked_at = loop.time()
             await stream.write(observation)
             match.receive(seat, await _read_answer(seat, stream))
         await stream.write(match.goodbye_to(seat).SerializeToString())

@@ -15,6 +15,7 @@ from wildscav.server.deadlines import Clock
 from wildscav.server.lockstep import LAG, Lockstep
 from wildscav.server.reports import MatchOutcome, SeatStatus
 from wildscav.server.seat import Seat
+from wildscav.server.seat_time import SeatTime
 from wildscav.server.senses import match_info
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
@@ -37,6 +38,7 @@ class HostedMatch:
         names: Display name of every seat.
         seats: Those that agent processes fill.
         clock: The limits of their time.
+        seat_time: What it is measured by.
         starting: Whether the time to join begins only once every seat was ``launched``.
     """
 
@@ -46,6 +48,7 @@ class HostedMatch:
         names: Sequence[str],
         seats: Sequence[Seat],
         clock: Clock,
+        seat_time: SeatTime,
         *,
         starting: bool = False,
     ) -> None:
@@ -54,7 +57,7 @@ class HostedMatch:
         self.names = tuple(names)
         self._seats = {seat.number: seat for seat in seats}
         self._clock = clock
-        self._lockstep = Lockstep(match, seats, clock)
+        self._lockstep = Lockstep(match, seats, clock, seat_time)
         self._launched = dict.fromkeys(() if starting else self._seats, time.perf_counter())  # when, s
         self._all_launched = asyncio.Event()
         if len(self._launched) == len(self._seats):

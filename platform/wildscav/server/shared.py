@@ -75,8 +75,8 @@ class SharedServer:
             UserError: An address is malformed or open to others without a token, or a worker cannot start.
         """
         for address in addresses:
-            self._door.check_address(address)
             self._organizer.check_address(address)
+            self._door.check_address(address)
         allow_many_files()
         self.workers = [
             Worker(self._orders(number, addresses), self._log) for number in range(1, self._count + 1)

@@ -14,6 +14,7 @@ from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server.worker import Orders, Ready
 
 PAUSE = 1.0  # s until a worker that ended is started again
+BEGINNING = 600.0  # s that a worker has to get ready: it may have to compile
 END = 10.0  # s that a worker has to stop by itself
 ANSWER_LIMIT = -1  # bytes: records come as large as they are
 
@@ -55,21 +56,44 @@ class Worker:
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
         )
-        if process.stdin is None or process.stdout is None:
-            raise RuntimeError("a worker has pipes")
-        process.stdin.write(json.dumps(self._orders._asdict()).encode() + b"\n")
-        line = await process.stdout.readline()
-        if not line:
-            raise UserError(f"worker {self.number} did not start: it ended with {await process.wait()}")
-        ready = Ready(**json.loads(line))
-        if ready.error:
-            raise UserError(ready.error, ready.exit_code)
+        try:
+            ready = await self._give_orders(process)
+        except BaseException:
+            await _kill(process)
+            raise
         self.seats, self.metrics = ready.seats, ready.metrics
         self._orders = self._orders._replace(seats=ready.seats)  # the same again, if it must be
         self.generation += 1
         self._channel = grpc.aio.insecure_channel(
             self._orders.arena, options=[("grpc.max_receive_message_length", ANSWER_LIMIT)]
         )
+
+    async def _give_orders(self, process: asyncio.subprocess.Process) -> Ready:
+        """Tell a process what it is to do, and return its answer.
+
+        Raises:
+            UserError: It cannot do that, or gives no answer that can be understood.
+        """
+        if process.stdin is None or process.stdout is None:
+            raise RuntimeError("a worker has pipes")
+        process.stdin.write(json.dumps(self._orders._asdict()).encode() + b"\n")
+        line = b""
+        try:
+            async with asyncio.timeout(BEGINNING):
+                line = await process.stdout.readline()
+                if not line:
+                    raise UserError(
+                        f"worker {self.number} did not start: it ended with {await process.wait()}"
+                    )
+            ready = Ready(**json.loads(line))
+        except TimeoutError:
+            raise UserError(f"worker {self.number} did not start within {BEGINNING:g} s") from None
+        except (ValueError, TypeError):
+            said = line[:100].decode(errors="replace").strip()
+            raise UserError(f"worker {self.number} did not start: it said {said!r}") from None
+        if ready.error:
+            raise UserError(ready.error, ready.exit_code)
+        return ready
 
     async def _keep(self) -> None:
         """Start its process again and again."""
@@ -78,10 +102,16 @@ class Worker:
             self._log.warning("worker_ended", worker=self.number, exit_code=code, fault="platform")
             await asyncio.sleep(PAUSE)
             await self._close()
-            try:
-                await self._start_process()
-            except UserError as error:
-                self._log.warning("worker_did_not_start", worker=self.number, error=str(error))
+            while not await self._is_started_again():  # noqa: ASYNC110 - it is tried, not waited for
+                await asyncio.sleep(PAUSE)
+
+    async def _is_started_again(self) -> bool:
+        try:
+            await self._start_process()
+        except (UserError, OSError) as error:  # it is tried again: what is short now may be there later
+            self._log.warning("worker_did_not_start", worker=self.number, error=str(error))
+            return False
+        return True
 
     @property
     def arena(self) -> ArenaStub:
@@ -108,11 +138,15 @@ class Worker:
             async with asyncio.timeout(END):
                 await process.wait()
         except TimeoutError:
-            with contextlib.suppress(ProcessLookupError):
-                process.kill()
-            await process.wait()
+            await _kill(process)
 
     async def _close(self) -> None:
         if self._channel is not None:
             await self._channel.close()
             self._channel = None
+
+
+async def _kill(process: asyncio.subprocess.Process) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        process.kill()
+    await process.wait()
