@@ -3,6 +3,10 @@
 import re
 from pathlib import Path
 
+from wildscav.server.http2 import allowance
+from wildscav.server.http2.connection import HEADER_LIMIT, STREAMS
+from wildscav.server.http2.stream import WAITING
+from wildscav_evaluator.matches.play import DOOR
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions import archives
 
@@ -40,3 +44,20 @@ def test_the_limits_of_archives_are_told() -> None:
         f"{archives.MOST_ENTRIES:,}",
     )
     assert all(word in PAGE for word in (*words, *(f"`{suffix}`" for suffix in archives.SUFFIXES)))
+
+
+def test_what_a_connection_may_cost_is_told() -> None:
+    for words in (
+        (
+            f"{allowance.STRANGERS:g} on a connection before it has joined, {allowance.MOST:,g} after, "
+            f"and {allowance.A_SECOND:g} a second more; a header counts as {allowance.HEADERS_COST:g}; "
+            f"each message that the server sends earns at least {allowance.A_MESSAGE:g}"
+        ),
+        f"{HEADER_LIMIT >> 10} KiB a call",
+        f"in an evaluation {DOOR.connections}, and {DOOR.visits} in a whole match",
+        f"{STREAMS} streams each",
+        f"{WAITING} messages ahead",
+    ):
+        assert words in PAGE, words
+    assert allowance.SHARE == 0.25
+    assert "a quarter of a core together" in PAGE

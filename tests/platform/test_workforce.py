@@ -33,12 +33,12 @@ class Interpreter:
     """Stands for the Python that workers are run by: a script that a test can exchange."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        self._path = folder / "python"
+        self._path, self._real = folder / "python", sys.executable
         monkeypatch.setattr(workforce.sys, "executable", str(self._path))
 
     def runs(self, code: str) -> None:
         fresh = self._path.with_name("fresh")
-        fresh.write_text(f"#!{sys.executable}\n{code}\n")
+        fresh.write_text(f"#!{self._real}\n{code}\n")
         fresh.chmod(0o755)
         fresh.replace(self._path)
 
