@@ -3,14 +3,17 @@
 import numpy as np
 
 from wildscav_engine.ahead import compile_ahead
-from wildscav_engine.geometry.world import build_world
+from wildscav_engine.geometry.world import World, build_world
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.layout import lay_out
-from wildscav_engine.maps.locations import choose_places
+from wildscav_engine.maps.layout import Layout, lay_out
+from wildscav_engine.maps.locations import Places, choose_places, houses_cut_off
+from wildscav_engine.maps.sites import Site
 from wildscav_engine.maps.terrain import water_of_cells
-from wildscav_engine.maps.walk import build_graph
+from wildscav_engine.maps.walk import WalkGraph, build_graph
 from wildscav_engine.spec import MapConfig, MapSpec
+
+LAYOUTS = 8  # tries to put houses where one gets into all of their rooms
 
 
 def generate_map(config: MapConfig, seed: int) -> GameMap:
@@ -28,12 +31,8 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
     """
     spec = MapSpec(config=config, seed=seed)
     compile_ahead()
-    terrain, solids, solid_house, houses = lay_out(config, seed)
-    water = water_of_cells(terrain.heights, terrain.water_level)
-    world = build_world(terrain.corner, terrain.heights, water, solids, np.zeros((0, 3)))
-    graph = build_graph(world)
-    owners = np.array(solid_house, np.int16)
-    places = choose_places(graph, houses, owners, seed)
+    layout, world, graph, places = _with_open_houses(config, seed)
+    owners = np.array(layout.solid_house, np.int16)
     if len(places.ground) == 0 and config.base:
         raise MapError(f"base is {config.base}: it leaves no open, dry ground to stand on")
     if len(places.ground) == 0:
@@ -44,9 +43,36 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
     return GameMap(
         spec=spec,
         world=world._replace(spawns=places.ground),
-        houses=houses,
+        houses=layout.houses,
         indoor=places.indoor,
         outdoor=np.concatenate([places.ground, places.high]),
         solid_house=owners,
         reachable_share=graph.ground_share,
+    )
+
+
+def _with_open_houses(config: MapConfig, seed: int) -> tuple[Layout, World, WalkGraph, Places]:
+    """Lay out and explore a map; where no way leads into a room, lay it out again with its house elsewhere.
+
+    Only exploring tells. It hardly ever happens: a cliff around a house has to be steep and close.
+
+    Raises:
+        MapError: A house is cut off wherever it stands.
+    """
+    by_hand = sum(placed.kind == "house" for placed in config.placements)
+    avoided: list[Site] = []
+    for _ in range(LAYOUTS):
+        layout = lay_out(config, seed, avoided)
+        terrain = layout.terrain
+        water = water_of_cells(terrain.heights, terrain.water_level)
+        world = build_world(terrain.corner, terrain.heights, water, layout.solids, np.zeros((0, 3)))
+        graph = build_graph(world)
+        places = choose_places(graph, layout.houses, np.array(layout.solid_house, np.int16), seed)
+        cut_off = [number for number in houses_cut_off(layout.houses, places.indoor) if number >= by_hand]
+        if not cut_off or len(places.ground) == 0:
+            return layout, world, graph, places
+        avoided += [layout.sites[number] for number in cut_off]
+    raise MapError(
+        f"houses is {config.houses}: with seed {seed} and relief {config.relief}, no way leads into some of "
+        "them; try fewer houses, less relief or another seed"
     )

@@ -28,17 +28,23 @@ class Layout(NamedTuple):
     solids: list[Solid]
     solid_house: list[int]  # the house that each solid belongs to, NO_HOUSE for none
     houses: tuple[House, ...]
+    sites: tuple[Site, ...]  # of the houses
 
 
-def lay_out(config: MapConfig, seed: int) -> Layout:
+def lay_out(config: MapConfig, seed: int, avoided: Sequence[Site] = ()) -> Layout:
     """Lay out a map: ground, houses by hand and at random, then what grows and lies about.
+
+    Args:
+        config: Of the map.
+        seed: Of the map.
+        avoided: Where none of the houses at random shall stand.
 
     Raises:
         MapError: The config asks for what cannot be; the message names the field.
     """
     base = load_base(config.base) if config.base else None
     terrain = _ground(config, seed, base)
-    plans, settlement = settle_houses(config, seed, terrain)
+    plans, settlement = settle_houses(config, seed, terrain, avoided)
     sites = settlement.sites
     levels = np.array([site.ground for site in sites], np.float64)
     level_ground(terrain.corner, footprints_of(sites), levels, terrain.heights)
@@ -54,7 +60,7 @@ def lay_out(config: MapConfig, seed: int) -> Layout:
     solids += placed_solids(config, seed, terrain) + plants
     solid_house += [NO_HOUSE] * (len(solids) - len(solid_house))
     houses = tuple(house_of(plan, site) for plan, site in zip(plans, sites, strict=True))
-    return Layout(terrain, solids, solid_house, houses)
+    return Layout(terrain, solids, solid_house, houses, tuple(sites))
 
 
 def _ground(config: MapConfig, seed: int, base: Base | None) -> Terrain:
@@ -72,13 +78,16 @@ def _ground(config: MapConfig, seed: int, base: Base | None) -> Terrain:
     return Terrain((-config.size / 2.0, -config.size / 2.0), heights, base.water_level)
 
 
-def settle_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[HousePlan], Settlement]:
+def settle_houses(
+    config: MapConfig, seed: int, terrain: Terrain, avoided: Sequence[Site] = ()
+) -> tuple[list[HousePlan], Settlement]:
     """Draw the houses and find their places, those by hand first; where there is no room, draw smaller ones.
 
     Args:
         config: Of the map.
         seed: Of the map.
         terrain: Before any ground is levelled.
+        avoided: Where no house at random shall stand.
 
     Returns:
         The plan of each house, and where all stand.
@@ -90,10 +99,10 @@ def settle_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[
     for small in (False, True):
         plans = [draw_plan(seed, number, config.storeys, small=small) for number in range(config.houses)]
         sizes = [plan.size for plan in plans]
-        found = settle(config, seed, terrain, sizes, fixed_sites)
+        found = settle(config, seed, terrain, sizes, fixed_sites, avoided)
         if len(found.sites) == len(plans):
             return fixed_plans + plans, Settlement(fixed_sites + found.sites, found.lanes)
-    most = room_for(config, seed, terrain, sizes, fixed_sites)
+    most = room_for(config, seed, terrain, sizes, fixed_sites, avoided)
     raise MapError(
         f"houses is {config.houses}: a map of {config.size} m with seed {seed}, relief {config.relief} and "
         f"water {config.water} has room for 0 to {most}"

@@ -159,6 +159,21 @@ def _in_rooms(
     return np.concatenate(chosen), taken
 
 
+def houses_cut_off(houses: Sequence[House], indoor: NDArray[np.float64]) -> list[int]:
+    """Return the numbers of the houses with a room that has none of the indoor places, (N, 3) m."""
+    cut_off = []
+    for number, house in enumerate(houses):
+        x, y, z = indoor[_is_near(house, indoor)].T
+        across, along = house.pose.inside(x, z)
+        for level, area in house.rooms:
+            within = (across > area.left) & (across < area.right) & (along > area.back) & (along < area.front)
+            floor = house.ground + level * house.storey_height
+            if not (within & (np.abs(y - floor) <= ON_FLOOR)).any():
+                cut_off.append(number)
+                break
+    return cut_off
+
+
 def _is_near(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
     reach = house.size[0] + house.size[1]
     near_x = np.abs(places[:, 0] - house.center[0]) < reach

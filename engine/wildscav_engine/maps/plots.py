@@ -42,11 +42,18 @@ Place = tuple[float, float, float]  # x and z in m, and a yaw in degrees
 class Plots:
     """The ground of a map with the houses that stand on it so far."""
 
-    def __init__(self, config: MapConfig, terrain: Terrain, fixed: Sequence[Site], most: int) -> None:
-        """Start with houses that stand already; there will be at most so many more."""
+    def __init__(
+        self,
+        config: MapConfig,
+        terrain: Terrain,
+        fixed: Sequence[Site],
+        most: int,
+        avoided: Sequence[Site] = (),
+    ) -> None:
+        """Start with houses that stand already and sites to keep off; there will be at most so many more."""
         self.terrain = terrain
         self.sites: list[Site] = []
-        self._placed = placed_footprints(config)
+        self._placed = np.concatenate([placed_footprints(config), footprints_of(avoided)])
         self._lanes = np.zeros((0, 2))
         self._footprints = np.zeros((len(fixed) + most, 6))
         self._grounds = np.zeros(len(fixed) + most)

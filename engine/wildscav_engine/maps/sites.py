@@ -48,14 +48,24 @@ class Settlement(NamedTuple):
 
 
 def place_houses(
-    config: MapConfig, seed: int, terrain: Terrain, sizes: Sequence[Size], fixed: Sequence[Site] = ()
+    config: MapConfig,
+    seed: int,
+    terrain: Terrain,
+    sizes: Sequence[Size],
+    fixed: Sequence[Site] = (),
+    avoided: Sequence[Site] = (),
 ) -> list[Site]:
     """Return a site for as many houses of the given sizes in m as have room, see ``settle``."""
-    return settle(config, seed, terrain, sizes, fixed).sites
+    return settle(config, seed, terrain, sizes, fixed, avoided).sites
 
 
 def settle(
-    config: MapConfig, seed: int, terrain: Terrain, sizes: Sequence[Size], fixed: Sequence[Site] = ()
+    config: MapConfig,
+    seed: int,
+    terrain: Terrain,
+    sizes: Sequence[Size],
+    fixed: Sequence[Site] = (),
+    avoided: Sequence[Site] = (),
 ) -> Settlement:
     """Find places for houses, and lay the lanes between them.
 
@@ -65,6 +75,7 @@ def settle(
         terrain: Before any ground is levelled.
         sizes: m, of each house.
         fixed: Houses that stand already; they are not returned.
+        avoided: Where no house shall stand.
 
     Returns:
         A site for as many of the houses, in their order, as have room.
@@ -72,7 +83,7 @@ def settle(
     best = Settlement([], np.zeros((0, 4)))
     for attempt in range(ATTEMPTS):
         dice = Dice(seed, Stream.HOUSES, agent=attempt)
-        plots = Plots(config, terrain, fixed, len(sizes))
+        plots = Plots(config, terrain, fixed, len(sizes), avoided)
         if config.density == "high":
             lanes = _build_towns(dice, plots, sizes)
         else:
@@ -87,12 +98,17 @@ def settle(
 
 
 def room_for(
-    config: MapConfig, seed: int, terrain: Terrain, sizes: Sequence[Size], fixed: Sequence[Site] = ()
+    config: MapConfig,
+    seed: int,
+    terrain: Terrain,
+    sizes: Sequence[Size],
+    fixed: Sequence[Site] = (),
+    avoided: Sequence[Site] = (),
 ) -> int:
     """Return how many of the houses, counted from the first, surely find room when no more are asked for."""
     asked = len(sizes)
     while True:
-        found = len(place_houses(config, seed, terrain, sizes[:asked], fixed))
+        found = len(place_houses(config, seed, terrain, sizes[:asked], fixed, avoided))
         if found == asked:
             return found
         asked = found

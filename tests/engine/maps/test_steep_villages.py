@@ -7,7 +7,8 @@ from builders import random_map_config
 from wildscav_engine.maps import GameMap, House, MapError, generate_map
 from wildscav_engine.maps.footprints import gap_between, heights_under
 from wildscav_engine.maps.house import FLOOR_LIFT
-from wildscav_engine.maps.locations import ON_FLOOR
+from wildscav_engine.maps.layout import lay_out
+from wildscav_engine.maps.locations import ON_FLOOR, houses_cut_off
 from wildscav_engine.maps.placements import fixed_houses
 from wildscav_engine.maps.plots import level_for
 from wildscav_engine.maps.terrain import LEVEL_MARGIN, LONGEST_JOIN, Terrain, level_ground, room_of_join
@@ -47,6 +48,25 @@ def lost_rooms(game_map: GameMap, house: House) -> list[int]:
 
 def test_the_village_whose_houses_were_buried_stands_on_its_ground() -> None:
     check_houses(generate_map(CROWDED, 403674277200025))
+
+
+@pytest.mark.slow
+def test_a_house_that_would_be_cut_off_by_cliffs_stands_elsewhere() -> None:
+    first = lay_out(CROWDED, 68)
+    game_map = generate_map(CROWDED, 68)
+    assert [house.center for house in game_map.houses] != [house.center for house in first.houses]
+    check_houses(game_map)
+
+
+def test_a_house_is_cut_off_if_nobody_gets_into_one_of_its_rooms() -> None:
+    game_map = generate_map(MapConfig(size=60, houses=2, relief=0.0, water=0.0), 1)
+    assert houses_cut_off(game_map.houses, game_map.indoor) == []
+    house = game_map.houses[1]
+    across, along = house.pose.inside(game_map.indoor[:, 0], game_map.indoor[:, 2])
+    room = house.rooms[0].area
+    inside = (across > room.left) & (across < room.right) & (along > room.back) & (along < room.front)
+    assert houses_cut_off(game_map.houses, game_map.indoor[~inside]) == [1]
+    assert houses_cut_off(game_map.houses, game_map.indoor[:0]) == [0, 1]
 
 
 @pytest.mark.parametrize("density", ["low", "high"])
