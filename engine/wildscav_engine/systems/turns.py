@@ -25,14 +25,15 @@ def draw_turns(seed: Word, frame: int, order: NDArray[np.int32]) -> None:
     seats = order.shape[0]
     for seat in range(seats):
         order[seat] = seat
-    one, two = np.uint64(0), np.uint64(0)
+    one: Word = np.uint64(0)
+    two: Word = np.uint64(0)
     for drawn in range(seats - 1):
         # Four choices share one call, which gives 128 bits.
         if drawn % 4 == 0:
             one, two = philox(seed, Stream.TURNS, frame, 0, drawn // 4)
         elif drawn % 4 == 2:
             one = two
-        bits = one & LOW_32 if drawn % 2 == 0 else one >> SHIFT_32
+        bits = np.uint64(one) & LOW_32 if drawn % 2 == 0 else np.uint64(one) >> SHIFT_32
         last = seats - 1 - drawn
         chosen = np.int64((bits * np.uint64(last + 1)) >> SHIFT_32)
         seat = order[last]

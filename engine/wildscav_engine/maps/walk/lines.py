@@ -78,4 +78,4 @@ def _off_line(places: NDArray[np.float64], start: int, end: int, node: int) -> f
     """Return how far a node lies off a line, in m times the line's length."""
     east, north = places[end, 0] - places[start, 0], places[end, 2] - places[start, 2]
     to_east, to_north = places[node, 0] - places[start, 0], places[node, 2] - places[start, 2]
-    return abs(east * to_north - north * to_east)
+    return float(abs(east * to_north - north * to_east))

@@ -170,7 +170,7 @@ def _pulled(graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32
         way = kept
     turns = tighten(graph.world, nobody, places[way])
     kept = pull_straight(graph.world, nobody, turns, np.arange(len(turns), dtype=np.int32))
-    return turns[kept]
+    return np.asarray(turns[kept])
 
 
 def _begins_with_jump(graph: WalkGraph, start: int, end: int) -> bool:
