@@ -7,7 +7,7 @@ from wildscav_engine.envs.registry import register
 ENGINE_VERSION = version("wildscav")
 
 # Rises whenever the same spec and actions give another match: a record can be played again by its own only.
-SIMULATION_VERSION = 3
+SIMULATION_VERSION = 4
 
 __all__ = ["ENGINE_VERSION", "SIMULATION_VERSION"]
 

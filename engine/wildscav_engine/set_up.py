@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.locations import OUTDOOR_SPACING
 from wildscav_engine.rng import Dice, Stream, Word, philox
 from wildscav_engine.robots import ROBOTS
 from wildscav_engine.rules import FRAMES_PER_SECOND
@@ -80,15 +81,18 @@ def _choose_boxes(
     boxes, waves = [], []
     seed = np.uint64(spec.seed)
     indoor_points = game_map.supply_points
+    # The places of a map lie about so far apart: a grid as fine has more points than there are places.
+    is_fine = config.spacing <= OUTDOOR_SPACING
+    outdoor_points = game_map.ground_points if is_fine else game_map.outdoor
     for number, wave in enumerate(sorted(config.waves, key=lambda wave: wave.time)):
         x, z = _center_of(spec, game_map, wave, number)
         waves.append(WaveInfo(wave.time, (x, z), wave.radius))
         appears = round(wave.time * FRAMES_PER_SECOND)
         outdoor = choose_outdoor(
-            game_map.outdoor, config.spacing, x, z, wave.radius, wave.outdoor_richness, seed, number
+            outdoor_points, config.spacing, x, z, wave.radius, wave.outdoor_richness, seed, number
         )
         indoor = choose_indoor(len(indoor_points), wave.indoor_richness, seed, number)
-        boxes.append(Boxes(game_map.outdoor[outdoor], config.outdoor_quantity, appears))
+        boxes.append(Boxes(outdoor_points[outdoor], config.outdoor_quantity, appears))
         boxes.append(Boxes(indoor_points[indoor], config.indoor_quantity, appears))
     return tuple(boxes), tuple(waves)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wildscav_engine.rendering.trace import Scene
 
 # Raised by every change that makes another map of the same config and seed.
-GENERATOR_VERSION = 5
+GENERATOR_VERSION = 6
 SUPPLY_SPACING = 5.0  # m at least between the indoor points of supplies
 
 
@@ -81,6 +81,13 @@ class GameMap:
         from wildscav_engine.maps.locations import keep_apart
 
         return keep_apart(self.indoor, SUPPLY_SPACING)
+
+    @cached_property
+    def ground_points(self) -> NDArray[np.float64]:
+        """(N, 3) m, where supplies of a fine grid may lie outdoors: the places, then all open ground."""
+        from wildscav_engine.maps.locations import open_ground
+
+        return np.concatenate([self.outdoor, open_ground(self.graph, self.solid_house)])
 
     @cached_property
     def scene(self) -> "Scene":

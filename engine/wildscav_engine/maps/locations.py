@@ -48,11 +48,7 @@ def choose_places(
         seed: Of the map.
     """
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
-    is_on_ground = stand_on_ground(graph.world, positions, nodes)
-    # Under a roof that is not a house's eaves, the bare ground is a floor.
-    near_things = is_on_ground & (graph.lattice.marks[graph.nodes.point[nodes]] == FINE)
-    roofs = np.nonzero(solid_house < 0)[0]
-    is_on_ground[near_things] = ~is_covered(graph.world, positions[nodes[near_things]], roofs)
+    is_on_ground = _on_open_ground(graph, nodes, positions, solid_house)
     whole = _on_whole_metres(graph, nodes[is_on_ground])
     ground = ground_places(graph.world, _lookup(graph, whole), positions, np.uint64(seed))
     above = nodes[~is_on_ground]
@@ -64,6 +60,31 @@ def choose_places(
     inside = _away_from(indoor, _spaced(places[rest[covered]], draws[rest[covered]], INDOOR_SPACING))
     high = _spaced(places[rest[~covered]], draws[rest[~covered]], HIGH_SPACING)
     return Places(ground, high, np.concatenate([indoor, inside]))
+
+
+def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.float64]:
+    """Return (N, 3) m every whole metre of a map's dry, fairly level, open ground that is one of its places.
+
+    Args:
+        graph: Of the map.
+        solid_house: (S,) the house of each solid, -1 for none.
+    """
+    nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
+    nodes = _on_whole_metres(graph, nodes[_on_open_ground(graph, nodes, positions, solid_house)])
+    places = positions[nodes]
+    return np.asarray(places[_are_places(graph.world, places)])
+
+
+def _on_open_ground(
+    graph: WalkGraph, nodes: NDArray[np.int64], positions: NDArray[np.float64], solid_house: NDArray[np.int16]
+) -> NDArray[np.bool_]:
+    """Return (N,) whether each node is on the terrain and has no roof but a house's eaves over it."""
+    is_on_ground = stand_on_ground(graph.world, positions, nodes)
+    # Under a roof that is not a house's eaves, the bare ground is a floor.
+    near_things = is_on_ground & (graph.lattice.marks[graph.nodes.point[nodes]] == FINE)
+    roofs = np.nonzero(solid_house < 0)[0]
+    is_on_ground[near_things] = ~is_covered(graph.world, positions[nodes[near_things]], roofs)
+    return is_on_ground
 
 
 @array_kernel
@@ -123,6 +144,15 @@ def _is_place(world: World, place: NDArray[np.float64]) -> bool:
     if steepness > STEEPEST_PLACE * STEEPEST_PLACE or water_at(world, place[0], place[2]) > -np.inf:
         return False
     return is_clear(world, place[0], ground.height, place[2])
+
+
+@array_kernel
+def _are_places(world: World, places: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return (N,) whether each of (N, 3) m on the ground is a place."""
+    found = np.empty(places.shape[0], np.bool_)
+    for index in range(places.shape[0]):
+        found[index] = _is_place(world, places[index])
+    return found
 
 
 @array_kernel

@@ -1,6 +1,7 @@
 """Supply boxes: where they are put, how they are picked up, and what a dead agent leaves behind.
 
-An outdoor wave looks at a square grid over the map. A grid point on open ground gets a box with probability
+An outdoor wave looks at a square grid over the map. A grid point on open ground, which is the map's outdoor
+locations or, on a grid finer than those, every whole metre of it, gets a box with probability
 richness · exp(-d² / 2r²), d being its distance from the wave's center and r the heat map's radius. Indoor
 points are indoor locations 5 m apart; each gets a box with probability indoor richness, wherever it is. So
 there are fewer boxes indoors, and what they hold is more.

@@ -111,3 +111,9 @@ def test_every_map_up_to_500_m_has_room_for_what_it_asks_for(batch: int) -> None
             assert len(lay_out(spec.config, spec.seed).houses) == spec.config.houses, map_id
             laid_out += 1
     assert laid_out > 0
+
+
+def test_the_seed_is_the_id_but_for_the_map_whose_middle_would_be_a_lake() -> None:
+    assert {
+        map_id: map_spec(map_id).seed for map_id in range(1, 1000) if map_spec(map_id).seed != map_id
+    } == {1: 3001}

@@ -1,15 +1,18 @@
 """Rulings on supply boxes: where they lie, who gets them, when they appear."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from builders import act, flat_world, lay_boxes, make_match, map_from, place, seen_now
-from wildscav_engine.maps import generate_map, map_of, map_spec
+from wildscav_engine.geometry.terrain import water_at
+from wildscav_engine.maps import GameMap, generate_map, map_of, map_spec
 from wildscav_engine.match import Match
 from wildscav_engine.rules import Rules
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.starts import usable_place
 
 RICH = SupplyConfig(
     waves=(SupplyWave(center=(0, 0), radius=1000, outdoor_richness=50, indoor_richness=100),), spacing=1
@@ -365,3 +368,44 @@ def test_the_boxes_found_are_those_of_a_look_at_all(seed: int) -> None:
         expected = near_first[distance[near_first] <= 400.0][:32].tolist()
         assert seen.supplies[0, 0, : seen.supply_count[0, 0]].tolist() == expected
         assert seen.can_pick_up[0, 0] == bool(distance.min() <= 2.25)
+
+
+@pytest.fixture(scope="module")
+def meadow() -> GameMap:
+    """A hundred metres of open ground, nearly all of it places."""
+    return generate_map(MapConfig(size=100, relief=0.3, water=0.0, houses=0, vegetation=0.1), 5)
+
+
+def boxes_at(game_map: GameMap, spacing: float, richness: float = 50.0) -> int:
+    """How many boxes a wave puts outdoors that is as hot all over the map."""
+    wave = SupplyWave(center=(0.0, 0.0), radius=1000.0, outdoor_richness=richness, indoor_richness=0.0)
+    config = SupplyConfig(waves=(wave,), spacing=spacing)
+    match = Match(
+        MatchSpec(track="gathering", map=game_map.spec, seats=("walker",), supplies=config), game_map
+    )
+    return int((match.state.supplies.quantity > 0).sum())
+
+
+@pytest.mark.parametrize("spacing", [1.0, 1.5, 2.0, 3.0, 4.0])
+def test_boxes_are_as_dense_as_the_grid(meadow: GameMap, spacing: float) -> None:
+    share_of_ground = len(meadow.ground_points[len(meadow.outdoor) :]) / 100**2
+    expected = 0.5 * share_of_ground * (100 / spacing) ** 2
+
+    assert share_of_ground > 0.8
+    assert boxes_at(meadow, spacing) == pytest.approx(expected, rel=0.15)
+
+
+def test_a_grid_wider_than_the_places_lie_apart_needs_no_others(meadow: GameMap) -> None:
+    fresh = replace(meadow)
+    boxes_at(fresh, 5.0)
+    assert "ground_points" not in vars(fresh)
+
+
+def test_boxes_of_a_fine_grid_lie_where_one_gets_to_and_away() -> None:
+    game_map = generate_map(MapConfig(size=80, relief=1.5, ruggedness=0.8, water=0.15, houses=4), 3)
+    points = game_map.ground_points[len(game_map.outdoor) :: 7]
+
+    assert len(points) > 100
+    for x, y, z in points.tolist():
+        assert water_at(game_map.world, x, z) == -np.inf
+        assert usable_place(game_map, (x, y, z), None) == (x, y, z)

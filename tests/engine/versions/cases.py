@@ -19,7 +19,7 @@ from wildscav_engine.maps.base import Base, save_base
 from wildscav_engine.match import Match
 from wildscav_engine.record.format import RecordError, decode, encode, record_of
 from wildscav_engine.rules import Rules
-from wildscav_engine.spec import Equipment, MapConfig, MapSpec, MatchSpec, Placement
+from wildscav_engine.spec import Equipment, MapConfig, MapSpec, MatchSpec, Placement, SupplyConfig, SupplyWave
 from wildscav_engine.tracks import TRACKS
 
 Digests = dict[str, str]  # by the name of the case
@@ -78,7 +78,7 @@ def match_digests(_: Mapping[str, str]) -> Digests:
 
 
 def _specs() -> Iterator[MatchSpec]:
-    """Two matches of every track: one of robots alone, one of robots and of seats that do all there is."""
+    """Two matches of each track, of robots alone and with seats that do all there is; one of dense boxes."""
     rules = Rules(respawn_time=2.0, invincible_time=1.0)
     for track in TRACKS:
         yield MatchSpec(track=track, seed=1, seats=ROBOT_SEATS, time_limit=10.0, rules=rules)
@@ -92,6 +92,8 @@ def _specs() -> Iterator[MatchSpec]:
             time_limit=12.0,
             rules=rules,
         )
+    dense = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0)),), spacing=2.0)
+    yield MatchSpec(track="gathering", seed=3, seats=ROBOT_SEATS[:2], time_limit=10.0, supplies=dense)
 
 
 def _played(spec: MatchSpec, game_map: GameMap) -> Match:

@@ -30,6 +30,15 @@ def test_all_boxes_are_told_each_with_an_id_of_its_own(competitor: Competitor) -
     assert {box.supply_quantity for box in boxes} == {2, 3, 4, 10}
 
 
+def test_the_density_of_boxes_follows_the_spacing_of_the_grid(competitor: Competitor) -> None:
+    counts = [
+        len(boxes_of(competitor, gathering(supply_grid_length=spacing, supply_house_create_percent=0)))
+        for spacing in (1, 2, 4)
+    ]
+    assert counts[0] / counts[1] == pytest.approx(4, rel=0.2)
+    assert counts[1] / counts[2] == pytest.approx(4, rel=0.3)
+
+
 def test_without_richness_there_are_no_boxes(competitor: Competitor) -> None:
     assert not boxes_of(competitor, gathering(supply_create_percent=0, supply_house_create_percent=0))
 

@@ -1,5 +1,7 @@
 """Navigation by the original's contract: moving, the target, the clock, episode after episode."""
 
+import math
+
 import pytest
 from tests.platform.legacy.commands import command, open_way, setup
 from tests.platform.legacy.competitor import Competitor
@@ -47,6 +49,17 @@ def test_turns_are_degrees_a_frame(competitor: Competitor) -> None:
     competitor.act({0: {"turn_left_right_delta": 2, "look_up_down_delta": -1.5}}, times=3)
     seen = competitor.seen_by(0)
     assert (seen.yaw, seen.pitch) == pytest.approx((30, -22.5)), "3 actions of 5 frames"
+
+
+def test_the_walk_of_the_originals_example_arrives(competitor: Competitor) -> None:
+    """Its default: on map 1 from the middle to (5, 0, 5), at 1 m/s, in 10 s."""
+    competitor.begin(command(map_id=1, target=(5, 0, 5), timeout=10))
+    for _ in range(100):
+        place = competitor.seen_by(0).location
+        direction = math.degrees(math.atan2(5 - place.x, 5 - place.z))
+        competitor.act({0: {"walk_dir": direction, "walk_speed": 1}})
+    assert competitor.is_over
+    assert competitor.latest.time_step < 500
 
 
 @pytest.mark.parametrize("way", [1, -1])
