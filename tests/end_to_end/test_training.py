@@ -26,12 +26,17 @@ MODES = ("box", "baseline", "multidiscrete")
 # The page trains on real maps for an hour; here it is some hundred steps on a lawn.
 IN_SMALL = {
     '"level": "easy"': '"map": TINY, "time_limit": 2.0',
+    'save("seeing")': "get_parameters()",
     "range(10)": "range(2)",
     "50_000": "256",
     'level="easy"': "map=TINY, time_limit=2.0",
     "1_000_000": "512",
     "n_steps=256": "n_steps=32",
-    "=4096": "=256",
+    "=4800": "=256",
+    "=600": "=256",
+    "=400": "=64",
+    '"time_limit": 30.0': '"time_limit": 2.0',
+    '"width": 64': '"width": 40',
     "=2048": "=256",
     "=512": "=64",
     "range(250)": "range(2)",
@@ -84,9 +89,10 @@ def test_what_the_page_says_of_going_on_are_options() -> None:
         SingleEnv("battle" if line.startswith("opponents") else "navigation", **eval(f"dict({line})"))  # noqa: S307
 
 
-def test_stable_baselines_trains_as_the_page_says() -> None:
+@pytest.mark.parametrize("place", [0, 1], ids=["rows", "pictures"])
+def test_stable_baselines_trains_as_the_page_says(place: int) -> None:
     pytest.importorskip("stable_baselines3")
-    start, train = block("from stable_baselines3")
+    start, train = block("from stable_baselines3", place)
     names = run(start, {"TINY": TINY})
     model = names["model"]
     before = weights_of(model.policy)

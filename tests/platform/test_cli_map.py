@@ -134,3 +134,15 @@ def test_a_folder_that_is_missing_is_named(wildscav_map: Callable[..., Done], tm
         assert (done.returncode, done.stderr.count("\n")) == (1, 1)
         assert "none" in done.stderr
         assert "No such file or directory" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["info", "show", "export"])
+def test_a_negative_id_is_out_of_range_and_no_option(
+    command: str, wildscav_map: Callable[..., Done], tmp_path: Path
+) -> None:
+    done = wildscav_map(command, "-54")
+    assert (done.returncode, done.stderr) == (2, "wildscav: ID is -54, must be 1 to 999\n")
+    assert not list(tmp_path.iterdir())
+    unknown = wildscav_map(command, "--sead", 3)
+    assert unknown.returncode == 2
+    assert "No such option: --sead" in unknown.stderr

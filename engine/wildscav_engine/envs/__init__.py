@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from wildscav_engine.envs.batched import BatchedArena
     from wildscav_engine.envs.config import EnvConfig
     from wildscav_engine.envs.description import describe
+    from wildscav_engine.envs.options import EnvOptions
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
     from wildscav_engine.envs.presets import PRESETS
     from wildscav_engine.envs.single import SingleEnv
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "BatchedArena": "batched",
     "EnvConfig": "config",
+    "EnvOptions": "options",
     "describe": "description",
     "ParallelArena": "parallel",
     "aec_env": "parallel",
@@ -34,6 +36,7 @@ __all__ = [
     "PRESETS",
     "BatchedArena",
     "EnvConfig",
+    "EnvOptions",
     "FlatActions",
     "FlatObservations",
     "SingleEnv",

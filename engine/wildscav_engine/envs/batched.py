@@ -1,7 +1,7 @@
 """Matches × learners as arrays: several learners in each of many matches, no dictionaries of agents."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import gymnasium
 import numpy as np
@@ -14,6 +14,7 @@ from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.config import EnvConfig, read_config
 from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.observation import Observation, observation_space
+from wildscav_engine.envs.options import EnvOptions
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.tracks import TRACKS
 
@@ -152,7 +153,7 @@ class BatchedArena:
         matches: int,
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        **options: Any,
+        **options: Unpack[EnvOptions],
     ) -> None:
         """Choose what is played.
 
@@ -160,7 +161,7 @@ class BatchedArena:
             track: A name in ``tracks.TRACKS``.
             matches: How many there are.
             autoreset_mode: When a match that has ended begins anew.
-            options: The fields of ``EnvConfig``, and ``preset``; ``agents`` are the learners of a match.
+            options: As ``EnvOptions`` has them; ``agents`` are the learners of a match.
 
         Raises:
             ValueError: An option is wrong.

@@ -25,6 +25,7 @@ from wildscav_engine.tracks.rewards import RewardSum
 
 ActionMode = Literal["dict", "box", "baseline", "multidiscrete"]
 RenderMode = Literal["rgb_array", "depth_array", "human"]
+RenderView = Literal["eyes", "top"]
 
 MOST_MATES = 7  # that a learner is told of by default, the nearest
 
@@ -61,7 +62,7 @@ class EnvConfig(Spec):
     flat: bool = False  # one row of numbers for the Dict of observations, and arrays for those of infos
     # What is shown, and how it is run.
     render_mode: RenderMode | None = None
-    render_view: Literal["eyes", "top"] = "eyes"
+    render_view: RenderView = "eyes"
     render_size: tuple[Annotated[int, Field(ge=16, le=1920)], Annotated[int, Field(ge=16, le=1080)]] = (
         320,
         180,

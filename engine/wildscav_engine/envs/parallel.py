@@ -1,6 +1,6 @@
 """Several learners: PettingZoo environments."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from gymnasium.spaces import Box, Space
@@ -16,6 +16,7 @@ from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.masks import flat_mask, flat_space
 from wildscav_engine.envs.observation import Observation, observation_space, part_of
+from wildscav_engine.envs.options import EnvOptions
 from wildscav_engine.envs.overview import overview, overview_space
 from wildscav_engine.envs.render import Picture
 from wildscav_engine.envs.saving import load, save
@@ -35,12 +36,12 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
     action.
     """
 
-    def __init__(self, track: str, **options: Any) -> None:
+    def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
         """Choose what is played.
 
         Args:
             track: A name in ``tracks.TRACKS``.
-            options: The fields of ``EnvConfig``, and ``preset``; ``agents`` are the learners.
+            options: As ``EnvOptions`` has them; ``agents`` are the learners.
 
         Raises:
             ValueError: An option is wrong.
@@ -203,12 +204,12 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         self._picture.close()
 
 
-def parallel_env(track: str, **options: Any) -> ParallelArena:
+def parallel_env(track: str, **options: Unpack[EnvOptions]) -> ParallelArena:
     """Return a PettingZoo parallel environment.
 
     Args:
         track: A name in ``tracks.TRACKS``.
-        options: The fields of ``EnvConfig``, and ``preset``; ``agents`` are the learners.
+        options: As ``EnvOptions`` has them; ``agents`` are the learners.
 
     Raises:
         ValueError: An option is wrong.
@@ -216,7 +217,7 @@ def parallel_env(track: str, **options: Any) -> ParallelArena:
     return ParallelArena(track, **options)
 
 
-def aec_env(track: str, **options: Any) -> "AECEnv[str, Observation, Any]":
+def aec_env(track: str, **options: Unpack[EnvOptions]) -> "AECEnv[str, Observation, Any]":
     """Return the same match with learners that act one after another, by PettingZoo's own conversion.
 
     Raises:

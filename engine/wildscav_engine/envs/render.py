@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.config import EnvConfig
+from wildscav_engine.envs.markers import mark_agents
 from wildscav_engine.rendering.things import things_of
 from wildscav_engine.sensors import ColorCamera, DepthCamera
 from wildscav_engine.trig import cosine, sine
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 FROM_ABOVE = 40.0  # degrees, the field of view of the picture from above
 CLEARANCE = 60.0  # m above the ground in the middle of the map, at least
+
+
+def _tangent(angle: float) -> float:
+    return float(sine(angle) / cosine(angle))
 
 
 class Picture:
@@ -63,10 +68,12 @@ class Picture:
         half = view.game_map.config.size / 2
         ratio = self._above.height / self._above.width
         # High enough that the edges are in the picture from bottom to top, the highest of them, too.
-        tangent = sine(FROM_ABOVE / 2) / cosine(FROM_ABOVE / 2) * min(1.0, ratio)
+        tangent = _tangent(FROM_ABOVE / 2) * min(1.0, ratio)
         eye = np.array([[0.0, float(heights.max()) + max(CLEARANCE, half / tangent), 0.0]])
         moving = things_of(view.as_match)
-        return np.asarray(self._above.render(view.game_map, eye, [0.0], [90.0], moving=moving)[0])
+        picture = np.array(self._above.render(view.game_map, eye, [0.0], [90.0], moving=moving)[0])
+        mark_agents(picture, view.state.agents, float(eye[0, 1]), tangent_of_half=_tangent(FROM_ABOVE / 2))
+        return picture
 
     def close(self) -> None:
         """End the live view's recording, if there is one."""

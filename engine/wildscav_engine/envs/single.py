@@ -1,6 +1,7 @@
 """One learner: a Gymnasium environment."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
@@ -12,6 +13,7 @@ from wildscav_engine.envs.config import EnvConfig, read_config
 from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.observation import Observation, observation_space, part_of
+from wildscav_engine.envs.options import EnvOptions
 from wildscav_engine.envs.render import Picture
 from wildscav_engine.envs.saving import load, save
 
@@ -24,12 +26,12 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": STEPS_PER_SECOND}  # noqa: RUF012
 
-    def __init__(self, track: str, **options: Any) -> None:
+    def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
         """Choose what is played.
 
         Args:
             track: A name in ``tracks.TRACKS``.
-            options: The fields of ``EnvConfig``, and ``preset``.
+            options: As ``EnvOptions`` has them.
 
         Raises:
             ValueError: An option is wrong.
@@ -130,7 +132,7 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         self._picture.close()
 
 
-def single_config(track: str, options: dict[str, Any]) -> EnvConfig:
+def single_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
     """Return the options of an environment with one learner; robots take the place of the others of a preset.
 
     Raises:

@@ -1,13 +1,14 @@
 """Many matches as one vector environment of Stable-Baselines3, which has its own kind."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 from wildscav_engine.envs.columns import EVENTS
+from wildscav_engine.envs.options import EnvOptions
 from wildscav_engine.envs.vector import VectorArena
 
 
@@ -18,13 +19,13 @@ class StableVector(VecEnv):
     to see returns.
     """
 
-    def __init__(self, track: str, num_envs: int, **options: Any) -> None:
+    def __init__(self, track: str, num_envs: int, **options: Unpack[EnvOptions]) -> None:
         """Choose what is played.
 
         Args:
             track: A name in ``tracks.TRACKS``.
             num_envs: How many matches there are.
-            options: The fields of ``EnvConfig``, and ``preset``.
+            options: As ``EnvOptions`` has them.
 
         Raises:
             ValueError: An option is wrong.

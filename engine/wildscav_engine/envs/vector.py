@@ -1,7 +1,7 @@
 """Many single environments as one: a Gymnasium vector environment over one batch."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -13,6 +13,7 @@ from wildscav_engine.envs.batched import Outcome, Resetter
 from wildscav_engine.envs.columns import EVENTS
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.observation import Observation, observation_space, part_of
+from wildscav_engine.envs.options import EnvOptions
 from wildscav_engine.envs.render import Picture
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_config
 
@@ -31,7 +32,7 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         num_envs: int = 1,
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        **options: Any,
+        **options: Unpack[EnvOptions],
     ) -> None:
         """Choose what is played.
 
@@ -39,7 +40,7 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             track: A name in ``tracks.TRACKS``.
             num_envs: How many matches there are.
             autoreset_mode: When a match that has ended begins anew.
-            options: The fields of ``EnvConfig``, and ``preset``.
+            options: As ``EnvOptions`` has them.
 
         Raises:
             ValueError: An option is wrong.

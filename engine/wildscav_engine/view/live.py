@@ -1,5 +1,7 @@
 """A match as it is being played, in a Rerun viewer of its own."""
 
+import os
+import sys
 from typing import Any
 
 import numpy as np
@@ -17,8 +19,21 @@ ARROW = 1.6  # m, length of the view direction
 BOX = 0.3  # m, half a supply box
 
 
+class NoDisplayError(RuntimeError):
+    """There is no screen to open a viewer on."""
+
+
 def open_recording() -> rr.RecordingStream:
-    """Return a recording that a viewer shows, which opens if none is there."""
+    """Return a recording that a viewer shows, which opens if none is there.
+
+    Raises:
+        NoDisplayError: There is no screen for a viewer.
+    """
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise NoDisplayError(
+            'render_mode="human" opens a window, and there is no display (neither DISPLAY nor '
+            'WAYLAND_DISPLAY is set): use render_mode="rgb_array", or gymnasium.wrappers.RecordVideo'
+        )
     recording = rr.RecordingStream(APPLICATION)
     recording.spawn()
     return recording

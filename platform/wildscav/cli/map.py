@@ -9,7 +9,7 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.cli.map_import import import_map
-from wildscav.cli.naming import Choice, takes_a_map
+from wildscav.cli.naming import Choice, MapCommand, takes_a_map
 from wildscav.cli.pictures import format_of, save
 from wildscav.errors import UserError
 
@@ -27,7 +27,7 @@ app = typer.Typer(
 app.command("import")(import_map)
 
 
-@app.command()
+@app.command(cls=MapCommand)
 @takes_a_map
 def show(
     choose: Callable[[], Choice],
@@ -81,7 +81,7 @@ def _part(storey: int | None, locations: bool, center: tuple[float, float] | Non
     return "".join(parts)
 
 
-@app.command()
+@app.command(cls=MapCommand)
 @takes_a_map
 def export(
     choose: Callable[[], Choice],
@@ -101,7 +101,7 @@ def export(
     console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
 
 
-@app.command()
+@app.command(cls=MapCommand)
 @takes_a_map
 def info(choose: Callable[[], Choice], as_json: AsJson = False) -> None:
     """Print a map's figures."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, NamedTuple, ParamSpec
 
 import typer
+from typer.core import TyperCommand
 
 from wildscav.errors import UserError
 
@@ -50,6 +51,26 @@ class Choice(NamedTuple):
     def slug(self) -> str:
         """What to call it in the names of files: another map has another name."""
         return self.title.lower().replace(" ", "-") + self.details
+
+
+class MapCommand(TyperCommand):
+    """A command that takes a map; a negative number is an ID out of range, and no unknown option."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the command line.
+
+        Raises:
+            UserError: The ID is a negative number.
+        """
+        given = list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except Exception as error:
+            option = getattr(error, "option_name", "")  # of "no such option", whose class is Typer's own
+            negative = [text for text in given if text.startswith(option) and text[1:].isdigit()]
+            if option[1:].isdigit() and negative:
+                raise UserError(f"ID is {negative[0]}, must be 1 to {MOST_IDS}", exit_code=2) from None
+            raise
 
 
 def takes_a_map(

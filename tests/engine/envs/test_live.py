@@ -32,3 +32,11 @@ def test_a_match_is_shown_step_by_step_in_one_recording(monkeypatch: pytest.Monk
     assert len(opened[0].drain_as_bytes()) > 10_000
     env.close()
     env.close()
+
+
+def test_without_a_display_there_is_one_clear_error_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    env = SingleEnv("navigation", **options("navigation", sensors={}, render_mode="human"))
+    with pytest.raises(live.NoDisplayError, match=r'there is no display.*use render_mode="rgb_array"'):
+        env.reset(seed=0)

@@ -10,7 +10,10 @@ from tests.engine.envs.common import OPEN, SMALL, TRACK_NAMES, digest, env_id, o
 
 from wildscav_engine.envs.actions import MODES
 from wildscav_engine.envs.columns import EVENTS
+from wildscav_engine.envs.config import EnvConfig
+from wildscav_engine.envs.options import EnvOptions
 from wildscav_engine.envs.single import SingleEnv
+from wildscav_engine.palette import of_seat
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.tracks import TRACKS
 
@@ -181,4 +184,39 @@ def test_a_picture_a_depth_map_and_a_view_from_above() -> None:
     )
     above.reset(seed=0)
     assert above.render().std() > 5.0
+
+
+def test_the_view_from_above_marks_agents_in_the_colours_of_their_teams_where_they_look() -> None:
+    starts = ((0.0, 0.0, 0.0), (10.0, 0.0, 10.0), (-15.0, 0.0, -5.0))
+    env = SingleEnv(
+        "battle",
+        **options("battle", sensors={}, map=OPEN, starts=starts, render_mode="rgb_array", render_view="top"),
+    )
+    env.reset(seed=0)
+    assert env.arena.batch is not None
+    agents = env.arena.batch.state.agents
+    agents.yaw[0, 0] = 90.0
+    picture = env.render()
+    middles = []
+    for team in range(3):
+        rows, columns = np.nonzero((picture == of_seat(team)).all(axis=2))
+        assert len(rows) > 20
+        middles.append((columns.mean(), rows.mean()))
+    (x, y), (east, north), (west, south) = middles
+    assert abs(x - 160) < 3
+    assert abs(y - 90) < 3
+    assert east > x > west
+    assert north < y < south
+    rows, columns = np.nonzero((picture == of_seat(0)).all(axis=2))
+    tip, back = rows[columns > 162], rows[columns < 158]
+    assert np.ptp(tip) < np.ptp(back)  # it is pointed in the east and wide in the west
+    agents.health[0, 1] = 0
+    assert not (env.render() == of_seat(1)).all(axis=2).any()
+
+
+def test_nothing_is_shown_unless_asked_for() -> None:
     assert SingleEnv("navigation", **options("navigation", sensors={})).render_mode is None
+
+
+def test_editors_know_every_option() -> None:
+    assert EnvOptions.__annotations__.keys() == EnvConfig.model_fields.keys() - {"track"} | {"preset"}
