@@ -15,12 +15,13 @@ from tests.evaluator.sandbox.conftest import missing
 from tests.evaluator.submissions.python_image import python_image
 from tests.platform.seats import small_spec
 
+from wildscav import leftovers
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.wire.matches import decode_seat_address
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode
-from wildscav_evaluator.sandbox.engine import Engine, call, find_engine, owner
+from wildscav_evaluator.sandbox.engine import OWNER, Engine, call, find_engine
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -89,7 +90,8 @@ def start(engine: Engine, address: str, folder: Path) -> None:
     (folder / "token").chmod(0o644)
     started = call(
         engine,
-        *("run", "--detach", "--name", CONTAINER, "--label", owner(engine, os.getpid()), "--pull", "never"),
+        *("run", "--detach", "--name", CONTAINER, "--pull", "never"),
+        *("--label", f"{OWNER}={leftovers.owner()}"),
         *("--read-only", "--cap-drop", "all", "--security-opt", "no-new-privileges", "--tmpfs", "/tmp"),  # noqa: S108
         *("--volume", f"{folder}/token:/run/secrets/organizer_token:ro", "--volume", "/var/cache/wildscav"),
         *("--network", "host", *LIMITS),
