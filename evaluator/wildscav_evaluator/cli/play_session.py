@@ -33,7 +33,7 @@ from wildscav_evaluator.matches.seating import BATTLE_ROBOTS
 from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.log import is_cut
-from wildscav_evaluator.scores.conduct import remark
+from wildscav_evaluator.scores.conduct import late_for_machine, remark
 from wildscav_evaluator.submissions.submission import Submission
 
 if TYPE_CHECKING:
@@ -214,6 +214,9 @@ def _remark(seating: Seating, played: Played) -> None:
         line = remark(seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions)
         if line is not None:
             console.print(Text.assemble(("note: ", "yellow"), line))
+        if steps := played.late_for_platform.get(seat):
+            told = late_for_machine(seating.names[seat], {"": steps})
+            console.print(Text.assemble(("note: ", "yellow"), told))
 
 
 def _write(played: Played, seating: Seating, record: Path | None, replay: Path | None) -> Iterator[str]:

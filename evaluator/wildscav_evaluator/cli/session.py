@@ -33,7 +33,7 @@ from wildscav_evaluator.output.folder import SUITE_FILE, check_out, keep_only, o
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, Results, write_results
 from wildscav_evaluator.output.sinks import ResultSink, sinks
-from wildscav_evaluator.scores.conduct import evaluation_remark
+from wildscav_evaluator.scores.conduct import evaluation_remark, machine_remark
 from wildscav_evaluator.scores.since import Since, since_last
 from wildscav_evaluator.watch.watch import Watch, Watching
 
@@ -145,8 +145,9 @@ def _interrupted(plan: Plan, jobs: Sequence[Job]) -> str:
 
 
 def _remark(results: Results) -> None:
-    """Say which submissions' actions were not as they must be."""
+    """Say which submissions' actions were not as they must be, and which late steps are not their fault."""
     lines = [line for one in results.evaluations if (line := evaluation_remark(one))]
+    lines += [line for one in results.evaluations if (line := machine_remark(one, results.timings.matches))]
     if lines:
         console.print()
     for line in lines:

@@ -9,6 +9,7 @@ from rich.text import Text
 from wildscav_evaluator.cli.tables import NOTHING, add_columns, plain_table
 from wildscav_evaluator.output.results import KeptLimits, Results, SeatTiming
 
+MACHINES = " *"  # marks late steps of which some are the machine's fault, as a note below says
 UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
 
 
@@ -34,11 +35,12 @@ def time_table(results: Results) -> Table:
 def _cells(seats: list[SeatTiming]) -> Iterator[Text | str]:
     """Yield the figures of some seats, one at least."""
     late, steps = sum(seat.late_steps for seat in seats), sum(seat.steps for seat in seats)
+    starved = any(seat.late_for_platform for seat in seats)
     yield _time(statistics.median(seat.latency_p50 for seat in seats))
     yield _time(max(seat.latency_p99 for seat in seats))
     yield _time(max(seat.latency_max for seat in seats))
     yield _time(statistics.fmean(seat.time_used for seat in seats))
-    yield Text(f"{late / steps:.1%}", "red") if late else "0"
+    yield Text(f"{late / steps:.1%}{MACHINES if starved else ''}", "red") if late else "0"
     yield _time(min(seat.time_bank for seat in seats))
     starts = [seat.start_up for seat in seats if seat.start_up is not None]
     yield _time(max(starts)) if starts else NOTHING

@@ -298,18 +298,21 @@ def _timing(job: Job, played: Played, started: float, wall: float) -> MatchTimin
         started=started,
         wall=wall,
         steps=played.match.step_number,
-        seats=tuple(_seat_timing(played.seats[seat]) for seat in job.seats),
+        seats=tuple(
+            _seat_timing(played.seats[seat], played.late_for_platform.get(seat, ())) for seat in job.seats
+        ),
         platform_faults=played.platform_faults,
     )
 
 
-def _seat_timing(report: SeatReport) -> SeatTiming:
+def _seat_timing(report: SeatReport, late_for_platform: tuple[int, ...]) -> SeatTiming:
     time = report.think_time
     return SeatTiming(
         seat=report.seat,
         start_up=report.start_up,
         steps=report.steps_played + report.late_steps,
         late_steps=report.late_steps,
+        late_for_platform=late_for_platform,
         dropped_actions=report.dropped_actions,
         time_used=time.total,
         latency_p50=time.p50,

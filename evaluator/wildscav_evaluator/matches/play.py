@@ -25,6 +25,7 @@ from wildscav.server import (
 )
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.matches.lateness import late_for_platform
 from wildscav_evaluator.matches.seating import display_names, submission_seats
 from wildscav_evaluator.sandbox import (
     DEFAULT_LIMITS,
@@ -35,6 +36,7 @@ from wildscav_evaluator.sandbox import (
     RunningAgent,
     Sandbox,
 )
+from wildscav_evaluator.sandbox.waiting import WaitMeter
 from wildscav_evaluator.submissions.submission import Submission
 
 SOCKET = "match.sock"
@@ -85,6 +87,7 @@ class Played:
     seats: dict[int, SeatReport]  # of the submissions' seats
     endings: dict[int, Ending] = field(default_factory=dict)  # of the processes that ended by themselves
     platform_faults: tuple[str, ...] = ()  # what broke the tries before this one, a line each
+    late_for_platform: dict[int, tuple[int, ...]] = field(default_factory=dict)  # steps, of each seat
 
 
 async def play_match(
@@ -190,6 +193,8 @@ async def _play_hosted(
 ) -> Played:
     agents: dict[int, RunningAgent] = {}
     watchers: dict[int, asyncio.Task[Ending]] = {}
+    meters: dict[int, WaitMeter] = {}
+    metering: list[asyncio.Task[None]] = []
     standstill = asyncio.create_task(_stand_still())
     try:
         entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
@@ -204,8 +209,13 @@ async def _play_hosted(
             )
             agents[seat] = await sandbox.start(launch)
             watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[seat]))
+            meters[seat] = WaitMeter(agents[seat].processes, seating.limits.cpus)
+            metering.append(asyncio.create_task(meters[seat].run()))
             hosted.launched(seat)
         outcome = await _outcome(hosted, watchers)
+        late = {
+            seat: _late_for_platform(report, hosted, meters[seat]) for seat, report in outcome.seats.items()
+        }
         await asyncio.wait(watchers.values(), timeout=FAREWELL)
         endings = _endings(watchers)
         for seat, ending in endings.items():
@@ -217,14 +227,25 @@ async def _play_hosted(
         }
         if standstill.done() and any(report.status.fault for report in reports.values()):
             raise PlatformFaultError(f"nothing was done for {standstill.result():.0f} s")
-        return Played(outcome.match, reports, endings)
+        return Played(outcome.match, reports, endings, late_for_platform=late)
     finally:
         hosted.cancel()
-        standstill.cancel()
-        for watcher in watchers.values():
-            watcher.cancel()
+        for task in (standstill, *metering, *watchers.values()):
+            task.cancel()
         ends = [*(agent.stop() for agent in agents.values()), *watchers.values()]
         await asyncio.gather(*ends, return_exceptions=True)
+
+
+def _late_for_platform(report: SeatReport, hosted: HostedMatch, meter: WaitMeter) -> tuple[int, ...]:
+    """Return which steps a seat was late for because the machine had no processor for its agent."""
+    meter.take()
+    return late_for_platform(
+        report.late,
+        report.thoughts,
+        hosted.clock,
+        meter.waited,
+        used_up=report.status == SeatStatus.TIMED_OUT,
+    )
 
 
 async def _stand_still() -> float:

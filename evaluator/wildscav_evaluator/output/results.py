@@ -128,6 +128,7 @@ class SeatTiming(Part):
     start_up: float | None  # s from its agent's start until it was ready; none if it never was
     steps: int  # that it was asked for
     late_steps: int  # of those, the timeouts: no answer in time, played with no action
+    late_for_platform: tuple[int, ...] = ()  # which of them, as the machine had no processor for the agent
     dropped_actions: int = 0  # answers to steps that were over
     time_used: float  # s, of all steps
     latency_p50: float  # s from an observation sent to its answer received

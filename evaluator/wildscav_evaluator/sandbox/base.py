@@ -81,6 +81,10 @@ class RunningAgent(Protocol):
         """Wait until the agent's process is gone by itself, or by a limit, and return how it ended."""
         ...
 
+    def processes(self) -> list[int]:
+        """Return the numbers of its processes on this machine, as far as they are known."""
+        ...
+
     def overdue(self) -> str:
         """Say where the agent's code was when its time was up, in a few words; nothing if it is not known."""
         ...

@@ -96,6 +96,10 @@ class GroupHold:
             folder = readable_copy(folder, self._copy)
         self.folder = folder
 
+    def processes(self) -> list[int]:
+        """Return the processes of the group. See ``Hold.processes``."""
+        return self.group.members()
+
     async def kill(self) -> None:
         """Kill the group. See ``Hold.kill``."""
         await asyncio.to_thread(self.group.kill)

@@ -131,6 +131,10 @@ class AgentGroup:
         """Return for want of whose memory the kernel killed processes of the group."""
         return self._version.memory_kill(self._folders["memory"])
 
+    def members(self) -> list[int]:
+        """Return the processes of the group."""
+        return _members(self._folders["memory"])
+
     def kill(self) -> None:
         """Kill every process of the group."""
         _kill(self._folders["memory"])

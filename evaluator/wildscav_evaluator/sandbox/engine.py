@@ -298,6 +298,22 @@ def _is_created_now(name: str) -> bool:
 leftovers.register(KIND, remove_left_container)
 
 
+def processes_of(identity: str) -> list[int]:
+    """Return the processes of a container on this machine, by the names of their control groups.
+
+    Args:
+        identity: That the engine has given to the container.
+    """
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cgroup"):
+        with contextlib.suppress(OSError):
+            # Podman's monitor of a container is in a group named after it, too.
+            groups = path.read_text("ascii", "replace")
+            if identity in groups and f"conmon-{identity}" not in groups:
+                found.append(int(path.parent.name))
+    return found
+
+
 @functools.cache
 def start_reaper(process: int) -> None:
     """Have a process wait for the end of this one, and remove what it leaves behind if it was killed.

@@ -14,6 +14,7 @@ import resource
 import shutil
 import signal
 import tempfile
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -29,6 +30,7 @@ from wildscav_evaluator.sandbox.engine import (
     find_engine,
     image_command,
     old_groups,
+    processes_of,
     removal,
     start_reaper,
 )
@@ -55,6 +57,7 @@ ENGINE_FAILED = (
 )  # exit codes of engines whose container did not start; agents may have them, too
 # Asking the engine takes longer than all else of an end, so it is asked where it could tell something new.
 ASKED_ABOUT = (*ENGINE_FAILED, SIGNALLED + signal.SIGKILL)
+LOOK = 2.0  # s between two looks for the processes of a container
 NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or is not there
 NEVER = "0001-01-01"  # when a container started that did not
 MOUNT_POINTS = (
@@ -116,6 +119,14 @@ class ContainerHold:
         self.never_started = False
         self.has_command = False  # of the submission's own
         self._removed = False
+        self._found: list[int] = []  # its processes
+        self._looked = -LOOK  # when, by the monotonic clock
+
+    def processes(self) -> list[int]:
+        """Return the processes of the container. See ``Hold.processes``."""
+        if self.identity and time.monotonic() > self._looked + LOOK:
+            self._looked, self._found = time.monotonic(), processes_of(self.identity)
+        return self._found
 
     async def kill(self) -> None:
         """Remove the container, and with it every process. See ``Hold.kill``."""
@@ -167,6 +178,10 @@ class Container:
             engine = self._hold.engine.name
             return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
         return ending
+
+    def processes(self) -> list[int]:
+        """Return its processes. See ``RunningAgent.processes``."""
+        return self._process.processes()
 
     def overdue(self) -> str:
         """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""

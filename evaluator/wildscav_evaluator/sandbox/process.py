@@ -79,6 +79,10 @@ class SessionHold:
 
     session: int | None = None
 
+    def processes(self) -> list[int]:
+        """Return the first process, which plays. See ``Hold.processes``."""
+        return [] if self.session is None else [self.session]
+
     async def kill(self) -> None:
         """Kill the session. See ``Hold.kill``."""
         if self.session is not None:

@@ -60,6 +60,10 @@ def python_command(launch: Launch) -> list[str]:
 class Hold(Protocol):
     """A sandbox's hold on all that one agent started."""
 
+    def processes(self) -> list[int]:
+        """Return the processes of the agent, as far as they are known."""
+        ...
+
     async def kill(self) -> None:
         """Kill every process of the agent. May be called often."""
         ...
@@ -114,6 +118,10 @@ class AgentProcess:
             last_lines=self._log.last_lines(),
             platform_fault=SHORT_OF_MEMORY if kill is MemoryKill.MACHINES and not self._limit else "",
         )
+
+    def processes(self) -> list[int]:
+        """Return its processes. See ``RunningAgent.processes``."""
+        return self._hold.processes()
 
     def overdue(self) -> str:
         """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""

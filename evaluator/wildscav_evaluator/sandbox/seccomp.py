@@ -2,9 +2,10 @@
 
 A list of what is allowed, since nobody can list what will turn out to be dangerous. It began as Docker's
 default profile (https://docs.docker.com/engine/security/seccomp/) and leaves out what an agent has no use
-for: new namespaces, mounts, tracing and reading of other processes, key rings, BPF, io_uring, kernel modules,
-clocks, and sockets other than unix and internet ones (AF_VSOCK, for one, leaves a machine whatever network it
-has). libseccomp makes bubblewrap's filter of it, which knows the numbers of calls on every processor.
+for: new namespaces, mounts, tracing and reading of other processes, watching files (which shows what others
+do with shared ones), key rings, BPF, io_uring, kernel modules, clocks, and sockets other than unix and
+internet ones (AF_VSOCK, for one, leaves a machine whatever network it has). libseccomp makes bubblewrap's
+filter of it, which knows the numbers of calls on every processor.
 """
 
 import errno
@@ -19,45 +20,47 @@ UNKNOWN = errno.ENOSYS
 UNIX, INTERNET, INTERNET_6 = 1, 2, 10  # address families
 # CLONE_NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET
 NEW_NAMESPACES = 0x7E02_0000
+# All commands of fcntl but F_SETLEASE, F_GETLEASE and F_NOTIFY, which tell what others do with a file:
+# duplicating, flags, locks, owners and signals; from 1030 on duplicating, sizes of pipes, seals and hints.
+FILE_COMMANDS = (*range(12), 15, 16, 36, 37, 38, 1027, *range(1030, 1041))
 PERSONALITIES = (0, 8, 0x20000, 0x20008, 0xFFFF_FFFF)  # as everybody is, 32-bit, and asking
 
 _ALLOWED = """
-accept accept4 access alarm arch_prctl bind brk capget capset chdir chmod chown clock_getres
-clock_gettime clock_nanosleep close close_range connect copy_file_range creat dup dup2 dup3 epoll_create
-epoll_create1 epoll_ctl epoll_pwait epoll_pwait2 epoll_wait eventfd eventfd2 execve execveat exit
-exit_group faccessat faccessat2 fadvise64 fallocate fchdir fchmod fchmodat fchmodat2 fchown fchownat
-fcntl fdatasync fgetxattr flistxattr flock fork fremovexattr fsetxattr fstat fstatfs fsync ftruncate
-futex futex_requeue futex_wait futex_waitv futex_wake futimesat get_mempolicy get_robust_list
-get_thread_area getcpu getcwd getdents getdents64 getegid geteuid getgid getgroups getitimer getpeername
-getpgid getpgrp getpid getppid getpriority getrandom getresgid getresuid getrlimit getrusage getsid
-getsockname getsockopt gettid gettimeofday getuid getxattr inotify_add_watch inotify_init inotify_init1
-inotify_rm_watch ioctl ioprio_get ioprio_set kill landlock_add_rule landlock_create_ruleset
-landlock_restrict_self lchown lgetxattr link linkat listen listxattr llistxattr lremovexattr lseek
-lsetxattr lstat madvise mbind membarrier memfd_create mincore mkdir mkdirat mknod mknodat mlock mlock2
-mlockall mmap mprotect mremap mseal msgctl msgget msgrcv msgsnd msync munlock munlockall munmap
-nanosleep newfstatat open openat openat2 pause pidfd_open pidfd_send_signal pipe pipe2 pkey_alloc
-pkey_free pkey_mprotect poll ppoll prctl pread64 preadv preadv2 prlimit64 pselect6 pwrite64 pwritev
-pwritev2 read readahead readlink readlinkat readv recvfrom recvmmsg recvmsg remap_file_pages removexattr
-rename renameat renameat2 restart_syscall rmdir rseq rt_sigaction rt_sigpending rt_sigprocmask
-rt_sigqueueinfo rt_sigreturn rt_sigsuspend rt_sigtimedwait rt_tgsigqueueinfo sched_get_priority_max
-sched_get_priority_min sched_getaffinity sched_getattr sched_getparam sched_getscheduler
-sched_rr_get_interval sched_setaffinity sched_setattr sched_setparam sched_setscheduler sched_yield
-seccomp select semctl semget semop semtimedop sendfile sendmmsg sendmsg sendto set_mempolicy
-set_robust_list set_thread_area set_tid_address setfsgid setfsuid setgid setgroups setitimer setpgid
-setpriority setregid setresgid setresuid setreuid setrlimit setsid setsockopt setuid setxattr shmat
-shmctl shmdt shmget shutdown sigaltstack signalfd signalfd4 splice stat statfs statx symlink symlinkat
-sync sync_file_range syncfs sysinfo tee tgkill time timer_create timer_delete timer_getoverrun
-timer_gettime timer_settime timerfd_create timerfd_gettime timerfd_settime times tkill truncate umask
-uname unlink unlinkat utime utimensat utimes vfork wait4 waitid write writev
+accept accept4 access alarm arch_prctl bind brk capget capset chdir chmod chown clock_getres clock_gettime
+clock_nanosleep close close_range connect copy_file_range creat dup dup2 dup3 epoll_create epoll_create1
+epoll_ctl epoll_pwait epoll_pwait2 epoll_wait eventfd eventfd2 execve execveat exit exit_group faccessat
+faccessat2 fadvise64 fallocate fchdir fchmod fchmodat fchmodat2 fchown fchownat fdatasync fgetxattr
+flistxattr flock fork fremovexattr fsetxattr fstat fstatfs fsync ftruncate futex futex_requeue futex_wait
+futex_waitv futex_wake futimesat get_mempolicy get_robust_list get_thread_area getcpu getcwd getdents
+getdents64 getegid geteuid getgid getgroups getitimer getpeername getpgid getpgrp getpid getppid getpriority
+getrandom getresgid getresuid getrlimit getrusage getsid getsockname getsockopt gettid gettimeofday getuid
+getxattr ioctl ioprio_get ioprio_set kill landlock_add_rule landlock_create_ruleset landlock_restrict_self
+lchown lgetxattr link linkat listen listxattr llistxattr lremovexattr lseek lsetxattr lstat madvise mbind
+membarrier memfd_create mincore mkdir mkdirat mknod mknodat mlock mlock2 mlockall mmap mprotect mremap mseal
+msgctl msgget msgrcv msgsnd msync munlock munlockall munmap nanosleep newfstatat open openat openat2 pause
+pidfd_open pidfd_send_signal pipe pipe2 pkey_alloc pkey_free pkey_mprotect poll ppoll prctl pread64 preadv
+preadv2 prlimit64 pselect6 pwrite64 pwritev pwritev2 read readahead readlink readlinkat readv recvfrom
+recvmmsg recvmsg remap_file_pages removexattr rename renameat renameat2 restart_syscall rmdir rseq
+rt_sigaction rt_sigpending rt_sigprocmask rt_sigqueueinfo rt_sigreturn rt_sigsuspend rt_sigtimedwait
+rt_tgsigqueueinfo sched_get_priority_max sched_get_priority_min sched_getaffinity sched_getattr
+sched_getparam sched_getscheduler sched_rr_get_interval sched_setaffinity sched_setattr sched_setparam
+sched_setscheduler sched_yield seccomp select semctl semget semop semtimedop sendfile sendmmsg sendmsg
+sendto set_mempolicy set_robust_list set_thread_area set_tid_address setfsgid setfsuid setgid setgroups
+setitimer setpgid setpriority setregid setresgid setresuid setreuid setrlimit setsid setsockopt setuid
+setxattr shmat shmctl shmdt shmget shutdown sigaltstack signalfd signalfd4 splice stat statfs statx symlink
+symlinkat sync sync_file_range syncfs sysinfo tee tgkill time timer_create timer_delete timer_getoverrun
+timer_gettime timer_settime timerfd_create timerfd_gettime timerfd_settime times tkill truncate umask uname
+unlink unlinkat utime utimensat utimes vfork wait4 waitid write writev
 """
 ALLOWED = frozenset(_ALLOWED.split())
 # What is refused with "operation not permitted", so that who tries it understands.
 _REFUSED = """
-acct add_key bpf chroot clock_settime delete_module fanotify_init finit_module fsmount fsopen
-init_module io_uring_enter io_uring_register io_uring_setup ioperm iopl kcmp kexec_load keyctl mount
-mount_setattr move_mount name_to_handle_at open_by_handle_at open_tree perf_event_open pidfd_getfd
-pivot_root process_madvise process_vm_readv process_vm_writev ptrace quotactl reboot request_key
-setdomainname sethostname setns settimeofday swapoff swapon syslog umount2 unshare userfaultfd vhangup
+acct add_key bpf chroot clock_settime delete_module fanotify_init fanotify_mark finit_module fsmount fsopen
+init_module inotify_add_watch inotify_init inotify_init1 inotify_rm_watch io_uring_enter io_uring_register
+io_uring_setup ioperm iopl kcmp kexec_load keyctl mount mount_setattr move_mount name_to_handle_at
+open_by_handle_at open_tree perf_event_open pidfd_getfd pivot_root process_madvise process_vm_readv
+process_vm_writev ptrace quotactl reboot request_key setdomainname sethostname setns settimeofday swapoff
+swapon syslog umount2 unshare userfaultfd vhangup
 """
 REFUSED = frozenset(_REFUSED.split())
 
@@ -73,18 +76,19 @@ def container_profile() -> dict[str, Any]:
         {"names": ["clone"], "action": allow, "args": [_masked(0, NEW_NAMESPACES, 0)]},
     ]
     rules += [
-        {"names": [name], "action": allow, "args": [{"index": 0, "value": value, "op": "SCMP_CMP_EQ"}]}
-        for name, values in EXACTLY.items()
+        {"names": [name], "action": allow, "args": [{"index": index, "value": value, "op": "SCMP_CMP_EQ"}]}
+        for name, (index, values) in EXACTLY.items()
         for value in values
     ]
     return {"defaultAction": refuse, "defaultErrnoRet": UNKNOWN, "syscalls": rules}
 
 
-# Calls whose first argument must be one of these.
+# Calls of which one argument, counted from 0, must be one of these.
 EXACTLY = {
-    "personality": PERSONALITIES,
-    "socket": (UNIX, INTERNET, INTERNET_6),
-    "socketpair": (UNIX,),
+    "fcntl": (1, FILE_COMMANDS),
+    "personality": (0, PERSONALITIES),
+    "socket": (0, (UNIX, INTERNET, INTERNET_6)),
+    "socketpair": (0, (UNIX,)),
 }
 
 
@@ -110,9 +114,9 @@ def bpf_filter() -> bytes:
         if int(library.resolve_syscall(processor, name)) >= 0:
             policy.add_rule(library.ALLOW if name in ALLOWED else library.ERRNO(errno.EPERM), name)
     policy.add_rule(library.ALLOW, "clone", library.Arg(0, library.MASKED_EQ, NEW_NAMESPACES, 0))
-    for name, values in EXACTLY.items():
+    for name, (index, values) in EXACTLY.items():
         for value in values:
-            policy.add_rule(library.ALLOW, name, library.Arg(0, library.EQ, value))
+            policy.add_rule(library.ALLOW, name, library.Arg(index, library.EQ, value))
     with tempfile.TemporaryFile() as file:
         policy.export_bpf(file)
         file.seek(0)

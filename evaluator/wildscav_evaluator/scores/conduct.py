@@ -4,9 +4,11 @@ Fields that a track does not have are counted in the results and not told: an ag
 well set them.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
+
 from wildscav.console import counted
 from wildscav.wire.actions import MAX_WALK_SPEED
-from wildscav_evaluator.output.results import Evaluation
+from wildscav_evaluator.output.results import Evaluation, MatchTiming
 
 
 def evaluation_remark(evaluation: Evaluation) -> str | None:
@@ -17,6 +19,51 @@ def evaluation_remark(evaluation: Evaluation) -> str | None:
         actions=sum(seat.actions for seat in seats),
         invalid=sum(seat.invalid_actions for seat in seats),
     )
+
+
+def machine_remark(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
+    """Return a line on a submission's late steps that are the machine's fault, if there were any.
+
+    Args:
+        evaluation: Of the submission on one track.
+        timings: Of all matches.
+    """
+    key = (evaluation.submission, evaluation.track)
+    late = {
+        f"match {timing.index}: ": seat.late_for_platform
+        for timing in timings
+        if (timing.submission, timing.track) == key
+        for seat in timing.seats
+        if seat.late_for_platform
+    }
+    return late_for_machine(f"{evaluation.submission} on {evaluation.track}", late) if late else None
+
+
+def late_for_machine(who: str, late: Mapping[str, Sequence[int]]) -> str:
+    """Return a line on late steps that are the machine's fault.
+
+    Args:
+        who: Whose they are.
+        late: Their numbers, by what is said before them.
+    """
+    count = sum(map(len, late.values()))
+    where = "; ".join(f"{before}{_ranges(steps)}" for before, steps in late.items())
+    return (
+        f"{who}: {counted(count, 'late step')} {'was' if count == 1 else 'were'} the machine's fault, which "
+        f"was so busy that the agent waited for a processor ({where})"
+    )
+
+
+def _ranges(steps: Sequence[int]) -> str:
+    """Return numbers in words, such as "step 3, 7–9"."""
+    ranges: list[list[int]] = []
+    for step in sorted(steps):
+        if ranges and step == ranges[-1][-1] + 1:
+            ranges[-1][1:] = [step]
+        else:
+            ranges.append([step])
+    words = ["–".join(map(str, one)) for one in ranges]
+    return f"{'step' if len(steps) == 1 else 'steps'} {', '.join(words)}"
 
 
 def remark(who: str, *, actions: int, invalid: int) -> str | None:

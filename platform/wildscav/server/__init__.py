@@ -2,7 +2,7 @@
 
 from wildscav.server.deadlines import Clock
 from wildscav.server.entrance import Door
-from wildscav.server.reports import Fault, MatchOutcome, SeatReport, SeatStatus, ThinkTime
+from wildscav.server.reports import Fault, MatchOutcome, SeatReport, SeatStatus, ThinkTime, Thought
 from wildscav.server.server import MatchServer
 from wildscav.server.session import HostedMatch, MatchCancelledError
 
@@ -17,4 +17,5 @@ __all__ = [
     "SeatReport",
     "SeatStatus",
     "ThinkTime",
+    "Thought",
 ]

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from wildscav.proto.match_pb2 import Action
 from wildscav.server.deadlines import Clock
+from wildscav.server.reports import Thought
 from wildscav.server.seat import Seat
 from wildscav.server.seat_time import SeatTime
 from wildscav.server.senses import Senses
@@ -95,6 +96,7 @@ class Lockstep:
         message = encode_observation(self._senses.of(seat.number), self._sense(seat))
         now = self._time.now()
         seat.asked, seat.asked_at = self._step, now - seat.sensing
+        seat.thinks_since = self._loop.time()
         if seat.called:
             seat.called, self._opened = False, now  # nobody pays for what others' observations take
         return message
@@ -111,6 +113,7 @@ class Lockstep:
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
+        self._note_thought(seat)
         if self._step is None or seat not in self._pending or seat.asked != self._step:
             seat.conduct.dropped_actions += 1
             return
@@ -133,8 +136,15 @@ class Lockstep:
     def _count_late(self, seat: Seat) -> None:
         """Count that the open step is played without a seat's answer."""
         seat.conduct.late_steps += 1
-        if seat.first_late is None:
-            seat.first_late = self._step
+        if self._step is not None:
+            seat.late.append(self._step)
+
+    def _note_thought(self, seat: Seat) -> None:
+        """Note how long a seat took for the answer that has come, if that was longer than its budget."""
+        since, now = seat.thinks_since, self._loop.time()
+        if since is not None and now - since > self._clock.step_budget:
+            seat.thoughts.append(Thought(seat.asked, since, now))
+        seat.thinks_since = None
 
     def _asked_at(self, seat: Seat) -> float:
         """Return from when a seat's time for the open step counts: it may still owe an older answer."""

@@ -55,6 +55,14 @@ class ThinkTime(NamedTuple):
 NO_TIME = ThinkTime()
 
 
+class Thought(NamedTuple):
+    """One answer that took longer than the budget; late steps may lie within it."""
+
+    step: int  # that was to be answered
+    asked: float  # by the monotonic clock, s
+    answered: float
+
+
 @dataclass(slots=True)
 class Conduct:
     """What is counted of a seat's behaviour while it plays."""
@@ -86,6 +94,8 @@ class SeatReport:
     think_time: ThinkTime = NO_TIME
     time_bank: float = 0.0  # s left of it
     start_up: float | None = None  # s from its start until it was ready; none if it never was
+    late: tuple[int, ...] = ()  # numbers of the late steps
+    thoughts: tuple[Thought, ...] = ()  # the answers that took longer than the budget, in order
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wildscav.errors import SensorError
 from wildscav.proto.match_pb2 import SeatConduct
 from wildscav.server.deadlines import TimeBank
-from wildscav.server.reports import Conduct, SeatReport, SeatStatus, ThinkTime
+from wildscav.server.reports import Conduct, SeatReport, SeatStatus, ThinkTime, Thought
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct
 
@@ -46,7 +46,9 @@ class Seat:
         self.asked_at = 0.0  # when its time for that step began: when it was sent, less what its sensors took
         self.sensing = 0.0  # s that reading its sensors took for that step
         self.conduct = Conduct()
-        self.first_late: int | None = None  # the first step that was played without its answer
+        self.late: list[int] = []  # the steps that were played without its answer
+        self.thoughts: list[Thought] = []  # the answers that took longer than the budget
+        self.thinks_since: float | None = None  # by the loop's clock; none if it owes no answer
         self.times = array("d")  # s, of each step
         self.called = False  # whether its stream is about to fetch an observation
         self._waiter: asyncio.Future[None] | None = None  # done when it is called
@@ -107,6 +109,8 @@ class Seat:
             think_time=ThinkTime.of(self.times),
             time_bank=self.bank.left,
             start_up=self.start_up,
+            late=tuple(self.late),
+            thoughts=tuple(self.thoughts),
             **asdict(self.conduct),
         )
 

@@ -273,7 +273,7 @@ class HostedMatch:
         if seat.bank.used_up:
             seat.mark(
                 SeatStatus.TIMED_OUT,
-                f"its time bank was used up, and step {seat.first_late} was the first without its answer: "
+                f"its time bank was used up, and step {seat.late[0]} was the first without its answer: "
                 f"{own} of {steps} steps were played with an answer of its own",
             )
         elif seat.conduct.late_steps:

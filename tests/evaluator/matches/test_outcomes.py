@@ -43,6 +43,9 @@ class Ended:
         await self._agent.ended()
         return self._ending
 
+    def processes(self) -> list[int]:
+        return self._agent.processes()
+
     def overdue(self) -> str:
         return self._agent.overdue()
 

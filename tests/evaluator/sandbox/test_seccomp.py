@@ -13,7 +13,18 @@ def test_nothing_is_both_allowed_and_refused() -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["unshare", "setns", "mount", "ptrace", "process_vm_readv", "keyctl", "bpf", "io_uring_setup", "clone3"],
+    [
+        "unshare",
+        "setns",
+        "mount",
+        "ptrace",
+        "process_vm_readv",
+        "keyctl",
+        "bpf",
+        "io_uring_setup",
+        "clone3",
+        "inotify_init1",
+    ],
 )
 def test_what_gets_agents_out_is_not_allowed(name: str) -> None:
     allowed = {

@@ -6,6 +6,7 @@ It returns if it worked, and raises if it did not.
 
 import ctypes
 import errno
+import fcntl
 import json
 import os
 import resource
@@ -23,6 +24,7 @@ LIBC = ctypes.CDLL(None, use_errno=True)
 MEBIBYTE = 1 << 20
 NEW_USER, NEW_MOUNTS = 0x1000_0000, 0x0002_0000
 PTRACE_ATTACH, PTRACE_DETACH = 16, 17
+IN_OPEN = 0x20
 KEYCTL, IO_URING_SETUP, PROCESS_VM_READV = 250, 425, 310  # x86-64
 ATTACKS: dict[str, Callable[[], object]] = {}
 
@@ -280,6 +282,17 @@ def limits_fill_disk() -> None:
             if path.parent.exists() and path.exists():
                 path.unlink()
     raise FailedError("no place takes so much")
+
+
+@attack
+def files_watch_what_others_run() -> None:
+    watcher = call("inotify_init1", os.O_NONBLOCK)
+    call("inotify_add_watch", watcher, b"/usr/bin", IN_OPEN)
+
+
+@attack
+def files_watch_by_signals() -> None:
+    fcntl.fcntl(os.open("/usr/bin", os.O_RDONLY), fcntl.F_NOTIFY, 0)
 
 
 @attack
