@@ -16,6 +16,7 @@ import signal
 import tempfile
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from wildscav import leftovers
@@ -58,6 +59,7 @@ ENGINE_FAILED = (
 # Asking the engine takes longer than all else of an end, so it is asked where it could tell something new.
 ASKED_ABOUT = (*ENGINE_FAILED, SIGNALLED + signal.SIGKILL)
 LOOK = 2.0  # s between two looks for the processes of a container
+NOT_RUN = "failed to exec pid1"
 NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or is not there
 NEVER = "0001-01-01"  # when a container started that did not
 MOUNT_POINTS = (
@@ -88,7 +90,7 @@ class OciSandbox:
         engine = await asyncio.to_thread(find_engine)
         start_reaper(os.getpid())
         hold = ContainerHold(engine, f"wildscav-{leftovers.owner()}-{next(_numbers)}")
-        hold.has_command = bool(launch.command)
+        hold.command = launch.command[0] if launch.command else ""
         try:
             environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
             arguments = await asyncio.to_thread(_create_command, launch, hold)
@@ -117,7 +119,7 @@ class ContainerHold:
         enter_container(engine, container)
         self.identity = ""  # that the engine has given to the container
         self.never_started = False
-        self.has_command = False  # of the submission's own
+        self.command = ""  # the program that the submission names, if it does
         self._removed = False
         self._found: list[int] = []  # its processes
         self._looked = -LOOK  # when, by the monotonic clock
@@ -172,7 +174,9 @@ class Container:
     async def ended(self) -> Ending:
         """Wait for the container to end. See ``RunningAgent.ended``."""
         ending = await self._process.ended()
-        if ending.exit_code in NO_COMMAND and self._hold.has_command:
+        if self._hold.command and NOT_RUN in ending.last_words:  # Podman's init does not say what
+            return replace(ending, last_words=f"cannot run {self._hold.command}: {ending.last_words}")
+        if ending.exit_code in NO_COMMAND and self._hold.command:
             return ending  # there is no such program in it, says the engine
         if ending.exit_code in ENGINE_FAILED and self._hold.never_started:
             engine = self._hold.engine.name
