@@ -15,18 +15,24 @@ def check_targets(record: Path | None, replay: Path | None) -> None:
     """
     if record is not None and replay is not None and record.resolve() == replay.resolve():
         raise UserError(f"--record and --replay name the same file {record}: name two files", exit_code=2)
+    for option, path in (("--record", record), ("--replay", replay)):
+        if path is not None:
+            _check_file(option, path)
     if replay is not None:
         check_name("--replay", replay)
     for option, path in (("--record", record), ("--replay", replay)):
         if path is not None:
-            _check_target(option, path)
+            _check_writable(option, path)
 
 
-def _check_target(option: str, path: Path) -> None:
+def _check_file(option: str, path: Path) -> None:
     if path.is_dir():
         raise UserError(f"{option} {path} is a folder: name a file in it", exit_code=2)
     if path.exists() and not path.is_file():
         raise UserError(f"{option} {path} is not a plain file: name another", exit_code=2)
+
+
+def _check_writable(option: str, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         # Files are written beside their place and moved there whole, so it is the folder that counts.
