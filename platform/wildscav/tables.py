@@ -8,7 +8,7 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
 
-NARROWEST = 12  # columns that text is still read well in, if its column says no other width
+COMFORTABLE, NARROWEST = 24, 12  # columns for text that may be broken, where there is room and where not
 UNBOUNDED = 10_000  # columns
 
 
@@ -32,8 +32,9 @@ class FittingTable(Table):
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the table as it fits."""
         wide = options.update(max_width=UNBOUNDED)
-        needed = sum(_needs(console, wide, column) for column in self.columns)
-        for padding in (1, 0):
+        # Columns move together before text is broken, and text is broken before rows are taken apart.
+        for padding, text in ((1, COMFORTABLE), (0, COMFORTABLE), (0, NARROWEST)):
+            needed = sum(_needs(console, wide, column, text) for column in self.columns)
             # Besides its padding, each column has a space between it and the next.
             if needed + len(self.columns) * (padding + 1) - 1 <= options.max_width:
                 self.padding = (0, padding, 0, 0)
@@ -59,8 +60,9 @@ class FittingTable(Table):
             yield block
 
 
-def _needs(console: Console, options: ConsoleOptions, column: Column) -> int:
+def _needs(console: Console, options: ConsoleOptions, column: Column, text: int) -> int:
+    """Return the width that a column needs, if text that may be broken gets so much of it."""
     sizes = [Measurement.get(console, options, cell) for cell in (column.header, *column.cells)]
     if column.no_wrap:
         return max(size.maximum for size in sizes)
-    return column.min_width or min(NARROWEST, max(size.minimum for size in sizes))
+    return max(column.min_width or 0, min(text, max(size.maximum for size in sizes)))
