@@ -12,7 +12,7 @@ import subprocess
 import sys
 from contextlib import suppress
 
-from wildscav_engine.compilation.cache import cache_folder
+from wildscav_engine.compilation.folders import cache_folder
 from wildscav_engine.compilation.sources import PACKAGE
 from wildscav_engine.kernel import config
 from wildscav_engine.threads import cores

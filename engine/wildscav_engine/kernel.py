@@ -8,16 +8,22 @@ What is compiled is kept on disk for every process that runs the same sources, w
 """
 
 import functools
-from collections.abc import Callable
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn, ParamSpec, TypeVar, cast
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
+import numpy as np
 from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import typeof_impl
 
-from wildscav_engine.compilation.cache import KernelCache, cache_folder, locked
-from wildscav_engine.compilation.linking import PartCache, PartCompiler
+from wildscav_engine.compilation.cache import KernelCache
+from wildscav_engine.compilation.folders import cache_folder
+from wildscav_engine.compilation.linking import PartCache, PartCompiler, WholeCompiler, for_all_numbers
+from wildscav_engine.compilation.locks import locked
+from wildscav_engine.compilation.notice import notice
 
 Params = ParamSpec("Params")
 Returned = TypeVar("Returned")
@@ -27,6 +33,7 @@ config: Any = numba.config
 njit: Any = numba.njit
 typeof: Any = numba.typeof
 
+SELDOM = (100_000, 50, 1000)  # as in ``gc.set_threshold``
 EXACTLY = {"fastmath": False, "nogil": True, "error_model": "numpy"}
 
 
@@ -92,20 +99,33 @@ def only_for(function: Callable[..., Returned], *examples: Any) -> Callable[...,
         examples: An argument of each type that it is to take.
     """
     if config.DISABLE_JIT:
-        return _take_nothing
+        return _only_for(function, [_sort(example) for example in examples])
     compiled = cast(Kernel, function).outer
     compiled.compile(tuple(typeof(example) for example in examples))
     compiled.disable_compile()
     return cast(Callable[..., Returned], compiled)
 
 
-def _take_nothing(*_: Any) -> NoReturn:
-    raise TypeError("kernels are plain Python: nobody knows which arguments they take")
+def _only_for(function: Callable[..., Returned], sorts: list[Any]) -> Callable[..., Returned]:
+    """Do what ``only_for`` says, where kernels are plain Python."""
+
+    def call(*arguments: Any) -> Returned:
+        if [_sort(argument) for argument in arguments] != sorts:
+            raise TypeError(f"{function.__name__} takes {sorts}")
+        return function(*arguments)
+
+    return call
+
+
+def _sort(value: Any) -> Any:
+    return (value.dtype, value.ndim) if isinstance(value, np.ndarray) else type(value)
 
 
 def _compile(function: Callable[..., Any], **options: Any) -> Any:
     folder = _folder_of(function, "-".join(sorted(options)) or "plain")
-    return _kept(njit(**EXACTLY, **options)(function), KernelCache(function, folder))
+    # Without counted references it takes no second pass to find those that need none.
+    whole = {} if options.get("_nrt", True) else {"pipeline_class": WholeCompiler}
+    return _kept(njit(**EXACTLY, **options, **whole)(function), KernelCache(function, folder))
 
 
 def _compile_part(function: Callable[..., Any], **options: bool) -> Any:
@@ -114,7 +134,7 @@ def _compile_part(function: Callable[..., Any], **options: bool) -> Any:
     part = njit(
         pipeline_class=PartCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **EXACTLY, **options
     )(function)
-    return _kept(part, PartCache(function, folder))
+    return _kept(for_all_numbers(part), PartCache(function, folder))
 
 
 def _folder_of(function: Callable[..., Any], options: str) -> Path:
@@ -133,9 +153,28 @@ def _kept(dispatcher: Any, cache: KernelCache) -> Any:
     lock = Path(cache.cache_path) / f"{dispatcher.py_func.__qualname__}.lock"
 
     def compile_alone(signature: Any) -> Any:
-        with global_compiler_lock, locked(lock):
+        with (
+            global_compiler_lock,
+            notice.waiting(),
+            locked(lock, lambda: notice.begin(0)),
+            _seldom_collecting(),
+        ):
             return compile_now(signature)
 
     dispatcher._cache = cache  # noqa: SLF001 - Numba has no other way to set one
     dispatcher.compile = compile_alone
     return dispatcher
+
+
+@contextmanager
+def _seldom_collecting() -> Iterator[None]:
+    """Let Python look for garbage less often.
+
+    A compiler makes a great many objects that stay: to look through them all takes a fifth of its time.
+    """
+    before = gc.get_threshold()
+    gc.set_threshold(*SELDOM)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)

@@ -17,7 +17,6 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.text import Text
 
-PREPARING = "preparing the engine (the first run compiles it, which takes a minute or two)"
 LAYOUT = "\n\t"  # what a console lays text out by
 
 

@@ -6,63 +6,22 @@ here where to look, and whatever could change the code is in the folder's name.
 """
 
 import functools
-import os
 import pickle
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from numba.core import caching
 
-from wildscav_engine.compilation.sources import sources_digest
-
-try:
-    import fcntl
-except ImportError:  # a system without such locks: each process compiles for itself
-    fcntl = None  # type: ignore[assignment]
+from wildscav_engine.compilation.notice import notice
 
 # Typed here, because Numba comes without types.
 NumbaCache: Any = caching.FunctionCache
 NumbaEntries: Any = caching.CompileResultCacheImpl
 NumbaLocator: Any = caching._CacheLocator
 
-# As many folders are kept as several versions of the engine need, so that going back and forth stays fast.
-KEPT_FOLDERS = 1000
 DAMAGED = (OSError, EOFError, pickle.UnpicklingError)
-
-
-def cache_root() -> Path:
-    """Return the folder of all compiled code: WILDSCAV_CACHE_DIR, or the user's cache folder."""
-    home = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
-    return Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / "kernels"
-
-
-@functools.cache
-def cache_folder(file: Path) -> Path:
-    """Return the cache folder for a file's kernels, made if need be; a temporary one where that fails."""
-    folder = cache_root() / sources_digest(file)
-    try:
-        if not folder.exists():
-            folder.mkdir(parents=True, exist_ok=True)
-            _remove_oldest_folders(folder.parent)
-        folder.touch()
-    except OSError:
-        return _temporary_folder()
-    return folder
-
-
-@functools.cache
-def _temporary_folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
-
-
-def _remove_oldest_folders(root: Path) -> None:
-    folders = sorted(root.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
-    for folder in folders[KEPT_FOLDERS:]:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 class Locator(NumbaLocator):  # type: ignore[misc]
@@ -112,7 +71,13 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
         super().__init__(function)
 
     def load_overload(self, signature: Any, context: Any) -> Any:
-        """Return the compiled code for a signature, or None."""
+        """Return the compiled code for a signature; None if it has to be compiled, which begins then."""
+        found = self._load(signature, context)
+        if found is None:
+            notice.begin()
+        return found
+
+    def _load(self, signature: Any, context: Any) -> Any:
         try:
             return super().load_overload(signature, context)
         except DAMAGED:
@@ -124,20 +89,3 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
         """Keep the compiled code for a signature."""
         with suppress(OSError):
             super().save_overload(signature, result)
-
-
-@contextmanager
-def locked(file: Path) -> Iterator[None]:
-    """Hold a lock between processes; where none can be had, do without."""
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        descriptor = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError:
-        yield
-        return
-    try:
-        if fcntl is not None:
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(descriptor)

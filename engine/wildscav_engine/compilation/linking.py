@@ -10,7 +10,7 @@ This builds on the insides of Numba's compiler, whose versions ``pyproject.toml`
 from typing import Any
 
 from llvmlite import binding as llvm
-from numba.core import codegen, compiler, compiler_machinery, typed_passes
+from numba.core import codegen, compiler, compiler_machinery, typed_passes, types
 
 from wildscav_engine.compilation.cache import Entries, KernelCache
 
@@ -21,6 +21,8 @@ Pass: Any = compiler_machinery.LoweringPass
 register_pass: Any = compiler_machinery.register_pass
 compile_result: Any = compiler.compile_result
 parse_bitcode: Any = llvm.parse_bitcode
+new_passes: Any = llvm.create_new_function_pass_manager
+unliteral: Any = types.unliteral
 
 
 class Part(Library):  # type: ignore[misc]
@@ -32,6 +34,18 @@ class Part(Library):  # type: ignore[misc]
     def codegen(self) -> "Unplaced":
         """What made the code."""
         return Unplaced(self._codegen)
+
+    def _optimize_functions(self, module: Any) -> None:
+        """Make the code smaller, at little cost: those that run it optimize it in earnest."""
+        module.data_layout = self._codegen._data_layout
+        builder = self._codegen._pass_builder()
+        for function in module.functions:
+            if not function.is_declaration:
+                passes = new_passes()
+                passes.add_sroa_pass()
+                passes.add_instruction_combine_pass()
+                passes.add_simplify_cfg_pass()
+                passes.run(function, builder)
 
     def finalize(self) -> None:
         """Close the part; what it calls is linked by those that run it."""
@@ -99,31 +113,85 @@ def _below(part: Part) -> list[Any]:
     return list(found)[-2::-1]
 
 
-@register_pass(mutates_CFG=False, analysis_only=True)
-class MakePart(Pass):  # type: ignore[misc]
-    """Give a function a part to be compiled into."""
+class Whole(Library):  # type: ignore[misc]
+    """The code of a kernel that Python calls, with all parts that it calls."""
 
-    _name = "make_part"
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.enable_object_caching()
+
+    def _optimize_final_module(self) -> None:
+        """Optimize it once. Numba does it twice, to find references that need no counting; here are none."""
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
+
+class Make(Pass):  # type: ignore[misc]
+    """Give a function a library to be compiled into."""
+
+    library: type[Any]
 
     def __init__(self) -> None:
         Pass.__init__(self)
 
     def run_pass(self, state: Any) -> bool:
         """Do it; the function itself stays as it is."""
-        state.library = Part(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
         return False
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class MakePart(Make):
+    """Give a function a part to be compiled into."""
+
+    _name = "make_part"
+    library = Part
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class MakeWhole(Make):
+    """Give a function a whole to be compiled into."""
+
+    _name = "make_whole"
+    library = Whole
 
 
 class PartCompiler(Compiler):  # type: ignore[misc]
     """Numba's compiler, making parts."""
 
+    first: type[Make] = MakePart
+
     def define_pipelines(self) -> list[Any]:
         """Return the passes to run."""
         builder: Any = compiler.DefaultPassBuilder
         passes = builder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(MakePart, typed_passes.AnnotateTypes)
+        passes.add_pass_after(self.first, typed_passes.AnnotateTypes)
         passes.finalize()
         return [passes]
+
+
+class WholeCompiler(PartCompiler):
+    """Numba's compiler, making wholes."""
+
+    first = MakeWhole
+
+
+def for_all_numbers(dispatcher: Any) -> Any:
+    """Let a function be compiled once for all values of a number; return it.
+
+    Numba would compile it anew for each constant that a caller writes. LLVM puts constants in by itself where
+    that gains anything.
+    """
+    template_for = dispatcher.get_call_template
+
+    def get_call_template(arguments: Any, keywords: Any) -> Any:
+        return template_for(
+            tuple(unliteral(one) for one in arguments),
+            {name: unliteral(one) for name, one in keywords.items()},
+        )
+
+    dispatcher.get_call_template = get_call_template
+    return dispatcher
 
 
 class PartEntries(Entries):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.world import Kind, Solid, convex_solid
+from wildscav_engine.geometry.world import Kind, Solid, convex_solid, set_plane
 from wildscav_engine.kernel import array_kernel
 from wildscav_engine.trig import cosine, sine
 
@@ -92,13 +92,14 @@ def _boxes(
     along_0 = along_x * where.x + along_z * where.z
     for box in range(count):
         left, bottom, back, right, top, front = corners[box]
-        planes[box, 0] = -across_x, 0.0, -across_z, -across_0 - left
-        planes[box, 1] = across_x, 0.0, across_z, across_0 + right
-        planes[box, 2] = 0.0, -1.0, 0.0, -bottom
-        planes[box, 3] = 0.0, 1.0, 0.0, top
-        planes[box, 4] = -along_x, 0.0, -along_z, -along_0 - back
-        planes[box, 5] = along_x, 0.0, along_z, along_0 + front
-        low[box], high[box] = (np.inf, bottom, np.inf), (-np.inf, top, -np.inf)
+        set_plane(planes[box, 0], -across_x, 0.0, -across_z, -across_0 - left)
+        set_plane(planes[box, 1], across_x, 0.0, across_z, across_0 + right)
+        set_plane(planes[box, 2], 0.0, -1.0, 0.0, -bottom)
+        set_plane(planes[box, 3], 0.0, 1.0, 0.0, top)
+        set_plane(planes[box, 4], -along_x, 0.0, -along_z, -along_0 - back)
+        set_plane(planes[box, 5], along_x, 0.0, along_z, along_0 + front)
+        low[box, 0], low[box, 1], low[box, 2] = np.inf, bottom, np.inf
+        high[box, 0], high[box, 1], high[box, 2] = -np.inf, top, -np.inf
         for across in (left, right):
             for along in (back, front):
                 x = where.x + across * across_x + along * along_x

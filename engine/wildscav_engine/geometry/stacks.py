@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.world import Kind, Solid, write_plane
+from wildscav_engine.geometry.world import Kind, Solid, set_plane, write_plane
 from wildscav_engine.kernel import array_kernel, kernel
 
 MOST_SIDES, MOST_RINGS = 8, 4
@@ -97,10 +97,10 @@ def _write_planes(stacks: Stacks, row: int, first: int, planes: NDArray[np.float
             _write_plane(stacks, row, a, b, c, planes[written])
             written += 1
     if stacks.rings[row, 0, 1] > 0.0:
-        planes[written] = (0.0, -1.0, 0.0, -stacks.rings[row, 0, 0])
+        set_plane(planes[written], 0.0, -1.0, 0.0, -stacks.rings[row, 0, 0])
         written += 1
     if stacks.rings[row, top, 1] > 0.0:
-        planes[written] = (0.0, 1.0, 0.0, stacks.rings[row, top, 0])
+        set_plane(planes[written], 0.0, 1.0, 0.0, stacks.rings[row, top, 0])
 
 
 @kernel

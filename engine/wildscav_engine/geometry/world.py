@@ -102,6 +102,15 @@ def _planes_of(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArr
 
 
 @kernel
+def set_plane(plane: NDArray[np.float64], x: float, y: float, z: float, offset: float) -> None:
+    """Write (4,) a plane: its normal and its offset in m.
+
+    To assign a tuple would compile much of Numba's own: what checks its length and words the error.
+    """
+    plane[0], plane[1], plane[2], plane[3] = x, y, z, offset
+
+
+@kernel
 def write_plane(a: Corner, b: Corner, c: Corner, behind: Corner, plane: NDArray[np.float64]) -> None:
     """Write the unit normal and the offset in m of the plane through three corners, a point behind it."""
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]

@@ -23,7 +23,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.cache import cache_root
+from wildscav_engine.compilation.folders import cache_root
 from wildscav_engine.compilation.sources import sources_digest
 from wildscav_engine.container import ContainerError, Layout, canonical, pack, unpack
 from wildscav_engine.files import write_whole

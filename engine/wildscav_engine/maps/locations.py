@@ -229,9 +229,11 @@ def keep_apart(places: NDArray[np.float64], spacing: float) -> NDArray[np.float6
     """Return (M, 3) m those of some places, in their order, that are a distance in m from all kept before."""
     if len(places) == 0:
         return places.copy()
-    west, south = places[:, 0].min(), places[:, 2].min()
-    columns = int((places[:, 0].max() - west) / spacing) + 1
-    rows = int((places[:, 2].max() - south) / spacing) + 1
+    west, south = east, north = places[0, 0], places[0, 2]
+    for place in places:
+        west, east = min(west, place[0]), max(east, place[0])
+        south, north = min(south, place[2]), max(north, place[2])
+    columns, rows = int((east - west) / spacing) + 1, int((north - south) / spacing) + 1
     first = np.full((rows, columns), -1, np.int32)  # kept places are linked by the squares that they lie in
     following = np.empty(len(places), np.int32)
     kept = np.empty_like(places)

@@ -21,7 +21,7 @@ from wildscav_engine.rendering.trace import (
 )
 from wildscav_engine.rendering.tracing.room import MOST_KEPT, Size
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optical import MovingOption
+from wildscav_engine.sensors.optical import MovingOption, are_ready
 from wildscav_engine.sensors.pinhole import PinholeCamera
 
 if TYPE_CHECKING:
@@ -71,13 +71,14 @@ class DepthCamera(MovingOption, PinholeCamera):
             # The shortest way, in few steps, because a small image takes no longer than many.
             scene, size, lens = game_map.scene, self._size, self.lens
             room = scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size)  # ``of``, but faster
+            trace = depths_tracer()
             try:
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
-                trace = depths_tracer()
                 if trace(positions, yaws, pitches, lens[0], lens[1], room.tables, depths):
                     return depths
             except (TypeError, ValueError, NumbaError):
-                pass
+                if are_ready(positions, yaws, pitches):
+                    raise  # nothing is wrong with what we were given
         return super().render(
             game_map, positions, yaws, pitches, moving=moving, viewers=viewers, threads=threads
         )

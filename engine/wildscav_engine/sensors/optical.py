@@ -157,7 +157,7 @@ class OpticalSensor(Sensor):
         eyes: Any = positions
         turns: Any = yaws
         tilts: Any = pitches
-        if not _are_ready(eyes, turns, tilts):
+        if not are_ready(eyes, turns, tilts):
             eyes, turns, tilts = _real("positions", positions), _real("yaws", yaws), _real("pitches", pitches)
             _check_shapes(eyes, turns, tilts)
         count = len(turns)
@@ -216,7 +216,7 @@ def some_of(cameras: Cameras, part: "slice | list[int]") -> Cameras:
     )
 
 
-def _are_ready(eyes: Any, yaws: Any, pitches: Any) -> bool:
+def are_ready(eyes: Any, yaws: Any, pitches: Any) -> bool:
     """Return whether kernels take three arrays as they are, without being compiled once more."""
     return (
         type(eyes) is type(yaws) is type(pitches) is ARRAY

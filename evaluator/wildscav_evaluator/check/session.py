@@ -5,8 +5,9 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.console import PREPARING, console, counted, print_json
+from wildscav.console import console, counted, print_json
 from wildscav.errors import UserError
+from wildscav.preparing import preparing
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import run_checks
 from wildscav_evaluator.cli.tables import plain_table
@@ -24,7 +25,7 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: 
     Raises:
         UserError: Something failed that a judge would not pass over.
     """
-    with console.status(PREPARING):
+    with preparing(console):
         warm([submission.manifest.sensors])
     findings = []
     with console.status("playing") as status:

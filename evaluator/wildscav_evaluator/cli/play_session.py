@@ -13,8 +13,9 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav import leftovers
-from wildscav.console import PREPARING, command, console, print_json
+from wildscav.console import command, console, print_json
 from wildscav.errors import UserError, describe
+from wildscav.preparing import preparing
 from wildscav.server import HostedMatch
 from wildscav_engine.actions import Field
 from wildscav_engine.match import MatchSetupError
@@ -130,7 +131,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
 
 def _play(seating: Seating, sandbox: Sandbox) -> Played:
     try:
-        with console.status(PREPARING):
+        with preparing(console):
             warm([submission.manifest.sensors for submission in seating.submissions])
         return asyncio.run(_play_with_progress(seating, sandbox))
     except KeyboardInterrupt:

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.console import PREPARING, console, counted, printable
+from wildscav.console import console, counted, printable
 from wildscav.errors import UserError
+from wildscav.preparing import preparing
 from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_evaluator.cli.complaints import raise_all
@@ -127,7 +128,7 @@ def _warn(text: str) -> None:
 
 def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: str) -> Played:
     try:
-        with console.status(PREPARING):
+        with preparing(console):
             warm([submission.manifest.sensors for submission in seating.submissions])
         with console.status(f"asking the agent again, {counted(record.steps, 'step')}"):
             return asyncio.run(

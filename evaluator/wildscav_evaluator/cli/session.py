@@ -6,8 +6,9 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.console import PREPARING, command, console, counted, print_json
+from wildscav.console import command, console, counted, print_json
 from wildscav.errors import UserError, describe
+from wildscav.preparing import preparing
 from wildscav_engine.files import write_whole
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.cli.complaints import raise_all
@@ -107,7 +108,7 @@ def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, ledger: Keeper, watching:
     waiting = [job for job in jobs if job.stem not in complete]
     if waiting:
         with Workers(min(plan.jobs, len(waiting)), lock) as workers:
-            with console.status(PREPARING):
+            with preparing(console):
                 workers.warm(sensors_read(waiting))
             with watch.shown():
                 for result in workers.run(waiting, *_hearing(ledger, watch)):

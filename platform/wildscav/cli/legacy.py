@@ -38,14 +38,15 @@ def install(
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from wildscav.console import PREPARING, console, counted, error_console
+    from wildscav.console import console, counted, error_console
     from wildscav.legacy.install import install_engine, install_maps, missing_maps
+    from wildscav.preparing import preparing
     from wildscav.server.warm import warm
     from wildscav_engine.threads import cores
 
     ids = read_ids(maps)
     program = install_engine(folder / "engine")
-    with error_console.status(PREPARING):
+    with preparing(error_console):
         warm(())
     missing = missing_maps(ids, folder / "maps")
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()

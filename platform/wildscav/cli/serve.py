@@ -125,16 +125,17 @@ async def _serve(how: Serving, workers: int) -> None:
 
 async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     """Serve in this process."""
-    from wildscav.console import PREPARING, console
+    from wildscav.console import console
     from wildscav.logs import open_log
     from wildscav.metrics import serving_metrics
+    from wildscav.preparing import preparing
     from wildscav.server import Door, MatchServer
     from wildscav.server.warm import warm
 
     door = Door(tls=how.certificate.context() if how.certificate else None, insecure=how.insecure)
     server = MatchServer(arena=True, organizer_token=how.token, door=door, log=open_log(how.log_format))
     taken = await server.start(how.addresses)
-    with console.status(PREPARING):
+    with preparing(console, is_said=how.log_format == "json"):
         await asyncio.to_thread(warm)
     _say_listening(taken)
     with serving_metrics(server.meters, how.metrics_port) as metrics:
@@ -147,7 +148,8 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
 
 async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> None:
     """Serve with several processes."""
-    from wildscav.console import PREPARING, console
+    from wildscav.console import console
+    from wildscav.preparing import preparing
     from wildscav.server.shared import SharedServer
 
     server = SharedServer(
@@ -158,7 +160,7 @@ async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> Non
         log_format=how.log_format,
         metrics_port=how.metrics_port,
     )
-    with console.status(PREPARING):
+    with preparing(console, is_said=how.log_format == "json"):
         taken = await server.start(how.addresses)
     _say_listening(taken)
     for worker in server.workers:

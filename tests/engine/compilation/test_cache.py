@@ -5,13 +5,11 @@ import os
 import shutil
 import subprocess
 import sys
-import threading
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from wildscav_engine.compilation import cache
 from wildscav_engine.compilation.sources import PACKAGE
 from wildscav_engine.kernel import config
 
@@ -105,31 +103,3 @@ def test_what_is_damaged_is_compiled_again(folder: Path) -> None:
         file.write_bytes(b"")
     assert said_by(start(HERE, folder)) == (HERE, ["is_steep", "sine"], VALUES)
     assert said_by(start(HERE, folder)) == (HERE, [], VALUES)
-
-
-def test_without_a_writable_cache_a_temporary_one_serves(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("WILDSCAV_CACHE_DIR", "/dev/null/nowhere")
-    assert cache.cache_folder.__wrapped__(PACKAGE / "digest.py").exists()
-
-
-def test_a_process_waits_while_another_compiles_the_same(tmp_path: Path) -> None:
-    file, order = tmp_path / "some.lock", ["first"]
-
-    def wait() -> None:
-        with cache.locked(file):
-            order.append("second")
-
-    with cache.locked(file):
-        waiter = threading.Thread(target=wait)
-        waiter.start()
-        waiter.join(0.2)
-        order.append("first is done")
-    waiter.join()
-
-    assert order == ["first", "first is done", "second"]
-
-
-def test_where_no_lock_can_be_had_everyone_compiles(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with cache.locked(tmp_path / "file" / "some.lock"):
-        pass

@@ -1,0 +1,43 @@
+"""The folders that compiled code is kept in: one for each digest of sources."""
+
+import functools
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+from wildscav_engine.compilation.sources import sources_digest
+
+# As many folders are kept as several versions of the engine need, so that going back and forth stays fast.
+KEPT_FOLDERS = 1000
+
+
+def cache_root() -> Path:
+    """Return the folder of all compiled code: in WILDSCAV_CACHE_DIR, or in the user's cache folder."""
+    home = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
+    return Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / "kernels"
+
+
+@functools.cache
+def cache_folder(file: Path) -> Path:
+    """Return the cache folder for a file's kernels, made if need be; a temporary one where that fails."""
+    folder = cache_root() / sources_digest(file)
+    try:
+        if not folder.exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            _remove_oldest_folders(folder.parent)
+        folder.touch()
+    except OSError:
+        return _temporary_folder()
+    return folder
+
+
+@functools.cache
+def _temporary_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
+
+
+def _remove_oldest_folders(root: Path) -> None:
+    folders = sorted(filter(Path.is_dir, root.iterdir()), key=lambda path: path.stat().st_mtime, reverse=True)
+    for folder in folders[KEPT_FOLDERS:]:
+        shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,56 @@
+"""What a command shows while the engine gets ready, which the first time means: while it is compiled."""
+
+import contextlib
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+
+from wildscav_engine.compilation.notice import QUIET, Progress, telling
+
+PREPARING = "preparing the engine (the first time this compiles it, which takes up to a minute)"
+COMPILING = "compiling the engine for this machine, once"
+
+
+@contextmanager
+def preparing(console: Console, *, is_said: bool = False) -> Iterator[None]:
+    """Show how the engine gets ready: in a terminal as it goes, elsewhere in a line if it takes a moment.
+
+    Processes that are started meanwhile say nothing to a terminal: its last line is taken.
+
+    Args:
+        console: Where to show it.
+        is_said: Whether something else says it already, such as a log, so that nothing is left to show.
+    """
+    with contextlib.ExitStack() as stack:
+        if is_said or console.is_terminal:
+            stack.enter_context(_silence())
+        if console.is_terminal:
+            stack.enter_context(_status(console))
+        yield
+
+
+@contextmanager
+def _status(console: Console) -> Iterator[None]:
+    with console.status(PREPARING) as status:
+
+        def show(progress: Progress) -> None:
+            done = f"{progress.kernels} functions, {progress.seconds:.0f} s"
+            status.update(f"{COMPILING}: {done}")
+
+        with telling(show):
+            yield
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    before = os.environ.get(QUIET)
+    os.environ[QUIET] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[QUIET]
+        else:
+            os.environ[QUIET] = before

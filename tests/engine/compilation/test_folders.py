@@ -1,0 +1,31 @@
+"""Where compiled code is kept."""
+
+from pathlib import Path
+
+import pytest
+
+from wildscav_engine.compilation import folders
+from wildscav_engine.compilation.sources import PACKAGE, sources_digest
+
+
+def test_a_folder_is_named_after_the_digest_of_the_sources(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path))
+    file = PACKAGE / "digest.py"
+    folder = folders.cache_folder.__wrapped__(file)
+    assert folder == tmp_path / "kernels" / sources_digest(file)
+    assert folder.is_dir()
+
+
+def test_without_a_writable_cache_a_temporary_one_serves(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", "/dev/null/nowhere")
+    assert folders.cache_folder.__wrapped__(PACKAGE / "digest.py").exists()
+
+
+def test_the_longest_unused_folders_go(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(folders, "KEPT_FOLDERS", 2)
+    files = [PACKAGE / name for name in ("digest.py", "rng.py", "trig.py")]
+    kept = [folders.cache_folder.__wrapped__(file) for file in files]
+    assert [folder.exists() for folder in kept] == [False, True, True]
