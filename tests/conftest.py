@@ -9,6 +9,8 @@ import wildscav  # noqa: F401 - before any test imports gRPC, which it sets, as 
 
 # The sandboxes have tests of their own; elsewhere agents are our own, and start quicker without.
 os.environ.setdefault("WILDSCAV_SANDBOX", "process")
+# Programs that tests start say what the tests are about, whether something has to be compiled or not.
+os.environ.setdefault("WILDSCAV_QUIET", "1")
 
 # A shell's background jobs ignore Ctrl-C, and whatever they start does, too; some tests press it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

@@ -54,7 +54,7 @@ def test_the_commands_and_the_code_of_the_page_play_a_match(tmp_path: Path) -> N
 
     assert done.returncode == 0, done.stderr
     assert "success" in done.stdout or "score" in done.stdout, done.stdout
-    verify = [sys.executable, "-m", "wildscav.cli.main", "verify", "match.wsrec"]
+    verify = [sys.executable, "-m", "wildscav.cli.main", "verify", "match.wsr"]
     assert subprocess.run(verify, cwd=tmp_path, capture_output=True, check=False).returncode == 0
 
 

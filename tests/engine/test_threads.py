@@ -1,7 +1,6 @@
 """Work is shared by threads: every part is done once, by whoever did it the last time if he is not late."""
 
 import threading
-import time
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -42,16 +41,20 @@ def test_each_thread_does_the_same_parts_again() -> None:
 
 
 def test_who_is_done_takes_over_what_another_has_left() -> None:
-    slow: list[str] = []
+    first_half: set[str] = set()
+    helped = threading.Event()
 
     def work(part: slice) -> bool:
-        if part.start == 0:
-            time.sleep(0.3)
-        slow.append(threading.current_thread().name if part.start < 4 else "")
+        if part.start < 4:
+            first_half.add(threading.current_thread().name)
+            if len(first_half) == 2:
+                helped.set()
+            if part.start == 0:
+                helped.wait(60)  # slow, until the other thread has come to help
         return True
 
     assert share(work, 8, 2)
-    assert len(set(slow) - {""}) == 2, "the other thread did none of the first half"
+    assert helped.is_set(), "the other thread did none of the first half"
 
 
 def test_a_failure_is_told() -> None:

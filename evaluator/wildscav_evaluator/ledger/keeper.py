@@ -173,10 +173,13 @@ class Keeper:
         if self._key is not None:
             entry = entry.model_copy(update={"signature": self._key.sign(entry.signed)})
         line = entry.line
-        with self._path.open("ab") as writer:
-            writer.write(line + b"\n")
-            writer.flush()
-            os.fsync(writer.fileno())
+        try:
+            with self._path.open("ab") as writer:
+                writer.write(line + b"\n")
+                writer.flush()
+                os.fsync(writer.fileno())
+        except OSError as error:
+            raise UserError(f"the ledger {self._path} cannot be written: {error.strerror}") from error
         self._number, self._head = self._number + 1, digest_of_line(line)
 
 

@@ -47,7 +47,12 @@ def missing_colors(viewer: ViewerClient, wanted: dict[str, int]) -> dict[str, in
     """The views that show fewer colours than wanted, and how many they show."""
     found = {}
     for name in wanted:
-        picture = Image.open(BytesIO(viewer.take_screenshot(views_of(viewer)[name].view_id))).convert("RGB")
+        try:
+            screenshot = viewer.take_screenshot(views_of(viewer)[name].view_id)
+        except (ConnectionError, KeyError):  # while the layout comes up, its views are made anew
+            found[name] = 0
+            continue
+        picture = Image.open(BytesIO(screenshot)).convert("RGB")
         found[name] = len(picture.getcolors(maxcolors=picture.width * picture.height) or [])
     return {name: count for name, count in found.items() if count < wanted[name]}
 

@@ -12,6 +12,7 @@ from wildscav_engine.systems.collision import Bodies, Point
 
 ROUNDS = 8
 LEAST_GAIN = 0.01  # m, a round that shortens the path by less is the last
+ROOM = 0.03  # m that a turn keeps from where it could still be: bodies reach it only to a centimetre
 SHARES = (1.0, 0.5, 0.25, 0.125)  # of the way to the straight line that a turn is moved, if it can be
 
 
@@ -40,20 +41,44 @@ def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int
     before, here, after = _point(turns, turn - 1), _point(turns, turn), _point(turns, turn + 1)
     old = _apart(before, here) + _apart(here, after)
     foot_x, foot_z = _nearest_on(before, after, here)
+    whole = _apart(here, Point(foot_x, here.y, foot_z))
     for share in SHARES:
-        x, z = here.x + share * (foot_x - here.x), here.z + share * (foot_z - here.z)
-        if max(abs(x - before.x), abs(z - before.z)) < LEG_STRIDE:
+        moved = share * whole - ROOM
+        if moved <= 0.0:
+            break
+        furthest = _turn_at(world, nobody, before, here, after, foot_x, foot_z, share)
+        if not furthest.y < np.inf:
             continue
-        height = walk_straight(world, nobody, before, x, z, SPACING)
-        if not abs(height) < np.inf:
-            continue
-        there = Point(x, height, z)
+        there = _turn_at(world, nobody, before, here, after, foot_x, foot_z, moved / whole)
         gain = old - _apart(before, there) - _apart(there, after)
-        is_better = gain > 0.0 and is_straight(world, nobody, before, there)
-        if is_better and is_straight(world, nobody, there, after):
+        if there.y < np.inf and gain > 0.0:
             turns[turn, 0], turns[turn, 1], turns[turn, 2] = there.x, there.y, there.z
             return gain
     return 0.0
+
+
+@kernel
+def _turn_at(
+    world: World,
+    nobody: Bodies,
+    before: Point,
+    here: Point,
+    after: Point,
+    foot_x: float,
+    foot_z: float,
+    share: float,
+) -> Point:
+    """Return a turn moved by a share of the way to a foot; its height is infinite if it cannot be there."""
+    x, z = here.x + share * (foot_x - here.x), here.z + share * (foot_z - here.z)
+    if max(abs(x - before.x), abs(z - before.z)) < LEG_STRIDE:
+        return Point(x, np.inf, z)
+    height = walk_straight(world, nobody, before, x, z, SPACING)
+    if not abs(height) < np.inf:
+        return Point(x, np.inf, z)
+    there = Point(x, height, z)
+    if is_straight(world, nobody, before, there) and is_straight(world, nobody, there, after):
+        return there
+    return Point(x, np.inf, z)
 
 
 @kernel
