@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba.core.errors import NumbaError
 
 from wildscav_engine.maps import generate_map
 from wildscav_engine.rendering.cameras import Cameras
@@ -54,6 +55,21 @@ def test_threads_and_batches_change_no_bit(
     for place in range(7):
         alone = sensor.render(COUNTRY, eyes[place : place + 1], yaws[place : place + 1], [pitches[place]])
         assert alone[0].tobytes() == together[place].tobytes()
+
+
+def test_an_error_of_our_own_is_not_hidden_behind_a_slower_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the depth camera's short way does not take goes the long way; what it breaks on is told."""
+    expected = DepthCamera(5, 4).render(COUNTRY, **FINE)
+    for error in (TypeError("a bug"), ValueError("a bug"), NumbaError("a bug")):
+
+        def trace(*_: object, error: Exception = error) -> bool:
+            raise error
+
+        monkeypatch.setattr("wildscav_engine.sensors.depth.depths_tracer", lambda trace=trace: trace)
+        with pytest.raises(type(error), match="a bug"):
+            DepthCamera(5, 4).render(COUNTRY, **FINE)
+        lists = {name: array.tolist() for name, array in FINE.items()}
+        assert DepthCamera(5, 4).render(COUNTRY, **lists).tobytes() == expected.tobytes()
 
 
 def test_arrays_are_looked_from_alike_however_they_lie_in_memory() -> None:
