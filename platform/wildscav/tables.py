@@ -1,6 +1,7 @@
 """The tables of all commands, which lose no column however narrow the terminal is."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from rich import box
 from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
@@ -28,6 +29,10 @@ class FittingTable(Table):
             padding=(0, 1, 0, 0),
             show_edge=False,
         )
+
+    def add_column(self, *arguments: Any, **settings: Any) -> None:
+        """Add a column. A word too long for it is broken, not cut, unless the settings say otherwise."""
+        super().add_column(*arguments, **{"overflow": "fold", **settings})
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the table as it fits."""

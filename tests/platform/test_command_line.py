@@ -145,7 +145,7 @@ def test_init_quotes_what_it_suggests_and_copies_a_baseline(tmp_path: Path) -> N
 def test_no_column_of_a_table_is_lost(width: int, columns: int) -> None:
     console = PlainConsole(file=io.StringIO(), width=width, color_system=None)
     table = FittingTable("title")
-    table.add_column("submission", overflow="fold", min_width=12)
+    table.add_column("submission", min_width=12)
     for number in range(columns):
         table.add_column(f"head\n{number}", justify="right", no_wrap=True)
     table.add_row("homing 1.0.0", *(f"figure {number}" for number in range(columns)))

@@ -19,7 +19,11 @@ async def a_match_and_a_stranger(server: MatchServer, address: str) -> None:
     """Play a match of two seats, one of which leaves; refuse a stranger twice; leave a match open."""
     hosted = await host(server, small_spec(seats=2))
     async with connected(address) as good, connected(address) as leaver:
-        await good.join(hosted.tokens[0])
+        named = Join(
+            token=hosted.tokens[0], protocol_version=1, sdk_name="a client\n" + "x" * 200, sdk_version="1.2"
+        )
+        await good.send(ClientMessage(join=named))
+        await good.read()
         await leaver.join(hosted.tokens[1])
         await leaver.call.done_writing()
         await good.play_out()
@@ -77,4 +81,6 @@ def test_a_log_has_a_line_for_everything_that_happens(
     assert opened["track"] == "gathering"
     assert (crashed["status"], crashed["fault"], crashed["level"]) == ("crashed", "agent", "warning")
     assert (finished["match"], finished["steps"]) == (opened["match"], 20)
+    names = {line["seat"]: line["sdk"] for line in lines if line["event"] == "seat_ended"}
+    assert names == {0: "a client?" + "x" * 91 + " 1.2", 1: ""}
     assert refused["reason"] == "SEAT_TOKEN_UNKNOWN"

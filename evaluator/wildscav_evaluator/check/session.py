@@ -68,7 +68,7 @@ def _table(submission: Submission, findings: list[Finding]) -> Table:
     table = plain_table(title)
     table.add_column("check", no_wrap=True)
     table.add_column("")
-    table.add_column("seen", overflow="fold")
+    table.add_column("seen")
     for finding in findings:
         verdict = Text(finding.verdict.value, STYLES[finding.verdict])
         table.add_row(finding.check, verdict, Text(finding.seen))

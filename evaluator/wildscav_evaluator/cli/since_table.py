@@ -16,9 +16,9 @@ def since_table(since: Sequence[Since]) -> Table:
     """Return the table: a line for each submission and track, by the score."""
     table = plain_table("since last time")
     table.add_column("track", no_wrap=True, vertical="bottom")
-    table.add_column("agent", overflow="fold", min_width=7, vertical="bottom")
+    table.add_column("agent", min_width=7, vertical="bottom")
     add_columns(table, "since", "before", "now", "change", "95 %\ninterval")
-    table.add_column("", vertical="bottom", overflow="fold", min_width=8)
+    table.add_column("", vertical="bottom", min_width=8)
     for one in since:
         score = one.comparison.differences[0]
         table.add_row(

@@ -39,7 +39,7 @@ def ranking_table(title: str) -> Table:
     """Return a table with the columns that every table of standings begins with."""
     table = plain_table(title)
     add_columns(table, "#")
-    table.add_column("submission", vertical="bottom", overflow="fold", min_width=12)
+    table.add_column("submission", vertical="bottom", min_width=12)
     return table
 
 

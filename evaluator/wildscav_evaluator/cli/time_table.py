@@ -17,7 +17,7 @@ def time_table(results: Results) -> Table:
     """Return how each submission used its time on each track, over all its matches and seats."""
     table = plain_table("time of the agents, measured at the engine")
     table.add_column("track", vertical="bottom", no_wrap=True)
-    table.add_column("agent", vertical="bottom", overflow="fold", min_width=7)
+    table.add_column("agent", vertical="bottom", min_width=7)
     add_columns(table, "answer\nmedian", "worst\np99", "longest", "used in\na match")
     add_columns(table, "late\nsteps", "least\nin bank", "start-\nup")
     for evaluation in results.evaluations:

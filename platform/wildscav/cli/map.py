@@ -14,6 +14,8 @@ from wildscav.cli.pictures import format_of, save
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from wildscav_engine.maps import GameMap
 
 app = typer.Typer(
@@ -106,19 +108,24 @@ def export(
 def info(choose: Callable[[], Choice], as_json: AsJson = False) -> None:
     """Print a map's figures."""
     from wildscav.console import console, print_json
-    from wildscav.tables import FittingTable
     from wildscav_engine.maps.figures import figures_of
 
     choice = choose()
     figures = figures_of(choice.game_map) | {"made in": f"{_seconds_to_make(choice.game_map):.2f} s"}
-    table = FittingTable(choice.title)
-    table.add_column("", style="bold")
-    table.add_column("", overflow="fold")
-    for name, figure in figures.items():
-        table.add_row(name, figure)
-    console.print(table)
+    console.print(_table(choice.title, figures))
     if as_json:
         print_json({"map": choice.title, "figures": figures})
+
+
+def _table(title: str, figures: dict[str, str]) -> "Table":
+    from wildscav.tables import FittingTable
+
+    table = FittingTable(title)
+    table.add_column("", style="bold")
+    table.add_column("")
+    for name, figure in figures.items():
+        table.add_row(name, figure)
+    return table
 
 
 def _seconds_to_make(game_map: "GameMap") -> float:

@@ -86,7 +86,7 @@ def _table(findings: list[Finding]) -> "Table":
     table = FittingTable()
     table.add_column("record", no_wrap=True)
     table.add_column("", no_wrap=True)
-    table.add_column("what was found", overflow="fold", min_width=24)
+    table.add_column("what was found", min_width=24)
     for path, holds, message in findings:
         name = printable(str(path.absolute().relative_to(common)))
         verdict = Text("holds", "green") if holds else Text("FAILS", "bold red")
