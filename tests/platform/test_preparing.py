@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -53,7 +54,7 @@ def prepare(
 
 def test_a_terminal_shows_how_far_the_compiling_is_and_nothing_writes_into_that(tmp_path: Path) -> None:
     shown, quiet, lines = prepare(tmp_path, is_terminal=True)
-    assert "compiling the engine for this machine, once: 5 functions, 0 s" in shown
+    assert re.search(r"compiling the engine for this machine, once: 5 functions, \d+ s", shown)
     assert lines == []
     assert quiet == ["1", None]
 
