@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wildscav_engine.rendering.trace import Scene
 
 # Raised by every change that makes another map of the same config and seed.
-GENERATOR_VERSION = 6
+GENERATOR_VERSION = 7
 SUPPLY_SPACING = 5.0  # m at least between the indoor points of supplies
 
 

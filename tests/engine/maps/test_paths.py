@@ -39,9 +39,6 @@ def try_map(config: MapConfig, seed: int) -> GameMap | None:
         return None
 
 
-UNWALKABLE = (79,)  # seeds; see the last test of random maps
-
-
 def walk_between_places(game_map: GameMap, seed: int, paths: int) -> None:
     """Go from random place to random place, indoors and out, at all speeds."""
     dice = Dice(seed, Stream.TARGET)
@@ -71,19 +68,8 @@ def test_paths_on_two_hundred_random_maps_are_walked_to_their_ends(hundred: int)
     for seed in range(100 * hundred, 100 * hundred + 100):
         config = random_map_config(seed, steepest=1.6)
         game_map = try_map(config, seed)
-        if game_map and seed not in UNWALKABLE:
+        if game_map:
             walk_between_places(game_map, seed, paths=6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", UNWALKABLE)
-@pytest.mark.xfail(
-    strict=True, reason="the graph of this map has an edge that the engine's motion cannot walk"
-)
-def test_paths_of_maps_with_an_edge_that_cannot_be_walked(seed: int) -> None:
-    game_map = try_map(random_map_config(seed, steepest=1.6), seed)
-    assert game_map is not None
-    walk_between_places(game_map, seed, paths=6)
 
 
 def test_a_path_over_open_ground_is_the_straight_line() -> None:

@@ -4,11 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from builders import box, flat_world
 from wildscav_engine.geometry.terrain import ground_at
-from wildscav_engine.geometry.world import Kind, Solid, World
+from wildscav_engine.geometry.world import Kind, Solid, World, build_world
 from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path, is_reached, leads_out, node_near
+from wildscav_engine.maps.walk.explore import walk_straight
+from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
+from wildscav_engine.maps.walk.search import LEG_STRIDE
+from wildscav_engine.systems.collision import Bodies, Point
 
 HERE, THERE = (-10.0, 0.0, 0.0), (10.0, 0.0, 0.0)
 
@@ -104,10 +109,8 @@ def test_a_pit_is_entered_but_never_left() -> None:
     assert not leads_out(pit, bottom)
 
 
-def with_heights(world: World, heights: np.ndarray) -> World:
-    from wildscav_engine.geometry.world import build_world
-
-    return build_world(tuple(world.corner), heights, world.water, [], world.spawns)
+def with_heights(world: World, heights: NDArray[np.float64], solids: Sequence[Solid] = ()) -> World:
+    return build_world(tuple(world.corner), heights, world.water, solids, world.spawns)
 
 
 @pytest.mark.parametrize(("slope", "walks"), [(0.5, True), (0.95, True), (1.1, False)])
@@ -159,6 +162,26 @@ def test_nobody_stands_below_the_ground_on_what_a_slope_buries() -> None:
     ground = np.array([ground_at(graph.world, x, z).height for x, _, z in places])
     assert (places[:, 1] >= ground - 1e-6).all()
     assert (places[:, 1] > ground + 0.3).any()  # but on the part that stands out
+
+
+@pytest.mark.parametrize("seed", range(50, 60))
+def test_every_edge_on_rugged_ground_is_walked_at_any_speed(seed: int) -> None:
+    # Small blocks hang high above the ground, so fine and open cells lie side by side.
+    blocks = [
+        block((x + 0.8, 20, z + 0.8), (x + 1.2, 21, z + 1.2))
+        for x in range(-12, 12, 4)
+        for z in range(-12, 12, 2)
+    ]
+    heights = np.zeros((21, 21))
+    heights[5:16, 5:16] = np.random.default_rng(seed).normal(0.0, 0.8, (11, 11)).cumsum(axis=seed % 2)
+    graph = build_graph(with_heights(flat_world(), heights, blocks))
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    places = graph.positions()
+    for node, direction in np.argwhere(graph.nodes.edges[: len(graph)] >= 0):
+        x, height, z = places[graph.nodes.edges[node, direction]]
+        for stride in (SPACING, LEG_STRIDE):
+            reached = walk_straight(graph.world, nobody, Point(*places[node]), x, z, stride)
+            assert abs(reached - height) <= SAME_SURFACE, f"from {places[node]} in direction {direction}"
 
 
 def test_a_cliff_is_got_down_alike_to_all_four_sides() -> None:

@@ -195,13 +195,16 @@ def _height_if_free(world: World, start: Point, x: float, z: float) -> float:
     """Return the height in m at a place that is on the same level floor, or on the ground as the start is.
 
     It is -inf where it is on neither, or where anything stands near the way. No walk is needed there: bodies
-    that have room at both ends and half way cover the way between.
+    that have room at both ends and half way cover the way between. The ground on the way is gentle if it is
+    gentle around both ends, because every triangle of the terrain that the way crosses reaches one of them.
     """
     middle_x, middle_z = 0.5 * (start.x + x), 0.5 * (start.z + z)
     height, middle = start.y, start.y
     if abs(ground_at(world, start.x, start.z).height - start.y) <= LEVEL:
         height, middle = ground_at(world, x, z).height, ground_at(world, middle_x, middle_z).height
-        if not is_gentle(world, x, z, TAN_SLOPE_LIMIT):
+        if not (
+            is_gentle(world, start.x, start.z, TAN_SLOPE_LIMIT) and is_gentle(world, x, z, TAN_SLOPE_LIMIT)
+        ):
             return -np.inf
     elif not (_is_floored(world, x, height, z) and _is_floored(world, middle_x, height, middle_z)):
         return -np.inf
