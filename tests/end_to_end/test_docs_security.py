@@ -4,7 +4,8 @@ import re
 from pathlib import Path
 
 from wildscav.server.http2 import allowance
-from wildscav.server.http2.connection import HEADER_LIMIT, STREAMS
+from wildscav.server.http2.calls import STREAMS
+from wildscav.server.http2.inbound import HEADER_LIMIT
 from wildscav.server.http2.stream import WAITING
 from wildscav_evaluator.matches.play import DOOR
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits

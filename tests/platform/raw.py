@@ -13,9 +13,7 @@ import struct
 import sys
 import threading
 import time
-from collections.abc import Iterator
-
-from hpack import Encoder
+from collections.abc import Iterator, Sequence
 
 DATA, HEADERS, PRIORITY, RST, SETTINGS, PUSH, PING, GOAWAY, WINDOW, CONTINUATION = range(10)
 GREETING = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
@@ -34,8 +32,23 @@ def frame(kind: int, flags: int, stream: int, payload: bytes = b"") -> bytes:
     return struct.pack(">I", len(payload))[1:] + struct.pack(">BBI", kind, flags, stream) + payload
 
 
-def request(stream: int, extra: list[tuple[str, str]] | None = None) -> bytes:
-    return frame(HEADERS, 4, stream, Encoder().encode(REQUEST + (extra or [])))
+def text(content: str) -> bytes:
+    """A string as HPACK (RFC 7541, 5.2) has it, as it is."""
+    length, size = len(content), b""
+    if length >= 127:
+        size, length = b"\x7f", length - 127
+        while length >= 128:
+            size, length = size + bytes([length % 128 + 128]), length // 128
+    return size + bytes([length]) + content.encode()
+
+
+def header_block(headers: Sequence[tuple[str, str]], kind: int = 0) -> bytes:
+    """Headers as HPACK has them, by name: kind 0 leaves its table as it is, 64 adds them to it."""
+    return b"".join(bytes([kind]) + text(name) + text(value) for name, value in headers)
+
+
+def request(stream: int, extra: Sequence[tuple[str, str]] = ()) -> bytes:
+    return frame(HEADERS, 4, stream, header_block([*REQUEST, *extra]))
 
 
 def message(stream: int, content: bytes, flags: int = 0) -> bytes:
@@ -74,7 +87,7 @@ ONCE_MORE: dict[str, bytes] = {  # floods that repeat the same bytes
     "messages": message(1, b"") * 200,
     "large": frame(DATA, 0, 1, bytes(16_384)),
 }
-NAMED = Encoder().encode([("x", "y" * 4000)])  # an entry of the table, which \xbe then repeats
+NAMED = header_block([("x", "y" * 4000)], 64)  # an entry of the table, which \xbe then repeats
 LARGE = [(f"x{number}", "y" * 1000) for number in range(14)]
 
 
@@ -87,19 +100,23 @@ def calls(kind: str, stream: int) -> bytes:
         "bomb": frame(HEADERS, 4, stream, NAMED + b"\xbe" * 10_000),
         "reset": request(stream) + frame(RST, 0, stream, struct.pack(">I", 8)),
         "streams": request(stream),
-        "no-method": frame(HEADERS, 5, stream, Encoder().encode([(":path", "/nothing")])),
+        "no-method": frame(HEADERS, 5, stream, header_block([(":path", "/nothing")])),
     }[kind]
 
 
 CALLS = ("continuation", "large-continuation", "headers", "bomb", "reset", "streams", "no-method")
 VISITS = ("connect", "hold", "silent")
-KINDS = (*VISITS, *ONCE_MORE, *CALLS)
+TRICKLE = frame(200, 0, 0, bytes(16_384))  # which is sent byte by byte
+KINDS = (*VISITS, *ONCE_MORE, *CALLS, "trickle")
 
 
 def pieces(kind: str) -> Iterator[bytes]:
     """What a flood sends, for ever, on a connection on which stream 1 is open."""
     for stream in itertools.count(101, 2):
-        yield ONCE_MORE[kind] if kind in ONCE_MORE else calls(kind, stream)
+        if kind == "trickle":
+            yield from (TRICKLE[at : at + 1] for at in range(len(TRICKLE)))
+        else:
+            yield ONCE_MORE[kind] if kind in ONCE_MORE else calls(kind, stream)
 
 
 def flood(kind: str, address: str) -> None:

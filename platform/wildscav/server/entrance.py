@@ -11,7 +11,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.server.addresses import UNIX, bind, is_public, with_port
-from wildscav.server.http2.connection import Route
+from wildscav.server.http2.calls import Route
 from wildscav.server.http2.listener import Listener
 from wildscav.server.routes import PLAY, Health
 from wildscav.server.service import MatchService, Place

@@ -8,7 +8,7 @@ from google.protobuf.message import DecodeError, Message
 from grpc_health.v1.health_pb2 import HealthCheckRequest, HealthCheckResponse
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
-from wildscav.server.http2.connection import Route
+from wildscav.server.http2.calls import Route
 from wildscav.server.http2.stream import Stream
 from wildscav.server.organizer import Organizer
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError

@@ -7,7 +7,8 @@ import ssl
 from collections.abc import Callable, Mapping, Sequence
 
 from wildscav.server.http2.allowance import GONE_COST, PLAIN_COST, TLS_COST, FloodError, Share
-from wildscav.server.http2.connection import GREETING_TIME, Connection, Route
+from wildscav.server.http2.calls import Route
+from wildscav.server.http2.connection import GREETING_TIME, Connection
 
 BACKLOG = 1024  # connections that wait to be let in
 AT_ONCE = 16  # connections let in before others get their turn
@@ -208,9 +209,9 @@ class Listener:
             connection.announce_end()
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(grace):
-                while tasks := [task for connection in self._open for task in connection.tasks]:
+                while tasks := [task for connection in self._open for task in connection.calls.tasks]:
                     await asyncio.wait(tasks)
-        tasks = [task for connection in self._open for task in connection.tasks]
+        tasks = [task for connection in self._open for task in connection.calls.tasks]
         tasks += [task for task in self._open.values() if not task.done()]
         for task in tasks:
             task.cancel()

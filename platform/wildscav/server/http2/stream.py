@@ -109,7 +109,7 @@ class Stream:
         room = self._arrived - self._queued - self._given
         if room >= WINDOW // 2:
             self._given += room
-            self._connection.make_room(room, 0 if self.ended_by_client else self.number)
+            self._connection.flow.make_room(room, 0 if self.ended_by_client else self.number)
 
     async def write(self, message: bytes) -> None:
         """Send a message; returns when all of it is on its way.
@@ -118,15 +118,15 @@ class Stream:
             StreamLostError: Nobody is there any more.
         """
         content = b"\0" + len(message).to_bytes(4, "big") + message
-        connection = self._connection
-        connection.allowance.earn(len(content))
-        if len(content) <= min(LARGEST, self.window, connection.window) and not connection.full:
+        self._connection.allowance.earn(len(content))
+        flow = self._connection.flow
+        if len(content) <= min(LARGEST, self.window, flow.window) and not flow.full:
             self._send(content)
             return
         at = 0
         while at < len(content):
-            await connection.room_for(self)
-            size = min(LARGEST, self.window, connection.window)
+            await flow.room_for(self)
+            size = min(LARGEST, self.window, flow.window)
             self._send(content[at : at + size])
             at += size
 
@@ -134,7 +134,7 @@ class Stream:
         if self.finished:
             raise StreamLostError
         self.window -= len(content)
-        self._connection.window -= len(content)
+        self._connection.flow.window -= len(content)
         self._connection.send(self._head() + write_frame(Kind.DATA, 0, self.number, content))
 
     def _head(self) -> bytes:
@@ -168,7 +168,7 @@ class Stream:
         if not self.ended_by_client:
             frames += write_frame(Kind.RST_STREAM, 0, self.number, Code.NO_ERROR.to_bytes(4, "big"))
         self._connection.send(frames)
-        self._connection.forget(self)
+        self._connection.calls.forget(self)
 
     # What the connection calls.
 
