@@ -103,6 +103,27 @@ def test_a_seat_that_wakes_up_again_plays_on(tmp_path: Path) -> None:
     serving_by_hand(tmp_path, play)
 
 
+def test_an_answer_that_never_comes_has_taken_until_the_end(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=HASTY)
+        async with connected(address) as sleepy, connected(address) as lively:
+            await sleepy.join(hosted.tokens[0])
+            await lively.join(hosted.tokens[1])
+            await answer(sleepy, hosted, 0, 0)
+            await answer(lively, hosted, 1, 0)
+            assert (await sleepy.read()).observation.step == 1  # and never answers it
+            asked = clock.time()
+            for step in range(1, 20):
+                await answer(lively, hosted, 1, step)
+                await clock.pass_time(TURN + BANK if step == 1 else TURN)
+        asleep, awake = (await hosted.finished()).seats.values()
+        assert asleep.thoughts == ((1, asked, asked + BANK + 19 * TURN),)
+        assert asleep.late == tuple(range(1, 20))
+        assert (awake.thoughts, awake.late) == ((), ())
+
+    serving_by_hand(tmp_path, play)
+
+
 def test_a_killed_agent_costs_nobody_any_time(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
         hosted = await host(server, small_spec(seats=2))

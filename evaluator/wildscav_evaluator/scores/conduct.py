@@ -29,13 +29,14 @@ def machine_remark(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> st
         timings: Of all matches.
     """
     key = (evaluation.submission, evaluation.track)
-    late = {
-        f"match {timing.index}: ": seat.late_for_platform
-        for timing in timings
-        if (timing.submission, timing.track) == key
-        for seat in timing.seats
-        if seat.late_for_platform
-    }
+    late: dict[str, Sequence[int]] = {}
+    for timing in timings:
+        if (timing.submission, timing.track) != key:
+            continue
+        for seat in timing.seats:
+            if seat.late_for_platform:
+                where = f", seat {seat.seat}" if len(timing.seats) > 1 else ""
+                late[f"match {timing.index}{where}: "] = seat.late_for_platform
     return late_for_machine(f"{evaluation.submission} on {evaluation.track}", late) if late else None
 
 

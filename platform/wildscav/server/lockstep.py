@@ -66,6 +66,8 @@ class Lockstep:
         if not self._done.done():
             self._open()
         await self._done
+        for seat in self._seats:
+            self._note_thought(seat)  # what is still owed took until now at least
         breathed = self._loop.time()
         while not self._match.over:
             self._match.step(np.zeros_like(self._rows))
@@ -140,7 +142,7 @@ class Lockstep:
             seat.late.append(self._step)
 
     def _note_thought(self, seat: Seat) -> None:
-        """Note how long a seat took for the answer that has come, if that was longer than its budget."""
+        """Note how long a seat has taken for the answer that it owed, if that was longer than its budget."""
         since, now = seat.thinks_since, self._loop.time()
         if since is not None and now - since > self._clock.step_budget:
             seat.thoughts.append(Thought(seat.asked, since, now))
@@ -161,6 +163,7 @@ class Lockstep:
 
     def go_on_without(self, seat: Seat) -> None:
         """Wait for a seat no longer: it has gone."""
+        self._note_thought(seat)
         self._pending.discard(seat)
         if self._step is not None:
             self._settle()

@@ -60,7 +60,7 @@ class Thought(NamedTuple):
 
     step: int  # that was to be answered
     asked: float  # by the monotonic clock, s
-    answered: float
+    answered: float  # of an answer that never came, when the last step was played
 
 
 @dataclass(slots=True)

@@ -41,7 +41,13 @@ def test_what_was_thought_before_has_used_the_bank() -> None:
 
 
 def test_an_agent_that_never_answers_is_late_by_itself() -> None:
-    assert judge(waited=0.5) == ()
+    never = Thought(step=5, asked=20.0, answered=30.0)  # as the match ended
+    assert judge(never, waited=0.5) == ()
+    # Nor does an answer that was late before for want of a processor excuse it.
+    waits = {SLOW.asked: 0.5, never.asked: 0.0}
+    assert late_for_platform(
+        [4, 5, 6], [SLOW, never], CLOCK, lambda start, end: waits[start], used_up=True
+    ) == (4,)
 
 
 def test_where_the_match_had_no_more_time_the_bank_does_not_count() -> None:
