@@ -21,6 +21,7 @@ def _row(row: Row) -> dict[str, Any]:
         "version": evaluation.submission.version,
         "digest": evaluation.submission.digest,
         "started": evaluation.started.isoformat(),
+        "key": evaluation.key,
         "matches": len(evaluation.matches),
         "faults": evaluation.faults,
         "scores": [

@@ -1,5 +1,6 @@
 """`wildscav leaderboard` as its user runs it."""
 
+import json
 import os
 import sqlite3
 import subprocess
@@ -66,6 +67,9 @@ def test_it_says_which_versions_played_and_who_signed(make_results: Make, tmp_pa
 
     assert "played by engine 0.1.0, simulation 2, generator 3, records 2\n" in said
     assert f"signed: homing with the key {'ab' * 32}\n" in said
+    (table,) = json.loads(leaderboard("--db", path, "--json").stdout)["standings"]
+    assert (table["track"], table["simulation_version"]) == ("gathering", 2)
+    assert {row["submission"]: row["key"] for row in table["rows"]} == {"homing": "ab" * 32, "hunter": None}
 
 
 def empty(path: Path) -> None:

@@ -1,5 +1,6 @@
 """The folders that compiled code is kept in: one for each digest of sources."""
 
+import atexit
 import functools
 import os
 import shutil
@@ -34,7 +35,10 @@ def cache_folder(file: Path) -> Path:
 
 @functools.cache
 def _temporary_folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
+    """Make a folder that lasts as long as this process."""
+    folder = Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 def _remove_oldest_folders(root: Path) -> None:

@@ -55,13 +55,16 @@ def new_key(path: Path, passphrase: str | None = None) -> SigningKey:
         passphrase: What the file is encrypted with; not at all if none.
 
     Raises:
-        UserError: The file exists, or cannot be written.
+        UserError: The file exists, or cannot be written, or the passphrase cannot be used.
     """
     key = Ed25519PrivateKey.generate()
     encryption: KeySerializationEncryption = NoEncryption()
-    if passphrase is not None:
-        encryption = BestAvailableEncryption(passphrase.encode())
-    content = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, encryption)
+    try:
+        if passphrase is not None:
+            encryption = BestAvailableEncryption(passphrase.encode())
+        content = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, encryption)
+    except ValueError as error:  # it is empty, too long, or no text
+        raise UserError(f"the passphrase cannot be used: {error}", exit_code=2) from None
     try:
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     except FileExistsError as error:

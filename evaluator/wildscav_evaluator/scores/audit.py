@@ -112,7 +112,7 @@ def _of_identity(folder: Folder) -> Iterator[str]:
         (track, one.name): (one.version, one.digest) for one in identity.submissions for track in one.tracks
     }
     found = {(one.track, one.submission): (one.version, one.digest) for one in told.evaluations}
-    for track, name in entered.keys() | found.keys():
+    for track, name in sorted(entered.keys() | found.keys()):
         who = f"{name} on {track}"
         if (track, name) not in found:
             yield f"{who}: {IDENTITY_FILE} says that it takes part, but there are no results"

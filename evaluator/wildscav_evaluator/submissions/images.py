@@ -226,7 +226,8 @@ def _beginning(engine: Engine, *arguments: str) -> bytes:
     with subprocess.Popen(
         [*engine.command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
     ) as process:
-        assert process.stdout is not None  # noqa: S101 - as it was asked for
+        if process.stdout is None:
+            raise RuntimeError("an engine's command has a pipe")
         content = process.stdout.read(LARGEST_MANIFEST + LARGEST_HEADERS)
         process.kill()
     return content

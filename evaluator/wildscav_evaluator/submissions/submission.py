@@ -222,15 +222,16 @@ def folder_digest(folder: Path) -> str:
     """Return a digest of the paths and contents of a folder's files, but for what tools leave behind.
 
     Raises:
-        SubmissionError: A link leads out of the folder: to what may change, or never end.
+        SubmissionError: A link leads out of the folder, to what may change or never end, or around in a
+            circle.
     """
     digest = hashlib.blake2b(digest_size=16)
     for path in sorted(folder.rglob("*")):
         relative = path.relative_to(folder)
         if IGNORED_FOLDERS.intersection(relative.parts):
             continue
-        if path.is_symlink() and not path.resolve().is_relative_to(folder.resolve()):
-            raise SubmissionError(f"{path} is a link that leads out of the submission's folder")
+        if path.is_symlink():
+            _check_link(path, folder)
         if not path.is_file():
             continue
         with path.open("rb") as file:
@@ -238,3 +239,13 @@ def folder_digest(folder: Path) -> str:
         # A name need not be UTF-8.
         digest.update(os.fsencode(relative.as_posix()) + f"\0{content}\n".encode())
     return digest.hexdigest()
+
+
+def _check_link(path: Path, folder: Path) -> None:
+    """Refuse a link that leads out of a folder, or around in a circle."""
+    try:
+        target = path.resolve()
+    except (RuntimeError, OSError):
+        raise SubmissionError(f"{path} is a link that leads around in a circle") from None
+    if not target.is_relative_to(folder.resolve()):
+        raise SubmissionError(f"{path} is a link that leads out of the submission's folder")

@@ -80,7 +80,7 @@ def _read_npz(path: Path, activation: str) -> Trained:
     network: dict[str, Any] = {"kind": "layers", "file": LAYERS_FILE, "activations": activations}
     with np.load(path, allow_pickle=False) as arrays:
         if "log_std" in arrays:
-            network["deviations"] = np.exp(arrays["log_std"].astype(np.float64)).reshape(-1).tolist()
+            network["deviations"] = _deviations(path, arrays["log_std"])
     return Trained(
         source=path,
         inputs=(layers.inputs,),
@@ -89,6 +89,14 @@ def _read_npz(path: Path, activation: str) -> Trained:
         network=network,
         files={LAYERS_FILE: pack_layers(weights, biases)},
     )
+
+
+def _deviations(path: Path, logs: NDArray[Any]) -> list[float]:
+    """Return standard deviations, whose logarithms are given."""
+    if logs.dtype.kind not in "fiu":
+        raise UserError(f"{path}: log_std holds {logs.dtype}, must hold numbers", exit_code=2)
+    deviations: list[float] = np.exp(logs.astype(np.float64)).reshape(-1).tolist()
+    return deviations
 
 
 def _read_onnx(path: Path) -> Trained:

@@ -89,22 +89,22 @@ class Chooser:
         return np.tanh(means) if self._head == SQUASHED else np.clip(means, -1.0, 1.0)
 
 
-def chooser_of(mode: ActionMode, description: Mapping[str, Any]) -> Chooser:
+def chooser_of(mode: ActionMode, network: Mapping[str, Any], choose: object) -> Chooser:
     """Return the chooser that a ``policy.json`` describes.
 
+    Args:
+        mode: The action mode.
+        network: The table of that name.
+        choose: A ``Choose``, if it is one.
+
     Raises:
-        PolicyError: It does not fit the action mode.
+        PolicyError: It is none, or the network does not fit the action mode.
     """
+    if choose not in list(Choose):
+        raise PolicyError(f"policy.json: choose is {choose!r}, must be {' or '.join(Choose)}")
+    deviations = network.get("deviations")
     try:
-        choose = Choose(description.get("choose", Choose.SAMPLED))
-    except ValueError:
-        raise PolicyError(
-            f"policy.json: choose is {description['choose']!r}, must be {' or '.join(Choose)}"
-        ) from None
-    deviations = description.get("deviations")
-    return Chooser(
-        mode,
-        str(description.get("head")),
-        choose,
-        None if deviations is None else np.array(deviations, np.float64),
-    )
+        given = None if deviations is None else np.array(deviations, np.float64)
+    except (TypeError, ValueError):
+        raise PolicyError(f"policy.json: deviations is {deviations!r}, must be a list of numbers") from None
+    return Chooser(mode, str(network.get("head")), Choose(choose), given)

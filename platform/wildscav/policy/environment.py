@@ -35,7 +35,7 @@ class Environment:
             self.mode = action_mode(description["actions"])
             stack = description.get("stack")
             self._stack = stack and Stack(int(stack["count"]), stack["axis"], stack["padding"])
-        except (KeyError, TypeError, ValueError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise PolicyError(f"the environment's description is damaged: {error!r}") from error
         self._match: MatchInfo | None = None
         self._events = Events()

@@ -176,7 +176,11 @@ def load_network(folder: Path, description: Mapping[str, Any]) -> Network:
     if kind == "onnx":
         return OnnxNetwork(path)
     if kind == "layers":
-        return Layers(*read_layers(path), description.get("activations", ()))
+        weights, biases = read_layers(path)
+        activations = description.get("activations")
+        if not isinstance(activations, list) or not all(isinstance(name, str) for name in activations):
+            raise PolicyError(f"policy.json: activations is {activations!r}, must be a list of names")
+        return Layers(weights, biases, activations)
     raise PolicyError(f"policy.json has a network of kind {kind!r}; the kinds are layers, onnx")
 
 
@@ -193,11 +197,9 @@ def read_layers(path: Path) -> tuple[list[NDArray[Any]], list[NDArray[Any]]]:
             weights = [arrays[f"weight_{layer}"] for layer in range(count)]
             biases = [arrays[f"bias_{layer}"] for layer in range(count)]
     except (KeyError, ValueError, OSError, AttributeError, zipfile.BadZipFile) as error:
-        raise PolicyError(
-            f"{path} holds no layers: {error}; needed are weight_0, bias_0, weight_1 …"
-        ) from None
+        raise PolicyError(f"{path} holds no layers: {error}; {NEEDED}") from None
     if not weights:
-        raise PolicyError(
-            f"{path} holds no weight_0; its arrays must be weight_0, bias_0, weight_1 and so on"
-        )
+        raise PolicyError(f"{path} holds no weight_0; {NEEDED}")
+    if strange := [values.dtype for values in (*weights, *biases) if values.dtype.kind not in "fiu"]:
+        raise PolicyError(f"{path} holds {strange[0]}, must hold numbers")
     return weights, biases

@@ -10,7 +10,7 @@ import numpy as np
 from wildscav.policy.choosing import chooser_of
 from wildscav.policy.environment import Environment
 from wildscav.policy.errors import PolicyError
-from wildscav.policy.networks import load_network
+from wildscav.policy.networks import Choose, load_network
 from wildscav.sdk.agent import Action, Agent, MatchInfo, Observation
 
 FILE = "policy.json"
@@ -35,13 +35,10 @@ class Policy:
             PolicyError: The file, or the network that it names, cannot be used.
         """
         description = _read(folder / FILE)
-        try:
-            self.environment = Environment(description["environment"])
-            network: Mapping[str, Any] = description["network"]
-        except KeyError as error:
-            raise PolicyError(f"{folder / FILE} has no {error}") from None
+        self.environment = Environment(_table(folder / FILE, description, "environment"))
+        network = _table(folder / FILE, description, "network")
         self.network = load_network(folder, network)
-        self.chooser = chooser_of(self.environment.mode, {**network, "choose": description.get("choose")})
+        self.chooser = chooser_of(self.environment.mode, network, description.get("choose", Choose.SAMPLED))
         self._random = np.random.default_rng(0)
         self._action, self._until = Action(), 0  # what is done, and up to which frame
 
@@ -87,6 +84,13 @@ class PolicyAgent(Agent):
     def act(self, observation: Observation) -> Action:
         """Return what the policy does. See ``Agent.act``."""
         return self.policy.act(observation)
+
+
+def _table(path: Path, description: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    if not isinstance(description.get(name), dict):
+        raise PolicyError(f"{path} has no {name!r}, which must be a JSON object")
+    table: Mapping[str, Any] = description[name]
+    return table
 
 
 def _read(path: Path) -> dict[str, Any]:

@@ -21,9 +21,14 @@ class Stack:
             first axis, as ``FrameStackObservation`` of Gymnasium does.
         padding: What stands for those before the first: "zero", or "first", the first one again. The two
             wrappers' own defaults are "zero" and "first".
+
+    Raises:
+        ValueError: One of these is something else.
     """
 
     def __init__(self, count: int, axis: str, padding: str) -> None:
+        if count < 1 or axis not in ("last", "new") or padding not in ("zero", "first"):
+            raise ValueError(f"a stack of {count} along axis {axis!r} with padding {padding!r}")
         self._axis, self._padding = axis, padding
         self._kept: deque[Stacked] = deque(maxlen=count)
 

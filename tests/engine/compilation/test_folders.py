@@ -1,5 +1,8 @@
 """Where compiled code is kept."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -21,6 +24,18 @@ def test_a_folder_is_named_after_the_digest_of_the_sources(
 def test_without_a_writable_cache_a_temporary_one_serves(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", "/dev/null/nowhere")
     assert folders.cache_folder.__wrapped__(PACKAGE / "digest.py").exists()
+
+
+def test_the_temporary_one_is_gone_with_its_process(tmp_path: Path) -> None:
+    code = (
+        "from wildscav_engine.compilation.folders import cache_folder\n"
+        "from wildscav_engine.compilation.sources import PACKAGE\n"
+        "print(cache_folder(PACKAGE / 'digest.py').is_dir())"
+    )
+    environment = {**os.environ, "WILDSCAV_CACHE_DIR": "/dev/null/nowhere", "TMPDIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
+    assert done.stdout == "True\n", done.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_longest_unused_folders_go(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -61,6 +61,15 @@ def test_a_key_with_a_passphrase_is_of_no_use_without_it(
     assert found.public == public
 
 
+@pytest.mark.parametrize("passphrase", ["", "x" * 1024, "\udcff"])
+def test_a_passphrase_that_cannot_be_used_is_refused_in_a_line(tmp_path: Path, passphrase: str) -> None:
+    with pytest.raises(UserError, match="the passphrase cannot be used: ") as refused:
+        new_key(tmp_path / "season.key", passphrase)
+
+    assert refused.value.exit_code == 2
+    assert not (tmp_path / "season.key").exists()
+
+
 def test_without_a_terminal_the_passphrase_must_be_in_the_environment(
     wildscav: Command, tmp_path: Path
 ) -> None:

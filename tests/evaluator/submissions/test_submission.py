@@ -173,6 +173,12 @@ def test_a_link_out_of_the_folder_is_refused(tmp_path: Path, target: str) -> Non
         load_submission(folder)
 
 
+def test_a_link_that_leads_around_in_a_circle_is_refused(tmp_path: Path) -> None:
+    (make(tmp_path) / "link").symlink_to("link")
+    with pytest.raises(SubmissionError, match="link is a link that leads around in a circle"):
+        load_submission(tmp_path)
+
+
 def test_a_link_within_the_folder_is_as_good_as_its_file(tmp_path: Path) -> None:
     (make(tmp_path) / "link.py").symlink_to("agent.py")
     assert load_submission(tmp_path).name == "walker"

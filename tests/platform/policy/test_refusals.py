@@ -94,6 +94,10 @@ def changed(**changes: Any) -> dict[str, Any]:
             "action mode 'voice'; those known here are dict, box, baseline, mul",
         ),
         ({"format": 1}, "the environment's description is damaged: KeyError"),
+        (changed(stack={"count": 0, "axis": "last", "padding": "zero"}), "damaged: .*a stack of 0 along"),
+        (changed(stack={"count": 2, "axis": "up", "padding": "zero"}), "damaged: .*along axis 'up'"),
+        (changed(observations=["body"]), "damaged: TypeError"),
+        (changed(actions=["dict"]), "damaged: AttributeError"),
     ],
 )
 def test_a_description_that_cannot_be_read_is_refused(description: dict[str, Any], message: str) -> None:
@@ -210,6 +214,8 @@ def test_layers_have_to_fit_one_another() -> None:
         ({"policy.json": "{"}, "is not valid JSON"),
         ({"policy.json": "[]"}, "must hold a JSON object"),
         ({"policy.json": json.dumps({"environment": DESCRIPTION})}, "has no 'network'"),
+        ({"policy.json": json.dumps({"environment": [], "network": {}})}, "has no 'environment'"),
+        ({"policy.json": []}, "has no 'network'"),
         ({"policy.json": {"kind": "layers", "file": "gone.npz"}}, "gone.npz is missing"),
         (
             {"policy.json": {"kind": "oracle", "file": "policy.json"}},
@@ -224,6 +230,39 @@ def test_a_folder_without_a_policy_is_refused(files: dict[str, Any], message: st
         (tmp_path / name).write_text(content if isinstance(content, str) else json.dumps(policy))
     with pytest.raises(PolicyError, match=message):
         Policy(tmp_path)
+
+
+LAYERS = {"kind": "layers", "file": "network.npz", "activations": ["identity"], "head": "scores"}
+
+
+def submission(folder: Path, arrays: dict[str, Any] | None = None, **changes: Any) -> Path:
+    """Write a policy of one layer, which chooses by nine scores."""
+    np.savez(folder / "network.npz", **arrays or {"weight_0": np.ones((9, 7)), "bias_0": np.ones(9)})
+    network = {**LAYERS, **changes.pop("network", {})}
+    policy = {"environment": DESCRIPTION, "network": network, **changes}
+    (folder / "policy.json").write_text(json.dumps(policy))
+    return folder
+
+
+def test_a_policy_chooses_at_random_unless_its_file_says_otherwise(tmp_path: Path) -> None:
+    assert Policy(submission(tmp_path)).chooser.outputs == 9
+    assert Policy(submission(tmp_path, choose="deterministic")).chooser.outputs == 9
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"choose": "wisely"}, "choose is 'wisely', must be sampled or deterministic"),
+        ({"choose": None}, "choose is None, must be"),
+        ({"network": {"activations": None}}, "activations is None, must be a list of names"),
+        ({"network": {"activations": [["tanh"]]}}, "must be a list of names"),
+        ({"network": {"deviations": ["wide"]}}, "deviations is .*, must be a list of numbers"),
+        ({"arrays": {"weight_0": np.array([["a"]]), "bias_0": np.ones(1)}}, "holds <U1, must hold numbers"),
+    ],
+)
+def test_a_wrong_value_in_a_policy_is_named(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
+    with pytest.raises(PolicyError, match=message):
+        Policy(submission(tmp_path, **changes))
 
 
 def test_a_file_that_is_no_onnx_network_is_refused(tmp_path: Path) -> None:
