@@ -169,6 +169,8 @@ def _written(results: Results, out: Path, ledger: Keeper) -> Iterator[str]:
         ledger.close(results, write_results(results, out))
     except OSError as error:
         yield f"the results could not be kept: {describe(error)}"
+    except UserError as error:  # of the ledger
+        yield str(error)
 
 
 def document(results: Results, out: Path, since: Sequence[Since]) -> dict[str, object]:
