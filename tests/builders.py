@@ -12,10 +12,15 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
 from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.sensors.visibility import Seen
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
 from wildscav_engine.state import Supplies
 from wildscav_engine.systems.supplies import index_boxes
 
+# Boxes on half of the whole metres of a map, and in all rooms.
+RICH = SupplyConfig(
+    waves=(SupplyWave(center=(0, 0), radius=1000, outdoor_richness=50, indoor_richness=100),), spacing=1
+)
+WILD = MapSpec(config=MapConfig(size=100, houses=5, storeys=(1, 3), vegetation=0.7, relief=1.3), seed=8)
 BOX_FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
 
@@ -101,6 +106,11 @@ def seen_now(match: Match) -> Seen:
     """What everybody sees of a state that was changed by hand since the last step."""
     match._batch._is_seen = False
     return match.seen
+
+
+def position(match: Match, seat: int = 0) -> NDArray[np.float64]:
+    """Return (3,) m where a seat is."""
+    return np.asarray(match.state.agents.position[0, seat]).copy()
 
 
 def act(match: Match, steps: int = 1, **seats: dict[str, float]) -> None:

@@ -175,6 +175,23 @@ def test_a_seat_that_nobody_takes_is_waited_for_no_longer_than_agreed(tmp_path: 
     serving_by_hand(tmp_path, play)
 
 
+def test_the_time_to_join_begins_when_all_agents_were_launched(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.5), starting=True)
+        async with connected(address) as first, connected(address) as second:
+            for seat in range(2):
+                await clock.pass_time(1.0)  # which its sandbox takes to start
+                hosted.launched(seat)
+            await clock.pass_time(0.5 - HOP)
+            await first.join(hosted.tokens[0])
+            await second.join(hosted.tokens[1])
+            await asyncio.gather(first.play_out(), second.play_out())
+        outcome = await hosted.finished()
+        assert [outcome.seats[seat].status for seat in range(2)] == ["finished", "finished"]
+
+    serving_by_hand(tmp_path, play)
+
+
 def test_a_seat_given_up_by_its_launcher_is_waited_for_no_longer(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
         hosted = await host(server, small_spec(seats=3))

@@ -5,7 +5,7 @@ sandbox) is no outcome: the match is played again from its start, and in the end
 """
 
 import asyncio
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,7 +25,7 @@ from wildscav.server import (
 )
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.matches.lateness import late_for_platform
+from wildscav_evaluator.matches.agents import MatchAgents, status_of
 from wildscav_evaluator.matches.seating import display_names, submission_seats
 from wildscav_evaluator.sandbox import (
     DEFAULT_LIMITS,
@@ -33,10 +33,8 @@ from wildscav_evaluator.sandbox import (
     Ending,
     Launch,
     Limits,
-    RunningAgent,
     Sandbox,
 )
-from wildscav_evaluator.sandbox.waiting import WaitMeter
 from wildscav_evaluator.submissions.submission import Submission
 
 SOCKET = "match.sock"
@@ -191,61 +189,25 @@ async def play_once(
 async def _play_hosted(
     hosted: HostedMatch, seating: Seating, addresses: Sequence[str], sandbox: Sandbox
 ) -> Played:
-    agents: dict[int, RunningAgent] = {}
-    watchers: dict[int, asyncio.Task[Ending]] = {}
-    meters: dict[int, WaitMeter] = {}
-    metering: list[asyncio.Task[None]] = []
+    agents = MatchAgents(hosted, sandbox)
     standstill = asyncio.create_task(_stand_still())
     try:
         entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
         for seat, submission, log, address in entries:
-            launch = launch_for(
-                submission,
-                address,
-                hosted.tokens[seat],
-                log,
-                seating.limits,
-                start_limit=hosted.clock.join_timeout,
-            )
-            agents[seat] = await sandbox.start(launch)
-            watchers[seat] = asyncio.create_task(_watch(hosted, seat, agents[seat]))
-            meters[seat] = WaitMeter(agents[seat].processes, seating.limits.cpus)
-            metering.append(asyncio.create_task(meters[seat].run()))
-            hosted.launched(seat)
-        outcome = await _outcome(hosted, watchers)
-        late = {
-            seat: _late_for_platform(report, hosted, meters[seat]) for seat, report in outcome.seats.items()
-        }
-        await asyncio.wait(watchers.values(), timeout=FAREWELL)
-        endings = _endings(watchers)
-        for seat, ending in endings.items():
-            if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:
-                raise PlatformFaultError(ending.platform_fault)
-        reports = {
-            seat: _explained(report, endings.get(seat), agents[seat])
-            for seat, report in outcome.seats.items()
-        }
-        if standstill.done() and any(report.status.fault for report in reports.values()):
+            limit = hosted.clock.join_timeout
+            token = hosted.tokens[seat]
+            await agents.start(seat, launch_for(submission, address, token, log, seating.limits, limit))
+        outcome = await _outcome(hosted, agents)
+        late = {seat: agents.late_for_platform(report) for seat, report in outcome.seats.items()}
+        await agents.leave(FAREWELL)
+        played = Played(outcome.match, _explained(outcome, agents), agents.endings, late_for_platform=late)
+        if standstill.done() and any(report.status.fault for report in played.seats.values()):
             raise PlatformFaultError(f"nothing was done for {standstill.result():.0f} s")
-        return Played(outcome.match, reports, endings, late_for_platform=late)
+        return played
     finally:
         hosted.cancel()
-        for task in (standstill, *metering, *watchers.values()):
-            task.cancel()
-        ends = [*(agent.stop() for agent in agents.values()), *watchers.values()]
-        await asyncio.gather(*ends, return_exceptions=True)
-
-
-def _late_for_platform(report: SeatReport, hosted: HostedMatch, meter: WaitMeter) -> tuple[int, ...]:
-    """Return which steps a seat was late for because the machine had no processor for its agent."""
-    meter.take()
-    return late_for_platform(
-        report.late,
-        report.thoughts,
-        hosted.clock,
-        meter.waited,
-        used_up=report.status == SeatStatus.TIMED_OUT,
-    )
+        standstill.cancel()
+        await agents.stop()
 
 
 async def _stand_still() -> float:
@@ -280,46 +242,37 @@ def launch_for(
     )
 
 
-async def _watch(hosted: HostedMatch, seat: int, agent: RunningAgent) -> Ending:
-    """Tell the match when an agent's process is gone, so that nobody waits for it; return how it ended."""
-    ending = await agent.ended()
-    if ending.platform_fault and not hosted.match.over:
-        hosted.cancel()  # it is to be played again
-    else:
-        hosted.give_up(seat, str(ending), status_of(ending))
-    return ending
-
-
-async def _outcome(hosted: HostedMatch, watchers: Mapping[int, "asyncio.Task[Ending]"]) -> MatchOutcome:
+async def _outcome(hosted: HostedMatch, agents: MatchAgents) -> MatchOutcome:
     """Wait for the end of a match. One that was cancelled was so because a sandbox failed."""
     try:
         return await hosted.finished()
     except MatchCancelledError:
-        for ending in _endings(watchers).values():
+        for ending in agents.endings.values():
             if ending.platform_fault:
                 raise PlatformFaultError(ending.platform_fault) from None
         raise
 
 
-def _endings(watchers: Mapping[int, "asyncio.Task[Ending]"]) -> dict[int, Ending]:
-    """Return how the agents ended that are gone."""
-    return {seat: watcher.result() for seat, watcher in watchers.items() if watcher.done()}
+def _explained(outcome: MatchOutcome, agents: MatchAgents) -> dict[int, SeatReport]:
+    """Return the reports of all seats, with what the agents' processes show of a failure.
+
+    Raises:
+        PlatformFaultError: A seat was empty because its sandbox failed.
+    """
+    endings = agents.endings
+    for seat, ending in endings.items():
+        if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:
+            raise PlatformFaultError(ending.platform_fault)
+    return {seat: _with_cause(report, endings.get(seat), agents) for seat, report in outcome.seats.items()}
 
 
-def status_of(ending: Ending) -> SeatStatus:
-    """Return the outcome of a seat whose process ended before the match did."""
-    if ending.out_of_memory:
-        return SeatStatus.OUT_OF_MEMORY
-    return SeatStatus.DISQUALIFIED if ending.limit else SeatStatus.CRASHED
-
-
-def _explained(report: SeatReport, ending: Ending | None, agent: RunningAgent) -> SeatReport:
+def _with_cause(report: SeatReport, ending: Ending | None, agents: MatchAgents) -> SeatReport:
     """Return a report that says what the agent's process shows of a failure.
 
     That is how it ended, where that is why the seat was empty: the server may notice first that the agent's
     stream is gone, and knows no more than that. And it is what the agent's code did when its time was up.
     """
-    if report.status in LATE_ENDS and (where := agent.overdue()):
+    if report.status in LATE_ENDS and (where := agents.overdue(report.seat)):
         return replace(report, detail=f"{report.detail}; when its time was up, its code was at {where}")
     if ending is None or report.status not in EARLY_ENDS:
         return report

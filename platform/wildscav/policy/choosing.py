@@ -100,7 +100,7 @@ def chooser_of(mode: ActionMode, network: Mapping[str, Any], choose: object) -> 
     Raises:
         PolicyError: It is none, or the network does not fit the action mode.
     """
-    if choose not in list(Choose):
+    if not isinstance(choose, str) or choose not in list(Choose):
         raise PolicyError(f"policy.json: choose is {choose!r}, must be {' or '.join(Choose)}")
     deviations = network.get("deviations")
     try:

@@ -7,21 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from builders import act, box, flat_world, make_match, map_from, place
+from builders import act, box, flat_world, make_match, map_from, place, position
 from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, JUMP_SPEED
-from wildscav_engine.geometry.shapes import box as solid_box
-from wildscav_engine.geometry.shapes import pose
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
-from wildscav_engine.geometry.world import Kind, Solid, World, build_world, convex_solid
+from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.match import Match
 from wildscav_engine.spec import MapConfig, MatchSpec
-
-
-def position(match: Match, seat: int = 0) -> np.ndarray:
-    return match.state.agents.position[0, seat].copy()
 
 
 @pytest.mark.parametrize(
@@ -158,102 +152,11 @@ def test_walls_are_slid_along() -> None:
     assert position(match) == pytest.approx([3 - BODY_RADIUS, 0, 7.07], abs=0.01)
 
 
-@pytest.mark.parametrize(("slope", "climbs"), [(0.5, True), (0.95, True), (1.2, False)])
-def test_ground_is_climbed_up_to_45_degrees(slope: float, climbs: bool) -> None:
-    match = make_match(world=flat_world(slope=slope))
-    place(match, 0, (0, 0, 0))
-    act(match, 10, seat_0={"walk_direction": 90, "walk_speed": 5})
-    assert (position(match)[0] > 4.9) == climbs
-    assert (position(match)[0] < 0.01) != climbs
-
-
-@pytest.mark.parametrize("degrees", [47, 50, 60, 75, 85])
-@pytest.mark.parametrize("action", [{"walk_speed": 10}, {"walk_speed": 10, "jump": 1}])
-def test_nobody_climbs_steeper_ground_at_any_speed_jumping_or_not(
-    degrees: float, action: dict[str, float]
-) -> None:
-    match = make_match(world=flat_world(slope=math.tan(math.radians(degrees))))
-    place(match, 0, (0, 0, 0))
-    act(match, 100, seat_0={"walk_direction": 90, **action})
-    assert position(match)[0] < 0.7
-
-
-@pytest.mark.parametrize("jump", [0, 1])
-def test_a_cliff_is_not_walked_up_from_level_ground(jump: float) -> None:
-    world = flat_world()
-    world.heights[:, 12:] = 8.0  # 8 m up within one cell, from x = 2 to x = 4
-    match = make_match(world=world)
-    place(match, 0, (-5, 0, 0))
-    act(match, 50, seat_0={"walk_direction": 90, "walk_speed": 10, "jump": jump})
-    assert position(match)[0] < 2.7
-    assert position(match)[1] < 2.5
-
-
 def test_nobody_jumps_in_water() -> None:
     match = make_match(world=flat_world(water=0.8))
     place(match, 0, (0, 0, 0))
     act(match, 20, seat_0={"walk_direction": 90, "walk_speed": 10, "jump": 1})
     assert position(match) == pytest.approx([10, 0, 0])
-
-
-def test_whoever_stands_on_steeper_ground_slides_down() -> None:
-    match = make_match(world=flat_world(slope=1.2))
-    place(match, 0, (0, 0, 0))
-    act(match, 10)
-    assert position(match)[0] == pytest.approx(-5, abs=0.1)
-
-
-@pytest.mark.parametrize("action", [{"walk_speed": 10}, {"walk_speed": 10, "jump": 1}])
-def test_nobody_holds_on_to_ground_that_is_too_steep(action: dict[str, float]) -> None:
-    match = make_match(world=flat_world(slope=1.2))
-    place(match, 0, (10, 12, 0))
-    act(match, 10, seat_0={"walk_direction": 90, **action})  # uphill
-    assert position(match)[0] == pytest.approx(5, abs=0.2)
-
-
-def test_at_the_bottom_of_a_gully_one_stands_walks_along_and_jumps() -> None:
-    world = flat_world()
-    world.heights[:] = 1.5 * np.abs(np.arange(21) * 2.0 - 20.0)  # both sides 56° steep
-    match = make_match(world=world)
-    place(match, 0, (3, 4.5, 0))
-    act(match, 20)
-    assert abs(position(match)[0]) < 0.1
-    act(match, 10, seat_0={"walk_direction": 0, "walk_speed": 5})
-    assert position(match)[2] == pytest.approx(5, abs=0.1)
-    act(match, 5, seat_0={"jump": 1})
-    assert position(match)[1] > 1.0
-
-
-def steep_roof(ridge: float, foot: float) -> Solid:
-    """A roof that rises at 63° from its foot to its ridge, x in m."""
-    top = 2.0 * abs(ridge - foot)
-    corners = [(x, y, z) for z in (-4, 4) for x, y in ((foot, 0), (ridge, 0), (ridge, top))]
-    faces = ((0, 1, 2), (3, 4, 5), (0, 1, 4), (1, 2, 5), (0, 2, 5))
-    return convex_solid(Kind.ROOF, np.array(corners, float), faces)
-
-
-def test_nobody_runs_or_jumps_up_a_steep_roof() -> None:
-    match = make_match(world=flat_world(solids=[steep_roof(ridge=6, foot=3)]))
-    place(match, 0, (0, 0, 0))
-    highest = 0.0
-    for _ in range(40):
-        act(match, 1, seat_0={"walk_direction": 90, "walk_speed": 10, "jump": 1})
-        highest = max(highest, position(match)[1])
-    assert highest <= JUMP_SPEED**2 / (2 * 9.81)
-
-
-def test_who_falls_between_steep_roofs_stands_there_and_can_jump() -> None:
-    roofs = [steep_roof(ridge=6, foot=0), steep_roof(ridge=-6, foot=0)]
-    match = make_match(world=flat_world(solids=roofs))
-    place(match, 0, (1, 8, 0))
-    match.state.agents.on_ground[0, 0] = False
-    act(match, 40)
-    low = position(match)[1]
-    act(match, 10)
-    assert position(match)[1] == pytest.approx(low, abs=0.01)
-    assert match.state.agents.velocity[0, 0, 1] > -0.5  # however long it was held up
-    act(match, 5, seat_0={"jump": 1})
-    assert position(match)[1] > low + 0.5
 
 
 def test_heads_are_stood_on_until_they_go_away() -> None:
@@ -297,64 +200,6 @@ def test_bodies_do_not_walk_through_each_other() -> None:
     assert position(match)[0] == pytest.approx(3 - 2 * BODY_RADIUS, abs=0.01)
 
 
-def test_nobody_leaves_the_map() -> None:
-    match = make_match()
-    place(match, 0, (15, 0, 15))
-    act(match, 30, seat_0={"walk_direction": 45, "walk_speed": 10})
-    assert position(match) == pytest.approx([19.5, 0, 19.5])
-
-
-@pytest.mark.parametrize(
-    ("bodies", "solids"),
-    [
-        ([(0, 19.04)], []),
-        ([(1.2 * n, 19.04 - 0.05 * n) for n in range(8)], []),
-        ([], [solid_box(Kind.WALL, pose(0.0, 18.5, -12.0), (-6.0, 0.0, -0.25), (6.0, 2.0, 0.25))]),
-    ],
-)
-def test_what_stands_at_the_edge_leads_nobody_over_it(
-    bodies: list[tuple[float, float]], solids: list[Solid]
-) -> None:
-    """The edge of the map is at z = 20, and a body keeps half a metre off it."""
-    match = make_match(world=flat_world(solids=solids), seats=1 + len(bodies), frames_per_action=1)
-    place(match, 0, (-8, 0, 19.5))
-    for seat, (x, z) in enumerate(bodies, start=1):
-        place(match, seat, (x, 0, z))
-    for direction in (90, 80, 100, 45, 135):
-        for jump in (0, 1):
-            place(match, 0, (-8, 0, 19.5))
-            for _ in range(100):
-                before = position(match)
-                act(match, 1, seat_0={"walk_direction": direction, "walk_speed": 10, "jump": jump})
-                way = position(match) - before
-                assert position(match)[2] <= 19.5 + 1e-9
-                assert math.hypot(way[0], way[2]) <= 0.2 + 1e-9
-
-
-def test_a_body_beyond_the_margin_is_not_pulled_back_but_walks_back() -> None:
-    match = make_match(frames_per_action=1)
-    place(match, 0, (0, 0, 19.9))
-    act(match, 1, seat_0={"walk_direction": 0, "walk_speed": 10})
-    assert position(match) == pytest.approx([0, 0, 19.9])
-    act(match, 1, seat_0={"walk_direction": 135, "walk_speed": 10})
-    assert position(match) == pytest.approx([0.2 * math.sqrt(0.5), 0, 19.9 - 0.2 * math.sqrt(0.5)])
-
-
-@pytest.mark.parametrize(("along", "climbs"), [(0.5, True), (0.95, True), (1.1, False)])
-def test_between_steep_ground_and_the_edge_one_walks_along_as_in_a_gully(along: float, climbs: bool) -> None:
-    """The ground is 60° steep and falls to the edge in the east; northwards it rises ``along`` m a metre."""
-    side = np.arange(21) * 2.0 - 20.0
-    outwards = math.sqrt(3.0 - along * along)
-    heights = along * side[:, None] - outwards * side[None, :]
-    world = build_world((-20.0, -20.0), heights, np.full((20, 20), -np.inf), [], flat_world().spawns)
-    match = make_match(world=world)
-    for x, expected in ((19.5, climbs), (0.0, False)):
-        place(match, 0, (x, ground_at(world, x, 0.0).height, 0.0))
-        before = position(match)[1]
-        act(match, 6, seat_0={"walk_direction": 0, "walk_speed": 10})
-        assert (position(match)[1] > before + 0.5) == expected
-
-
 def test_a_thin_wall_stops_the_fastest_fall() -> None:
     match = make_match(world=flat_world(solids=[box((-5, 5, -5), (5, 5.02, 5), Kind.ROOF)]))
     place(match, 0, (0, 60, 0))
@@ -362,21 +207,6 @@ def test_a_thin_wall_stops_the_fastest_fall() -> None:
     match.state.agents.velocity[0, 0, 1] = -50
     act(match, 20)
     assert position(match)[1] == pytest.approx(5.02, abs=3 * SKIN)
-
-
-def test_a_gentle_roof_is_walked_on_and_a_steep_one_slides() -> None:
-    def stand(height: float) -> float:
-        ridge = [(-6, 0, 0), (6, 0, 0), (0, height, 0)]
-        vertices = np.array([(x, y, z) for z in (-4, 4) for x, y, _ in ridge], float)
-        faces = ((0, 1, 2), (3, 4, 5), (0, 1, 4), (1, 2, 5), (0, 2, 5))
-        match = make_match(world=flat_world(solids=[convex_solid(Kind.ROOF, vertices, faces)]))
-        place(match, 0, (-3, height / 2 + 0.5, 0))
-        match.state.agents.on_ground[0, 0] = False
-        act(match, 30)
-        return float(position(match)[1])
-
-    assert stand(3.0) > 1.4
-    assert stand(9.0) == pytest.approx(0, abs=0.01)
 
 
 @pytest.fixture(scope="module")

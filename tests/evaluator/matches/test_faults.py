@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from tests.evaluator.players import TALKER, Submit
 
-from wildscav.server import Clock
+from wildscav.server import Clock, HostedMatch
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import PlatformFaultError, Played, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent
@@ -156,23 +156,32 @@ def test_an_agent_whose_end_the_sandbox_cannot_tell_is_not_blamed_for_it(
     assert (played.seats[0].status, played.seats[0].steps_played) == ("finished", STEPS)
 
 
-def test_a_sandbox_that_is_slow_to_start_takes_nobodys_time_to_join(submit: Submit, tmp_path: Path) -> None:
-    class Slow(LosesSight):
+def test_what_a_sandbox_takes_to_start_is_nobodys_time_to_join(
+    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An agent's time begins when its match hears that it was launched."""
+    happened: list[str] = []
+    launched = HostedMatch.launched
+
+    class Told(LosesSight):
         lost = True
 
         async def start(self, launch: Launch) -> RunningAgent:
-            await asyncio.sleep(2.0)
-            return await super().start(launch)
+            agent = await super().start(launch)
+            happened.append("started")
+            return agent
 
-    played = play(
-        *(submit(name, TALKER) for name in ("first", "second")),
-        tmp_path=tmp_path,
-        sandbox=Slow(),
-        clock=Clock(join_timeout=2.0),
-    )
+    def hear(hosted: HostedMatch, seat: int) -> None:
+        happened.append(f"launched {seat}")
+        launched(hosted, seat)
 
+    monkeypatch.setattr(HostedMatch, "launched", hear)
+
+    played = play(*(submit(name, TALKER) for name in ("first", "second")), tmp_path=tmp_path, sandbox=Told())
+
+    assert happened == ["started", "launched 0", "started", "launched 1"]
     assert [seat.status for seat in played.seats.values()] == ["finished", "finished"]
-    assert all(seat.start_up is not None and 0.0 <= seat.start_up < 2.0 for seat in played.seats.values())
+    assert all(seat.start_up is not None for seat in played.seats.values())
 
 
 def test_a_mistake_that_stays_gives_the_match_up_and_no_agent(

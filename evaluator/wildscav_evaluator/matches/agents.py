@@ -1,0 +1,85 @@
+"""The agents of one match while it is played: started, watched, and ended together."""
+
+import asyncio
+
+from wildscav.server import HostedMatch, SeatReport, SeatStatus
+from wildscav_evaluator.matches.lateness import late_for_platform
+from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
+from wildscav_evaluator.sandbox.waiting import WaitMeter
+
+
+class MatchAgents:
+    """The processes of a match's agents, by their seats.
+
+    Args:
+        hosted: The match.
+        sandbox: How the agents run.
+    """
+
+    def __init__(self, hosted: HostedMatch, sandbox: Sandbox) -> None:
+        self._hosted, self._sandbox = hosted, sandbox
+        self._running: dict[int, RunningAgent] = {}
+        self._watchers: dict[int, asyncio.Task[Ending]] = {}
+        self._meters: dict[int, WaitMeter] = {}
+        self._metering: list[asyncio.Task[None]] = []
+
+    async def start(self, seat: int, launch: Launch) -> None:
+        """Start the agent of a seat, and watch it from then on.
+
+        Raises:
+            SandboxError: It cannot be started.
+        """
+        agent = await self._sandbox.start(launch)
+        self._running[seat] = agent
+        self._watchers[seat] = asyncio.create_task(self._watch(seat, agent))
+        meter = self._meters[seat] = WaitMeter(agent.processes, launch.limits.cpus)
+        self._metering.append(asyncio.create_task(meter.run()))
+        self._hosted.launched(seat)
+
+    async def _watch(self, seat: int, agent: RunningAgent) -> Ending:
+        """Tell the match when an agent's process is gone, so that nobody waits for it."""
+        ending = await agent.ended()
+        if ending.platform_fault and not self._hosted.match.over:
+            self._hosted.cancel()  # it is to be played again
+        else:
+            self._hosted.give_up(seat, str(ending), status_of(ending))
+        return ending
+
+    @property
+    def endings(self) -> dict[int, Ending]:
+        """How the agents ended that are gone."""
+        return {seat: watcher.result() for seat, watcher in self._watchers.items() if watcher.done()}
+
+    def overdue(self, seat: int) -> str:
+        """Say where the code of a seat's agent was when its time was up; nothing if it is not known."""
+        return self._running[seat].overdue()
+
+    def late_for_platform(self, report: SeatReport) -> tuple[int, ...]:
+        """Return which steps a seat was late for because the machine had no processor for its agent."""
+        meter = self._meters[report.seat]
+        meter.take()
+        return late_for_platform(
+            report.late,
+            report.thoughts,
+            self._hosted.clock,
+            meter.waited,
+            used_up=report.status == SeatStatus.TIMED_OUT,
+        )
+
+    async def leave(self, seconds: float) -> None:
+        """Wait until the agents have ended by themselves, but no longer than so many seconds."""
+        await asyncio.wait(self._watchers.values(), timeout=seconds)
+
+    async def stop(self) -> None:
+        """End all that still run."""
+        for task in (*self._metering, *self._watchers.values()):
+            task.cancel()
+        ends = [*(agent.stop() for agent in self._running.values()), *self._watchers.values()]
+        await asyncio.gather(*ends, return_exceptions=True)
+
+
+def status_of(ending: Ending) -> SeatStatus:
+    """Return the outcome of a seat whose process ended before the match did."""
+    if ending.out_of_memory:
+        return SeatStatus.OUT_OF_MEMORY
+    return SeatStatus.DISQUALIFIED if ending.limit else SeatStatus.CRASHED
