@@ -45,21 +45,32 @@ def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str,
             rr.Points3D.from_fields(positions=(0, 0, LABEL_HEIGHT), radii=DOT, show_labels=True),
         )
         yield f"trails/seat_{seat}", rr.LineStrips3D.from_fields(radii=TRAIL, colors=[of_seat(team)])
+        tint = line_color(history, seat)
         for measure in measures(history):
             yield (
                 f"{path}/{measure}",
-                rr.SeriesLines(
-                    colors=[colors.of_team(team)], names=[name], widths=[2.0], interpolation_mode="StepAfter"
-                ),
+                rr.SeriesLines(colors=[tint], names=[name], widths=[2.0], interpolation_mode="StepAfter"),
             )
 
 
-def moving_agents(history: History, names: Sequence[str]) -> Iterator[Columns]:
-    """Yield all that changes about the agents."""
+def line_color(history: History, seat: int) -> colors.Color:
+    """Return the colour of an agent's lines in plots: its team's, or its own where all are one team."""
+    is_one_team = len(np.unique(history.teams)) == 1
+    return colors.of_team(seat if is_one_team else history.team_of(seat))
+
+
+def moving_agents(history: History, names: Sequence[str], *, health: bool) -> Iterator[Columns]:
+    """Yield all that changes about the agents.
+
+    Args:
+        history: The match.
+        names: What its seats are called.
+        health: Whether the labels tell how much health is left: where nobody can be hurt it tells nothing.
+    """
     for seat, name in enumerate(names):
         yield from _moving(history, seat)
         yield from _body(history, seat)
-        yield _name(history, seat, name)
+        yield _name(history, seat, name, health=health)
         for measure, values in measures(history).items():
             rows = np.union1d(changes(values[:, seat]), history.rows[-1:])
             scalars = rr.Scalars.columns(scalars=values[rows, seat].astype(np.float64))
@@ -110,11 +121,12 @@ def _body(history: History, seat: int) -> Iterator[Columns]:
     yield Columns(path, rows, columns.partition([len(looks.usual)] * len(rows)))
 
 
-def _name(history: History, seat: int, name: str) -> Columns:
-    """Return the label over an agent: its name and how much health it has left."""
-    health = history.agents.health[:, seat]
-    rows = changes(health)
-    labels = [f"{name} · {left}" if left > 0 else f"{name} · dead" for left in health[rows].tolist()]
+def _name(history: History, seat: int, name: str, *, health: bool) -> Columns:
+    """Return the label over an agent: its name, and how much health it has left."""
+    left = history.agents.health[:, seat]
+    rows = changes(left)
+    shown = [f"{name} · {hp}" if health else name for hp in left[rows].tolist()]
+    labels = [label if hp > 0 else f"{name} · dead" for label, hp in zip(shown, left[rows], strict=True)]
     alive, dead = colors.of_team(history.team_of(seat)), colors.readable(colors.DEAD)
-    tints = np.where(health[rows, None] > 0, np.array(alive), np.array(dead)).astype(np.uint8)
+    tints = np.where(left[rows, None] > 0, np.array(alive), np.array(dead)).astype(np.uint8)
     return Columns(f"{path_of(seat)}/name", rows, rr.Points3D.columns(labels=labels, colors=tints))

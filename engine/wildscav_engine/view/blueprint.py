@@ -68,7 +68,9 @@ def blueprint(layout: Layout, overview: Overview) -> rrb.Blueprint:
         ),
     )
     above = rrb.Horizontal(
-        rrb.Vertical(rrb.TextDocumentView(origin=STANDINGS, name="Standings"), _logs(layout)),
+        rrb.Vertical(
+            rrb.TextDocumentView(origin=STANDINGS, name="Standings"), _logs(layout), row_shares=[3, 2]
+        ),
         free,
         rrb.Vertical(*follow_views),
         column_shares=[3, 6, 4],
@@ -141,13 +143,15 @@ def _eye(overview: Overview) -> rrb.EyeControls3D:
 
 
 def _logs(layout: Layout) -> rrb.View | rrb.Container:
-    """Return the log of all events, behind the feed of kills where there can be any."""
-    level, body = rrb.encodings.TextLogColumn("LogLevel"), rrb.encodings.TextLogColumn("Body")
-    views = []
-    for path, name, columns in ((KILLS, "Kills", [body]), (EVENTS, "All events", [level, body])):
-        views.append(
-            rrb.TextLogView(origin=path, name=name, columns=rrb.TextLogColumns(text_log_columns=columns))
-        )
+    """Return the log of all events, behind the feed of kills where there can be any.
+
+    The kinds of events are in the file but in no column: the words tell them, and so does the colour.
+    """
+    columns = rrb.TextLogColumns(text_log_columns=[rrb.encodings.TextLogColumn("Body")])
+    views = [
+        rrb.TextLogView(origin=path, name=name, columns=columns)
+        for path, name in ((KILLS, "Kills"), (EVENTS, "All events"))
+    ]
     return rrb.Tabs(*views) if layout.kills else views[1]
 
 

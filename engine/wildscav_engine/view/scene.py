@@ -53,7 +53,7 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
     for path, looks in statics:
         recording.log(path, looks, static=True)
     for columns in (
-        *actors.moving_agents(history, names),
+        *actors.moving_agents(history, names, health=layout.kills),
         *things.changing_things(history, game_map),
         *heat.moving_heat(history, net),
         *zone.moving_zone(history, game_map),

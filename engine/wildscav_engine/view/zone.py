@@ -25,8 +25,9 @@ def static_zone(history: History) -> Iterator[tuple[str, rr.AsComponents]]:
     """Yield how the zone of a match that has one looks."""
     if history.zone is None:
         return
-    yield "zone/edge", rr.LineStrips3D.from_fields(radii=0.5, colors=[colors.ZONE])
-    yield "zone/next", rr.LineStrips3D.from_fields(radii=0.25, colors=[colors.NEXT_ZONE])
+    # In pixels: a line that is wide enough for the overview would be a wall before whoever stands at it.
+    yield "zone/edge", rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1.5), colors=[colors.ZONE])
+    yield "zone/next", rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1), colors=[colors.NEXT_ZONE])
     yield "zone/outside", rr.Mesh3D.from_fields(albedo_factor=colors.OUTSIDE)
 
 

@@ -9,9 +9,11 @@ import pytest
 from PIL import Image
 from rerun.chunk import RrdReader
 
+from builders import make_match
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.sensors.colors import of_distances
 from wildscav_engine.view import ViewError, write_replay
+from wildscav_engine.view.actors import line_color
 from wildscav_engine.view.depth import distances_of
 from wildscav_engine.view.history import DEPTH_CAMERA, History, collect
 from wildscav_engine.view.verdict import verdict
@@ -128,6 +130,28 @@ def test_two_replays_in_one_viewer_keep_their_own_layouts(battle_file: Path, tmp
     stores = [RrdReader(path).recordings()[0] for path in (battle_file, tmp_path / "other.rrd")]
 
     assert stores[0].application_id != stores[1].application_id
+
+
+def test_labels_tell_health_only_where_somebody_can_be_hurt(battle_file: Path, tmp_path: Path) -> None:
+    write_replay(robots_play("navigation"), tmp_path / "walk.rrd", images=False)
+
+    assert rows_of(battle_file, "/agents/seat_1/name", "labels")[1][0] == ["fighter 1 · 100"]
+    assert rows_of(tmp_path / "walk.rrd", "/agents/seat_0/name", "labels")[1] == [["walker 0"]]
+
+
+@pytest.mark.parametrize(
+    ("teams", "colors"),
+    [
+        ((0, 1, 2), 3),
+        ((0, 0, 1), 2),  # teammates share the colour of their team
+        ((0, 0, 0), 3),  # but for a single team: its lines would all look the same
+    ],
+)
+def test_lines_in_plots_are_told_apart(teams: tuple[int, ...], colors: int) -> None:
+    match = make_match("gathering", seats=3, teams=teams)
+    history = collect([match], 0, None)[1]
+
+    assert len({line_color(history, seat) for seat in range(3)}) == colors
 
 
 def test_there_is_a_blueprint(battle_file: Path) -> None:

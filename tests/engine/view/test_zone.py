@@ -11,7 +11,7 @@ from wildscav_engine.spec import ZoneConfig, ZonePhase
 from wildscav_engine.view import write_replay
 from wildscav_engine.view.events import events_of
 from wildscav_engine.view.history import collect
-from wildscav_engine.view.zone import CORNERS, LIFT, ring
+from wildscav_engine.view.zone import CORNERS, LIFT, ring, static_zone
 
 
 def test_the_history_has_the_zone_of_every_step_and_the_circle_that_it_draws_in_to() -> None:
@@ -37,6 +37,14 @@ def test_a_ring_lies_on_the_ground_and_on_the_map() -> None:
     assert line.shape == (CORNERS + 1, 3)
     assert np.abs(line[:, [0, 2]]).max() <= 20
     np.testing.assert_allclose(line[:, 1], line[:, 0] * 0.1 + LIFT)
+
+
+def test_the_rings_are_thin_lines_to_who_stands_at_them_too() -> None:
+    phase = ZonePhase(wait=1, shrink=1, share=0.5, damage=0)
+    match = make_match("royale", world=flat_world(), seats=2, zone=ZoneConfig(phases=(phase,)))
+    looks = dict(static_zone(collect([match], 0, None)[1]))
+    for path in ("zone/edge", "zone/next"):
+        assert looks[path].radii.as_arrow_array()[0].as_py() < 0  # below 0: pixels in the picture, not metres
 
 
 def test_a_royale_shows_its_zone_and_other_tracks_have_none(tmp_path: Path) -> None:
