@@ -30,6 +30,29 @@ def test_the_researchers_lines_run_as_they_stand(tmp_path: Path) -> None:
     assert done.stdout.endswith("(10, 10)\n")
 
 
+def test_every_extra_that_the_pages_install_is_one_and_the_readme_says_where_from() -> None:
+    extras = set(
+        tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    )
+    named = set()
+    for page in PAGES:
+        for clone, listed in re.findall(
+            r"pip install (-e '\.|'wildscav)\[([a-z,]+)\]'", page.read_text("utf-8")
+        ):
+            named |= set(listed.split(","))
+            # It is not in the package index: who has not installed a clone before has nothing to add to.
+            assert (
+                clone.startswith("-e")
+                or page.name == "README.md"
+                or "README.md#install" in page.read_text("utf-8")
+            )
+    assert {"all", "training"} <= named <= extras
+    first = next(
+        line for text in blocks(ROOT / "README.md", "console") for line in text.splitlines() if "pip" in line
+    )
+    assert first.startswith("pip install -e '.[all]'")
+
+
 def test_every_make_command_of_the_pages_is_a_target() -> None:
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE))
     for page in PAGES:

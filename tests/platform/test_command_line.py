@@ -135,7 +135,8 @@ def test_only_what_is_near_is_suggested(word: str, question: str) -> None:
 def test_init_quotes_what_it_suggests_and_copies_a_baseline(tmp_path: Path) -> None:
     done = run("init", "My Agent", "--from", "homing", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "wildscav play 'My Agent'" in done.stdout
+    for command in ("play", "check", "evaluate"):
+        assert f"  wildscav {command} 'My Agent'  # " in done.stdout
     assert 'name = "my-agent"' in (tmp_path / "My Agent" / "submission.toml").read_text()
     assert (tmp_path / "My Agent" / "steering.py").is_file()
 

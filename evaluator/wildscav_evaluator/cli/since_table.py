@@ -22,7 +22,7 @@ def since_table(since: Sequence[Since]) -> Table:
     for one in since:
         score = one.comparison.differences[0]
         table.add_row(
-            one.comparison.track,
+            f"{one.comparison.track} {'↓' if score.metric.lower_is_better else '↑'}",
             one.comparison.first,
             f"{number_of(Path(one.folder)):04} {one.version}",
             number(score.second, score.metric),

@@ -77,8 +77,14 @@ def init(
         content = policy_files(from_policy, name, track, option or [], choose, activation)
     _write(folder, content)
     console.print(Text.assemble((str(folder), "bold"), " holds a new agent, ", (name, "bold"), ". Next:"))
-    console.print(f"  wildscav play {shlex.quote(str(folder))}", soft_wrap=True)
-    console.print(f"  and open {shlex.quote(str(folder / 'agent.py'))} in an editor.", soft_wrap=True)
+    quoted = shlex.quote(str(folder))
+    for command, what in (
+        (f"wildscav play {quoted}", "one match"),
+        (f"wildscav check {quoted}", "all that a judge asks of it"),
+        (f"wildscav evaluate {quoted}", "what it scores"),
+    ):
+        console.print(f"  {command}  # {what}", soft_wrap=True, highlight=False)
+    console.print(f"It is written in {folder / 'agent.py'}.", soft_wrap=True, highlight=False)
 
 
 def _from_baseline(baseline: str, name: str) -> dict[str, bytes]:

@@ -117,6 +117,14 @@ def is_shown(word: str, shown: str) -> bool:
     return cut > 0 and is_shown(word[cut:], shown)
 
 
+def test_the_table_since_last_time_says_which_way_is_better() -> None:
+    for track, arrow in (("navigation", "↓"), ("royale", "↑")):
+        ones = (evaluation("now", track, (1.0, 2.0)), evaluation("then", track, (2.0, 3.0)))
+        comparison = compare(RESULTS.model_copy(update={"evaluations": ones}), "now", "then").comparisons[0]
+        table = since_table([Since(folder="0001-a", version="1.0.0", comparison=comparison)])
+        assert list(table.columns[0].cells) == [f"{track} {arrow}"]
+
+
 @pytest.mark.parametrize(
     ("now", "then", "says"),
     [
