@@ -205,7 +205,7 @@ def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
         *("create", "--name", hold.container, "--label", f"{OWNER}={leftovers.owner()}", "--pull", "never"),
         *("--network", "none", "--hostname", "agent", "--user", _user(engine), "--no-healthcheck"),
         *("--cap-drop", "all", "--security-opt", "no-new-privileges"),
-        *("--security-opt", f"seccomp={_profile(hold.folder)}", "--log-driver", "none", "--read-only"),
+        *("--security-opt", f"seccomp={_profile(launch, hold.folder)}", "--log-driver", "none", "--read-only"),
         *(PODMAN_ONLY if engine.name == "podman" else ()),
         *clock,
         *_limits(launch.limits, engine),
@@ -237,9 +237,9 @@ def _user(engine: Engine) -> str:
     return f"{user}:{user}"
 
 
-def _profile(folder: Path) -> Path:
+def _profile(launch: Launch, folder: Path) -> Path:
     path = folder / "seccomp.json"
-    path.write_text(json.dumps(container_profile()), "utf-8")
+    path.write_text(json.dumps(container_profile(locks=launch.image is not None)), "utf-8")
     return path
 
 
@@ -299,7 +299,7 @@ def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:
     socket.chmod(0o666)  # the folder that it is in keeps others from it
     mounts = {runtime.SOCKET: socket}
     if hold.engine.name == "docker":
-        mounts |= guard_files()
+        mounts |= guard_files() if launch.image is None else _copied_guard(hold.folder)
     if launch.image is None:
         folder = launch.folder
         if not runtime.everybody_reads(folder):
@@ -310,6 +310,13 @@ def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:
         for there, here in mounts.items()
         for word in ("--mount", f"type=bind,source={_plain(here)},destination={_plain(there)},readonly")
     ]
+
+
+def _copied_guard(folder: Path) -> dict[Path, Path]:
+    """Copy the files of the guard for one container: an agent that may lock files shares none."""
+    copies = folder / "guard"
+    copies.mkdir()
+    return {there: Path(shutil.copy(here, copies / there.name)) for there, here in guard_files().items()}
 
 
 def _plain(path: Path) -> str:

@@ -6,6 +6,10 @@ for: new namespaces, mounts, tracing and reading of other processes, watching fi
 do with shared ones), key rings, BPF, io_uring, kernel modules, clocks, and sockets other than unix and
 internet ones (AF_VSOCK, for one, leaves a machine whatever network it has). libseccomp makes bubblewrap's
 filter of it, which knows the numbers of calls on every processor.
+
+An agent that runs with this machine's Python shares its files with other agents, read-only. Such an agent gets
+no file locks, since a lock on a shared file is a message to whoever looks at it. An image has files of its own,
+and its agent may lock them.
 """
 
 import errno
@@ -20,17 +24,23 @@ UNKNOWN = errno.ENOSYS
 UNIX, INTERNET, INTERNET_6 = 1, 2, 10  # address families
 # CLONE_NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET
 NEW_NAMESPACES = 0x7E02_0000
-# All commands of fcntl but F_SETLEASE, F_GETLEASE and F_NOTIFY, which tell what others do with a file:
-# duplicating, flags, locks, owners and signals; from 1030 on duplicating, sizes of pipes, seals and hints.
-FILE_COMMANDS = (*range(12), 15, 16, 36, 37, 38, 1027, *range(1030, 1041))
+# Commands of fcntl that get, set and wait for locks: those of processes, and those of open files.
+LOCK_COMMANDS = (5, 6, 7, 36, 37, 38)
+# The others, but for F_SETLEASE, F_GETLEASE and F_NOTIFY, which tell what others do with a file, and the hints
+# on its use, which the kernel keeps with the file: duplicating, flags, owners, signals, pipes and seals.
+FILE_COMMANDS = (*range(5), *range(8, 12), 15, 16, 1027, *range(1030, 1035))
+# Advice on how a file will be read, but for POSIX_FADV_DONTNEED (4), which throws it out of the memory that all
+# readers share: whoever reads it next can tell.
+ADVICE = (0, 1, 2, 3, 5)
+ONLY_IF_CACHED = 0x8  # RWF_NOWAIT: read what is in that memory, or fail; it tells what others have read
 PERSONALITIES = (0, 8, 0x20000, 0x20008, 0xFFFF_FFFF)  # as everybody is, 32-bit, and asking
 
 _ALLOWED = """
 accept accept4 access alarm arch_prctl bind brk capget capset chdir chmod chown clock_getres clock_gettime
 clock_nanosleep close close_range connect copy_file_range creat dup dup2 dup3 epoll_create epoll_create1
 epoll_ctl epoll_pwait epoll_pwait2 epoll_wait eventfd eventfd2 execve execveat exit exit_group faccessat
-faccessat2 fadvise64 fallocate fchdir fchmod fchmodat fchmodat2 fchown fchownat fdatasync fgetxattr
-flistxattr flock fork fremovexattr fsetxattr fstat fstatfs fsync ftruncate futex futex_requeue futex_wait
+faccessat2 fallocate fchdir fchmod fchmodat fchmodat2 fchown fchownat fdatasync fgetxattr
+flistxattr fork fremovexattr fsetxattr fstat fstatfs fsync ftruncate futex futex_requeue futex_wait
 futex_waitv futex_wake futimesat get_mempolicy get_robust_list get_thread_area getcpu getcwd getdents
 getdents64 getegid geteuid getgid getgroups getitimer getpeername getpgid getpgrp getpid getppid getpriority
 getrandom getresgid getresuid getrlimit getrusage getsid getsockname getsockopt gettid gettimeofday getuid
@@ -39,7 +49,7 @@ lchown lgetxattr link linkat listen listxattr llistxattr lremovexattr lseek lset
 membarrier memfd_create mincore mkdir mkdirat mknod mknodat mlock mlock2 mlockall mmap mprotect mremap mseal
 msgctl msgget msgrcv msgsnd msync munlock munlockall munmap nanosleep newfstatat open openat openat2 pause
 pidfd_open pidfd_send_signal pipe pipe2 pkey_alloc pkey_free pkey_mprotect poll ppoll prctl pread64 preadv
-preadv2 prlimit64 pselect6 pwrite64 pwritev pwritev2 read readahead readlink readlinkat readv recvfrom
+prlimit64 pselect6 pwrite64 pwritev pwritev2 read readahead readlink readlinkat readv recvfrom
 recvmmsg recvmsg remap_file_pages removexattr rename renameat renameat2 restart_syscall rmdir rseq
 rt_sigaction rt_sigpending rt_sigprocmask rt_sigqueueinfo rt_sigreturn rt_sigsuspend rt_sigtimedwait
 rt_tgsigqueueinfo sched_get_priority_max sched_get_priority_min sched_getaffinity sched_getattr
@@ -65,8 +75,12 @@ swapon syslog umount2 unshare userfaultfd vhangup
 REFUSED = frozenset(_REFUSED.split())
 
 
-def container_profile() -> dict[str, Any]:
-    """Return the policy as Docker and Podman read it."""
+def container_profile(*, locks: bool) -> dict[str, Any]:
+    """Return the policy as Docker and Podman read it.
+
+    Args:
+        locks: Whether the agent may lock files: if all that it sees are its own.
+    """
     allow, refuse = "SCMP_ACT_ALLOW", "SCMP_ACT_ERRNO"
     rules: list[dict[str, Any]] = [
         {"names": sorted(ALLOWED), "action": allow},
@@ -74,9 +88,13 @@ def container_profile() -> dict[str, Any]:
         # Docker 20 does not read the default's number, and threads start by clone where clone3 is unknown.
         {"names": ["clone3"], "action": refuse, "errnoRet": UNKNOWN},
         {"names": ["clone"], "action": allow, "args": [_masked(0, NEW_NAMESPACES, 0)]},
+        {"names": ["preadv2"], "action": allow, "args": [_masked(5, ONLY_IF_CACHED, 0)]},
     ]
+    lock = {"action": allow} if locks else {"action": refuse, "errnoRet": errno.ENOLCK}
+    rules.append({"names": ["flock"], **lock})
+    rules += [{"names": ["fcntl"], **lock, "args": [_equal(1, command)]} for command in LOCK_COMMANDS]
     rules += [
-        {"names": [name], "action": allow, "args": [{"index": index, "value": value, "op": "SCMP_CMP_EQ"}]}
+        {"names": [name], "action": allow, "args": [_equal(index, value)]}
         for name, (index, values) in EXACTLY.items()
         for value in values
     ]
@@ -85,11 +103,16 @@ def container_profile() -> dict[str, Any]:
 
 # Calls of which one argument, counted from 0, must be one of these.
 EXACTLY = {
+    "fadvise64": (3, ADVICE),
     "fcntl": (1, FILE_COMMANDS),
     "personality": (0, PERSONALITIES),
     "socket": (0, (UNIX, INTERNET, INTERNET_6)),
     "socketpair": (0, (UNIX,)),
 }
+
+
+def _equal(index: int, value: int) -> dict[str, Any]:
+    return {"index": index, "value": value, "op": "SCMP_CMP_EQ"}
 
 
 def _masked(index: int, mask: int, value: int) -> dict[str, Any]:
@@ -98,7 +121,7 @@ def _masked(index: int, mask: int, value: int) -> dict[str, Any]:
 
 @functools.cache
 def bpf_filter() -> bytes:
-    """Return the policy as a program of the kernel's filter machine, by libseccomp.
+    """Return the policy as a program of the kernel's filter machine, by libseccomp. It allows no file locks.
 
     Raises:
         SandboxError: libseccomp is not installed.
@@ -114,6 +137,10 @@ def bpf_filter() -> bytes:
         if int(library.resolve_syscall(processor, name)) >= 0:
             policy.add_rule(library.ALLOW if name in ALLOWED else library.ERRNO(errno.EPERM), name)
     policy.add_rule(library.ALLOW, "clone", library.Arg(0, library.MASKED_EQ, NEW_NAMESPACES, 0))
+    policy.add_rule(library.ALLOW, "preadv2", library.Arg(5, library.MASKED_EQ, ONLY_IF_CACHED, 0))
+    policy.add_rule(library.ERRNO(errno.ENOLCK), "flock")
+    for command in LOCK_COMMANDS:
+        policy.add_rule(library.ERRNO(errno.ENOLCK), "fcntl", library.Arg(1, library.EQ, command))
     for name, (index, values) in EXACTLY.items():
         for value in values:
             policy.add_rule(library.ALLOW, name, library.Arg(index, library.EQ, value))

@@ -1,9 +1,18 @@
 """The policy of system calls: the same for bubblewrap and for containers, and nothing dangerous in it."""
 
+import fcntl
+
 import pytest
 
 from wildscav_evaluator.sandbox import SandboxError
-from wildscav_evaluator.sandbox.seccomp import ALLOWED, EXACTLY, REFUSED, bpf_filter, container_profile
+from wildscav_evaluator.sandbox.seccomp import (
+    ALLOWED,
+    EXACTLY,
+    LOCK_COMMANDS,
+    REFUSED,
+    bpf_filter,
+    container_profile,
+)
 
 
 def test_nothing_is_both_allowed_and_refused() -> None:
@@ -29,13 +38,25 @@ def test_nothing_is_both_allowed_and_refused() -> None:
 def test_what_gets_agents_out_is_not_allowed(name: str) -> None:
     allowed = {
         name
-        for rule in container_profile()["syscalls"]
+        for rule in container_profile(locks=True)["syscalls"]
         if rule["action"] == "SCMP_ACT_ALLOW"
         for name in rule["names"]
     }
 
     assert name not in allowed
-    assert container_profile()["defaultAction"] == "SCMP_ACT_ERRNO"
+    assert container_profile(locks=True)["defaultAction"] == "SCMP_ACT_ERRNO"
+
+
+@pytest.mark.parametrize(("locks", "action"), [(False, "SCMP_ACT_ERRNO"), (True, "SCMP_ACT_ALLOW")])
+def test_files_are_locked_only_by_who_shares_none(locks: bool, action: str) -> None:
+    rules = container_profile(locks=locks)["syscalls"]
+
+    flock = [rule["action"] for rule in rules if "flock" in rule["names"]]
+    commands = {rule["args"][0]["value"]: rule["action"] for rule in rules if rule["names"] == ["fcntl"]}
+
+    assert flock == [action]
+    assert {commands[command] for command in LOCK_COMMANDS} == {action}
+    assert commands[fcntl.F_GETFL] == "SCMP_ACT_ALLOW"
 
 
 def test_the_filter_is_a_program_of_the_kernels_machine() -> None:

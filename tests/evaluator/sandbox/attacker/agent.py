@@ -4,6 +4,7 @@ Every attack is bounded in size and time and does no harm where it works: it run
 It returns if it worked, and raises if it did not.
 """
 
+import contextlib
 import ctypes
 import errno
 import fcntl
@@ -25,6 +26,7 @@ MEBIBYTE = 1 << 20
 NEW_USER, NEW_MOUNTS = 0x1000_0000, 0x0002_0000
 PTRACE_ATTACH, PTRACE_DETACH = 16, 17
 IN_OPEN = 0x20
+F_OFD_SETLK, F_SET_RW_HINT = 37, 1036
 KEYCTL, IO_URING_SETUP, PROCESS_VM_READV = 250, 425, 310  # x86-64
 ATTACKS: dict[str, Callable[[], object]] = {}
 
@@ -293,6 +295,41 @@ def files_watch_what_others_run() -> None:
 @attack
 def files_watch_by_signals() -> None:
     fcntl.fcntl(os.open("/usr/bin", os.O_RDONLY), fcntl.F_NOTIFY, 0)
+
+
+@attack
+def files_lock_shared_ones() -> None:
+    """Another seat that tries the same lock learns a bit."""
+    fcntl.flock(os.open("/usr/bin", os.O_RDONLY), fcntl.LOCK_EX)
+
+
+@attack
+def files_lock_parts_of_shared_ones() -> None:
+    """Each byte's lock is a bit."""
+    fcntl.lockf(os.open("/usr/bin/env", os.O_RDONLY), fcntl.LOCK_SH, 1)
+
+
+@attack
+def files_lock_parts_by_open_files() -> None:
+    lock = struct.pack("hhqqi4x", fcntl.F_RDLCK, 0, 0, 1, 0)
+    fcntl.fcntl(os.open("/usr/bin/env", os.O_RDONLY), F_OFD_SETLK, lock)
+
+
+@attack
+def files_leave_hints_on_shared_ones() -> None:
+    """The kernel keeps with a file how long somebody said that its data will live."""
+    fcntl.fcntl(os.open("/usr/bin/env", os.O_RDONLY), F_SET_RW_HINT, struct.pack("Q", 3))
+
+
+@attack
+def files_drop_shared_ones_from_memory() -> None:
+    os.posix_fadvise(os.open("/usr/bin/env", os.O_RDONLY), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
+@attack
+def files_ask_whether_shared_ones_are_in_memory() -> None:
+    with contextlib.suppress(BlockingIOError):  # it is not, which is an answer
+        os.preadv(os.open("/usr/bin/env", os.O_RDONLY), [bytearray(1)], 0, os.RWF_NOWAIT)
 
 
 @attack
