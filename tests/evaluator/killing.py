@@ -23,12 +23,18 @@ class Sitting:
         self.out = out
         command = [PROGRAM, "evaluate", *map(str, arguments), f"--out={out}", f"--db={out / 'wildscav.db'}"]
         environment = {**os.environ, "COLUMNS": "80"}
-        self.process = subprocess.Popen(
-            command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment
-        )
+        self.printed = out.with_name(f"{out.name}.printed")
+        with self.printed.open("wb") as file:
+            self.process = subprocess.Popen(command, stdout=file, stderr=subprocess.DEVNULL, env=environment)
+
+    def await_begin(self) -> None:
+        """Wait until it has imported all that it needs, and prints something: nothing is written before."""
+        while self.printed.stat().st_size == 0 and self.process.poll() is None:
+            time.sleep(0.01)
 
     def kill_after(self, seconds: float) -> bool:
-        """Kill it after a time; return whether it was still running."""
+        """Kill it a time after it has begun; return whether it was still running."""
+        self.await_begin()
         try:
             self.process.wait(seconds)
         except subprocess.TimeoutExpired:

@@ -30,6 +30,7 @@ from wildscav_evaluator.sandbox.engine import (
     enter_container,
     find_engine,
     image_command,
+    image_settings,
     old_groups,
     processes_of,
     removal,
@@ -47,7 +48,14 @@ from wildscav_evaluator.sandbox.running import (
 from wildscav_evaluator.sandbox.seccomp import container_profile
 from wildscav_evaluator.sandbox.staging import readable_copy
 from wildscav_evaluator.sandbox.users import agent_user
-from wildscav_evaluator.sandbox.wall_clock import GUARD, guard_files, guarded, podman_options
+from wildscav_evaluator.sandbox.wall_clock import (
+    GUARD,
+    guard_files,
+    guarded,
+    podman_options,
+    steering,
+    without,
+)
 
 INIT = 1  # process of the sandbox itself, which buries the dead
 MOST_PROCESSES = 32_768  # of a user; what engines set for themselves
@@ -205,7 +213,8 @@ def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
         *("create", "--name", hold.container, "--label", f"{OWNER}={leftovers.owner()}", "--pull", "never"),
         *("--network", "none", "--hostname", "agent", "--user", _user(engine), "--no-healthcheck"),
         *("--cap-drop", "all", "--security-opt", "no-new-privileges"),
-        *("--security-opt", f"seccomp={_profile(launch, hold.folder)}", "--log-driver", "none", "--read-only"),
+        *("--security-opt", f"seccomp={_profile(launch, hold.folder)}"),
+        *("--log-driver", "none", "--read-only"),
         *(PODMAN_ONLY if engine.name == "podman" else ()),
         *clock,
         *_limits(launch.limits, engine),
@@ -227,8 +236,12 @@ def _with_wall_clock(command: Sequence[str], launch: Launch, engine: Engine) -> 
     seconds = launch.limits.wall_clock
     if engine.name == "podman":
         return podman_options(seconds), list(command)
-    first, *others = guarded([*(command or image_command(engine, str(launch.image)))], seconds)
-    return ["--entrypoint", first], others
+    if launch.image is None:
+        first, *others = guarded(command, seconds)
+        return ["--entrypoint", first], others
+    variables = steering(image_settings(engine, launch.image).get("Env") or ())
+    first, *others = guarded(image_command(engine, launch.image), seconds, variables)
+    return [*without(variables), "--entrypoint", first], others
 
 
 def _user(engine: Engine) -> str:

@@ -189,7 +189,10 @@ def _judge_limits(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
     )
 
 
-GROUPS = "control groups that may be set are needed: see `wildscav doctor`"
+GROUPS = (
+    "it takes control groups that you may set: run it as root, or where groups of version 2 are delegated to "
+    "you (`systemd-run --user --scope -p Delegate=yes wildscav …`)"
+)
 
 
 def _promise(name: str, kept: bool, found: str, remedy: str = "") -> Promise:

@@ -7,9 +7,9 @@ do with shared ones), key rings, BPF, io_uring, kernel modules, clocks, and sock
 internet ones (AF_VSOCK, for one, leaves a machine whatever network it has). libseccomp makes bubblewrap's
 filter of it, which knows the numbers of calls on every processor.
 
-An agent that runs with this machine's Python shares its files with other agents, read-only. Such an agent gets
-no file locks, since a lock on a shared file is a message to whoever looks at it. An image has files of its own,
-and its agent may lock them.
+An agent that runs with this machine's Python shares its files with other agents, read-only. Such an agent
+gets no file locks, since a lock on a shared file is a message to whoever looks at it. An image has files of
+its own, and its agent may lock them.
 """
 
 import errno
@@ -26,11 +26,11 @@ UNIX, INTERNET, INTERNET_6 = 1, 2, 10  # address families
 NEW_NAMESPACES = 0x7E02_0000
 # Commands of fcntl that get, set and wait for locks: those of processes, and those of open files.
 LOCK_COMMANDS = (5, 6, 7, 36, 37, 38)
-# The others, but for F_SETLEASE, F_GETLEASE and F_NOTIFY, which tell what others do with a file, and the hints
-# on its use, which the kernel keeps with the file: duplicating, flags, owners, signals, pipes and seals.
+# The others, but for F_SETLEASE, F_GETLEASE and F_NOTIFY, which tell what others do with a file, and the
+# hints on its use, which the kernel keeps with it: duplicating, flags, owners, signals, pipes and seals.
 FILE_COMMANDS = (*range(5), *range(8, 12), 15, 16, 1027, *range(1030, 1035))
-# Advice on how a file will be read, but for POSIX_FADV_DONTNEED (4), which throws it out of the memory that all
-# readers share: whoever reads it next can tell.
+# Advice on how a file will be read, but for POSIX_FADV_DONTNEED (4), which throws it out of the memory that
+# all readers share: whoever reads it next can tell.
 ADVICE = (0, 1, 2, 3, 5)
 ONLY_IF_CACHED = 0x8  # RWF_NOWAIT: read what is in that memory, or fail; it tells what others have read
 PERSONALITIES = (0, 8, 0x20000, 0x20008, 0xFFFF_FFFF)  # as everybody is, 32-bit, and asking

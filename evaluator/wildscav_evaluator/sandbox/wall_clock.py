@@ -3,7 +3,9 @@
 Podman has an option for it, which its monitor of the container keeps. Docker has none: there the first
 process of the container is ``timeout`` of this machine's coreutils, started by this machine's own loader,
 since an image may have neither. The kernel keeps the first process of a namespace from signals of the others,
-so that no agent can stop it; when it ends, the kernel kills all the others.
+so that no agent can stop it; when it ends, the kernel kills all the others. Variables of an image that steer
+the loader, such as LD_PRELOAD, would put the image's code in its place: the guard runs without them, and a
+program of this machine gives them back to the command.
 """
 
 import functools
@@ -11,7 +13,7 @@ import math
 import re
 import shutil
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from wildscav_evaluator.sandbox.base import SandboxError
@@ -21,6 +23,8 @@ LATER = 5.0  # s after our own wall clock, which can tell what happened
 GUARD = SOCKET.parent / "guard"  # where its programs are in a container
 INIT_PLACES = ("/usr/libexec/docker", "/usr/local/bin", "/usr/bin")  # of Docker's init, beside the PATH
 LIBRARY = re.compile(r"(/\S+) \(0x")  # in what ldd prints
+# Variables by which the loader and the C library are told to take code or data from elsewhere.
+STEERING = re.compile(r"(LD|LC|MALLOC)_\w*|GCONV_PATH|GLIBC_TUNABLES|LANG(UAGE)?|LOCPATH|NLSPATH")
 
 
 def podman_options(seconds: float) -> list[str]:
@@ -34,21 +38,39 @@ def guard_files() -> Mapping[Path, Path]:
     Raises:
         SandboxError: This machine does not have them.
     """
-    timeout, init = shutil.which("timeout"), _find_init()
-    if timeout is None or init is None:
-        missing = "timeout (package coreutils)" if timeout is None else "docker-init (package tini)"
+    timeout, env, init = shutil.which("timeout"), shutil.which("env"), _find_init()
+    if timeout is None or env is None or init is None:
+        missing = "docker-init (package tini)" if init is None else "timeout or env (package coreutils)"
         raise SandboxError(f"the wall clock cannot be kept in a container of Docker: there is no {missing}")
-    files = {"timeout": Path(timeout), "init": init, **_libraries(timeout)}
+    programs = {"timeout": Path(timeout), "env": Path(env), "init": init}
+    files = programs | _libraries(timeout) | _libraries(env)
     return {GUARD / name: path.resolve() for name, path in files.items()}
 
 
-def guarded(command: list[str], seconds: float) -> list[str]:
-    """Return a command as Docker runs it for a time at most, s, every orphan being buried."""
+def steering(variables: Sequence[str]) -> list[str]:
+    """Return those of an image's variables ("NAME=value") that the guard must not run with."""
+    return [variable for variable in variables if STEERING.fullmatch(variable.partition("=")[0])]
+
+
+def without(variables: Sequence[str]) -> list[str]:
+    """Return the options that make variables ("NAME=value") empty for the first process of a container."""
+    return [word for variable in variables for word in ("--env", f"{variable.partition('=')[0]}=")]
+
+
+def guarded(command: Sequence[str], seconds: float, variables: Sequence[str] = ()) -> list[str]:
+    """Return a command as Docker runs it for a time at most, s, every orphan being buried.
+
+    Args:
+        command: The agent's.
+        seconds: How long it may run.
+        variables: That the command has and the guard does not ("NAME=value").
+    """
     loader = next(path for path in guard_files() if path.name.startswith("ld-"))
-    timeout = [str(loader), "--library-path", str(GUARD), str(GUARD / "timeout")]
+    run = [str(loader), "--library-path", str(GUARD)]
     return [
-        *timeout,
-        *("--signal=KILL", str(math.ceil(seconds + LATER)), str(GUARD / "init"), "-s", "--"),
+        *(*run, str(GUARD / "timeout"), "--signal=KILL", str(math.ceil(seconds + LATER))),
+        *(str(GUARD / "init"), "-s", "--"),
+        *((*run, str(GUARD / "env"), *variables) if variables else ()),
         *command,
     ]
 

@@ -48,6 +48,7 @@ DOCKERFILES = next(
     PACKAGE / "docker",
 )
 LARGEST_MANIFEST = 100_000  # bytes
+LARGEST_VARIABLES = 65_536  # bytes, names and all; a system takes 128 KiB in one and 2 MiB in all
 LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, beside the file
 
 
@@ -147,7 +148,7 @@ def _with_image(submission: Submission, sandbox: str) -> Submission:
         return submission
     name = built_name(submission)
     if _exists(find_engine(), name):
-        _refuse_volumes(find_engine(), name)
+        _check_settings(find_engine(), name)
         return replace(submission, image=name)
     if lacks_packages(submission):
         raise SubmissionError(
@@ -175,7 +176,7 @@ def load_image(reference: str) -> Submission:
         raise SubmissionError(f"there is no image {reference} on this machine ({last_line(found.stderr)})")
     identity = found.stdout.decode("ascii").strip()
     # By its identity from here on: a name can be given to another image at any moment.
-    _refuse_volumes(engine, identity, reference)
+    _check_settings(engine, identity, reference)
     digest = identity.removeprefix("sha256:")[:32]
     folder = cache_folder("images") / digest
     folder.mkdir(parents=True, exist_ok=True)
@@ -183,17 +184,27 @@ def load_image(reference: str) -> Submission:
     return Submission(folder, read_manifest(folder / MANIFEST), digest, image=identity)
 
 
-def _refuse_volumes(engine: Engine, image: str, reference: str | None = None) -> None:
-    """Refuse an image with volumes: an engine would keep what an agent writes there on this machine's disk.
+def _check_settings(engine: Engine, image: str, reference: str | None = None) -> None:
+    """Refuse an image that nobody could run, or that asks for what agents do not get.
+
+    An engine would keep what an agent writes to a volume on this machine's disk.
 
     Raises:
-        SubmissionError: It has volumes; names them.
+        SubmissionError: It has volumes, no command, or too many variables; says what.
     """
-    volumes = sorted(image_settings(engine, image).get("Volumes") or ())
-    if volumes:
+    settings, name = image_settings(engine, image), f"image {reference or image}"
+    if volumes := sorted(settings.get("Volumes") or ()):
         raise SubmissionError(
-            f"image {reference or image} has volumes ({', '.join(volumes)}), which agents may not have: "
+            f"{name} has volumes ({', '.join(volumes)}), which agents may not have: "
             "build it without VOLUME; what it writes belongs into /tmp"
+        )
+    if not (settings.get("Entrypoint") or settings.get("Cmd")):
+        raise SubmissionError(f"{name} says nothing to run: it needs an ENTRYPOINT or a CMD")
+    size = sum(len(variable.encode()) for variable in settings.get("Env") or ())
+    if size > LARGEST_VARIABLES:
+        raise SubmissionError(
+            f"{name} has {size:,} bytes of environment variables (ENV), "
+            f"must have at most {LARGEST_VARIABLES:,}"
         )
 
 

@@ -223,7 +223,7 @@ def folder_digest(folder: Path) -> str:
 
     Raises:
         SubmissionError: A link leads out of the folder, to what may change or never end, or around in a
-            circle.
+            circle; or something is no file at all.
     """
     digest = hashlib.blake2b(digest_size=16)
     for path in sorted(folder.rglob("*")):
@@ -232,6 +232,10 @@ def folder_digest(folder: Path) -> str:
             continue
         if path.is_symlink():
             _check_link(path, folder)
+        elif not (path.is_file() or path.is_dir()):
+            raise SubmissionError(
+                f"{path} is a pipe, a socket or a device: a submission has files, folders and links alone"
+            )
         if not path.is_file():
             continue
         with path.open("rb") as file:

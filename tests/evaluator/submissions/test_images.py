@@ -1,6 +1,7 @@
 """Submissions as images, by each container engine; nothing is fetched."""
 
 import asyncio
+import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -26,6 +27,7 @@ pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
 PYTHON = "localhost/wildscav/test-python-volumes"
 CODE_ALONE = "ARG BASE\nFROM ${BASE}\nCOPY . /submission\n"
+COMMAND = 'CMD ["agent"]\n'
 
 
 @pytest.fixture(autouse=True, params=ENGINES)
@@ -47,7 +49,7 @@ def images() -> set[str]:
 def build(submission: Submission, folder: Path) -> str:
     """Build an image with the code alone, on an empty one."""
     dockerfile = folder / "own.Dockerfile"
-    dockerfile.write_text(CODE_ALONE)
+    dockerfile.write_text(CODE_ALONE + COMMAND)
     base = bare_image(find_engine(), ("/tmp",), ())  # noqa: S108
     return build_image(submission, base=base, dockerfile=dockerfile)
 
@@ -97,7 +99,7 @@ def test_an_image_that_is_not_there_or_has_no_manifest_is_refused() -> None:
     with pytest.raises(SubmissionError, match="there is no image localhost/wildscav/nobody on this machine"):
         load_image("localhost/wildscav/nobody")
     with pytest.raises(SubmissionError, match=r"has no /submission/submission\.toml"):
-        load_image(bare_image(find_engine(), ("/tmp", "/submission"), ()))  # noqa: S108
+        _manifest_in(find_engine(), bare_image(find_engine(), ("/tmp", "/submission"), ()), "empty")  # noqa: S108
 
 
 def test_a_build_that_fails_is_told(submit: Submit, tmp_path: Path) -> None:
@@ -139,20 +141,67 @@ def test_whoever_starts_an_image_with_volumes_gets_no_writable_disk(submit: Subm
     name = build_image(submission, base=python_image(find_engine(), PYTHON), dockerfile=dockerfile)
     before = volumes()
 
+    ending = run(submission, name, tmp_path)
+
+    assert "/data/x" in ending.last_words
+    assert ending.exit_code == 1
+    assert volumes() == before
+
+
+def test_variables_of_an_image_do_not_reach_what_keeps_its_wall_clock(submit: Submit, tmp_path: Path) -> None:
+    """A library that the loader is told to load first could take the place of the first process."""
+    if find_engine().name == "podman":
+        pytest.skip("Podman's monitor keeps the wall clock, outside of the container")
+    submission = submit("usurper")
+    code = "import os; print(os.environ['LD_PRELOAD'], b'usurp' in open('/proc/1/environ', 'rb').read())"
+    dockerfile = tmp_path / "usurper.Dockerfile"
+    dockerfile.write_text(
+        f"{CODE_ALONE}ENV LD_PRELOAD=/usurp.so LC_ALL=usurp\n"
+        f"ENTRYPOINT {json.dumps(['python3', '-c', code])}\n"
+    )
+    name = build_image(submission, base=python_image(find_engine(), PYTHON), dockerfile=dockerfile)
+
+    ending = run(submission, name, tmp_path)
+
+    assert ending.last_lines[-1] == "/usurp.so False"
+    assert ending.exit_code == 0
+
+
+def run(submission: Submission, image: str, folder: Path) -> Ending:
+    """Run an image to its end."""
+
     async def to_end(address: str) -> Ending:
-        launch = Launch(submission.folder, "agent:Player", address, "t", tmp_path / "log", image=name)
+        launch = Launch(submission.folder, "agent:Player", address, "t", folder / "log", image=image)
         agent = await SANDBOXES["oci"].start(launch)
         try:
             return await agent.ended()
         finally:
             await agent.stop()
 
-    with listening(tmp_path / "match.sock") as address:
-        ending = asyncio.run(to_end(address))
+    with listening(folder / "match.sock") as address:
+        return asyncio.run(to_end(address))
 
-    assert "/data/x" in ending.last_words
-    assert ending.exit_code == 1
-    assert volumes() == before
+
+@pytest.mark.parametrize(
+    ("instructions", "complaint"),
+    [
+        ("ENTRYPOINT []\nCMD []\n", "says nothing to run: it needs an ENTRYPOINT or a CMD"),
+        (
+            f'CMD ["agent"]\nENV ONE={"x" * 40_000}\nENV TWO={"x" * 40_000}\n',
+            r"has 80,\d+ bytes of environment variables \(ENV\), must have at most 65,536",
+        ),
+    ],
+)
+def test_an_image_that_could_not_be_run_is_refused_when_it_is_read(
+    submit: Submit, tmp_path: Path, instructions: str, complaint: str
+) -> None:
+    dockerfile = tmp_path / "own.Dockerfile"
+    dockerfile.write_text(CODE_ALONE + instructions)
+    base = bare_image(find_engine(), ("/tmp",), ())  # noqa: S108
+    name = build_image(submit("useless"), base=base, dockerfile=dockerfile)
+
+    with pytest.raises(SubmissionError, match=complaint):
+        load_image(name)
 
 
 def volumes() -> set[str]:

@@ -179,6 +179,12 @@ def test_a_link_that_leads_around_in_a_circle_is_refused(tmp_path: Path) -> None
         load_submission(tmp_path)
 
 
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(make(tmp_path) / "pipe")
+    with pytest.raises(SubmissionError, match="pipe is a pipe, a socket or a device: a submission has files"):
+        load_submission(tmp_path)
+
+
 def test_a_link_within_the_folder_is_as_good_as_its_file(tmp_path: Path) -> None:
     (make(tmp_path) / "link.py").symlink_to("agent.py")
     assert load_submission(tmp_path).name == "walker"
