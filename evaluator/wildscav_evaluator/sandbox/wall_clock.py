@@ -43,7 +43,12 @@ def guard_files() -> Mapping[Path, Path]:
         missing = "docker-init (package tini)" if init is None else "timeout or env (package coreutils)"
         raise SandboxError(f"the wall clock cannot be kept in a container of Docker: there is no {missing}")
     programs = {"timeout": Path(timeout), "env": Path(env), "init": init}
-    files = programs | _libraries(timeout) | _libraries(env)
+    libraries = _libraries(timeout) | _libraries(env)
+    if not any(map(_is_loader, libraries)):
+        raise SandboxError(
+            f"the wall clock cannot be kept in a container of Docker: ldd finds no loader of {timeout}"
+        )
+    files = programs | libraries
     return {GUARD / name: path.resolve() for name, path in files.items()}
 
 
@@ -65,7 +70,7 @@ def guarded(command: Sequence[str], seconds: float, variables: Sequence[str] = (
         seconds: How long it may run.
         variables: That the command has and the guard does not ("NAME=value").
     """
-    loader = next(path for path in guard_files() if path.name.startswith("ld-"))
+    loader = next(path for path in guard_files() if _is_loader(path.name))
     run = [str(loader), "--library-path", str(GUARD)]
     return [
         *(*run, str(GUARD / "timeout"), "--signal=KILL", str(math.ceil(seconds + LATER))),
@@ -75,15 +80,22 @@ def guarded(command: Sequence[str], seconds: float, variables: Sequence[str] = (
     ]
 
 
+def _is_loader(name: str) -> bool:
+    return name.startswith("ld-")
+
+
 @functools.cache
 def _libraries(program: str) -> dict[str, Path]:
-    """Return the shared libraries of a program, with its loader, by name."""
-    listed = subprocess.run(
-        ["ldd", program],  # noqa: S607 - wherever the system has it
-        capture_output=True,
-        text=True,
-        check=False,
-    ).stdout
+    """Return the shared libraries of a program, with its loader, by name; none where that is not known."""
+    try:
+        listed = subprocess.run(
+            ["ldd", program],  # noqa: S607 - wherever the system has it
+            capture_output=True,
+            text=True,
+            check=False,
+        ).stdout
+    except OSError:  # there is no ldd
+        return {}
     return {Path(path).name: Path(path) for path in LIBRARY.findall(listed)}
 
 

@@ -31,6 +31,7 @@ from wildscav_evaluator.submissions.cache import cache_folder
 from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel
 from wildscav_evaluator.submissions.submission import (
     IGNORED_FOLDERS,
+    LARGEST_MANIFEST,
     MANIFEST,
     Submission,
     SubmissionError,
@@ -47,7 +48,6 @@ DOCKERFILES = next(
     (place for place in (PACKAGE / "docker", PACKAGE.parents[1] / "docker") if place.is_dir()),
     PACKAGE / "docker",
 )
-LARGEST_MANIFEST = 100_000  # bytes
 LARGEST_VARIABLES = 65_536  # bytes, names and all; a system takes 128 KiB in one and 2 MiB in all
 LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, beside the file
 

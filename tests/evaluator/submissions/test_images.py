@@ -213,5 +213,5 @@ def test_a_manifest_that_never_ends_is_refused(submit: Submit, tmp_path: Path) -
     with (submission.folder / "submission.toml").open("a") as file:
         file.write("# more\n" * 100_000)
 
-    with pytest.raises(SubmissionError, match=r"submission\.toml has more than 100,000 bytes"):
+    with pytest.raises(SubmissionError, match=r"submission\.toml has more than 16,384 bytes"):
         load_image(build(submission, tmp_path))
