@@ -187,11 +187,14 @@ def _remove(folder: Path) -> None:
 
 
 def _entries(path: Path) -> list[tuple[str, str]]:
-    """Return what a list has that was not crossed out; a last line that was cut off was not acted upon."""
+    """Return what a list has that was not crossed out; lines that are damaged are passed over.
+
+    A last line that was cut off was not acted upon.
+    """
     entries: dict[tuple[str, str], bool] = {}
     with contextlib.suppress(FileNotFoundError):
         for line in path.read_text("utf-8").splitlines():
-            with contextlib.suppress(ValueError):
+            with contextlib.suppress(ValueError, TypeError):
                 kind, what, there = json.loads(line)
                 entries[kind, what] = there
     return [entry for entry, there in entries.items() if there]

@@ -106,11 +106,12 @@ def test_things_that_nobody_here_can_remove_wait_for_who_can(place: Path) -> Non
     assert folder.exists()
 
 
-def test_a_list_whose_last_line_was_cut_off_is_read_to_there(place: Path, lamps: list[str]) -> None:
+@pytest.mark.parametrize("line", [json.dumps(["lamp", "attic", True])[:-3], "7\n", '[["lamp"], {}, true]\n'])
+def test_a_line_that_is_damaged_is_passed_over(place: Path, lamps: list[str], line: str) -> None:
     owner, folder = start_owner()
     kill(owner)
     with (folder / leftovers.LIST).open("a") as file:
-        file.write(json.dumps(["lamp", "attic", True])[:-3])
+        file.write(line)
 
     leftovers.sweep()
 
