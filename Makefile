@@ -14,10 +14,12 @@ help: ## Show this list.
 	$(PYTHON) -m venv .venv
 
 .venv/.run: pyproject.toml | .venv/bin/python
+	@echo 'Installing Wildscav and what it needs into .venv: 1.3 GB, a minute or two without a word.'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
 	@touch $@
 
 .venv/.dev: pyproject.toml | .venv/bin/python
+	@echo 'Installing Wildscav and the tools of its tests into .venv: a few minutes without a word.'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@touch $@ .venv/.run
 

@@ -92,7 +92,8 @@ def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tupl
     Returns:
         The match at its end, and all that happened.
     """
-    each = -(-(steps + 1) // MOST_PICTURES)
+    each = -(-(steps + 1) // (MOST_PICTURES - 1))
+    filmed = {*range(0, steps + 1, each), steps}  # where a replay stops, all cameras show the same moment
     pictures: dict[int, NDArray[np.uint8]] = {}
     boxes: list[Boxes] = []
     frames, reached = np.zeros(steps + 1, np.int64), np.zeros(steps + 1, np.int32)
@@ -106,7 +107,7 @@ def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tupl
             getattr(agents, name)[row] = getattr(state.agents, name)[0]
         frames[row], reached[row] = match.frame, state.matches.reached_by[0]
         _note_boxes(row, match, boxes)
-        if images_of is not None and row % each == 0:
+        if images_of is not None and row in filmed:
             pictures[row] = COLOR_CAMERA.read(match, [images_of])[0]
         rows = row + 1
     target = match.state.matches.target[0].copy() if match.state.matches.has_target[0] else None

@@ -141,7 +141,15 @@ def play(
     track: Annotated[
         str | None, typer.Option(help="What to play. Default: the first submission's first track.")
     ] = None,
-    map_seed: Annotated[int, typer.Option("--map", help="Seed of the map.", min=0, max=2**64 - 1)] = 0,
+    map_seed: Annotated[
+        int,
+        typer.Option(
+            "--map",
+            help="Seed that the map is made from; it names none of the numbered maps.",
+            min=0,
+            max=2**64 - 1,
+        ),
+    ] = 0,
     size: Annotated[int, typer.Option(help="Side of the map, m.", min=40, max=2000)] = 100,
     seed: Annotated[int, typer.Option(help="Seed of the match.", min=0, max=2**64 - 1)] = 0,
     robots: Annotated[

@@ -108,6 +108,14 @@ def test_of_a_long_match_a_replay_has_so_many_pictures_at_the_most() -> None:
     assert len(range(0, steps + 1, 6)) <= MOST_PICTURES < len(range(0, steps + 1, 5))
 
 
+def test_the_last_picture_is_of_the_last_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wildscav_engine.view.history.MOST_PICTURES", 5)
+    _, history = collect(duel(20), 20, images_of=0)
+
+    assert history.color is not None
+    assert history.color.rows.tolist() == [0, 6, 12, 18, 20]
+
+
 def test_nobody_followed_has_no_images() -> None:
     _, history = collect(duel(2), 2, images_of=None)
 
