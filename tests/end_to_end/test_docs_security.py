@@ -60,5 +60,6 @@ def test_what_a_connection_may_cost_is_told() -> None:
         f"{WAITING} messages ahead",
     ):
         assert words in PAGE, words
-    assert allowance.SHARE == 0.25
+    assert (allowance.SHARE, allowance.READ_COST) == (0.25, 0.25)
+    assert "each read counts as a quarter of such a frame" in PAGE
     assert "a quarter of a core together" in PAGE

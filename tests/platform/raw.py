@@ -7,8 +7,10 @@ that send random frames, and ends.
 
 import contextlib
 import itertools
+import os
 import random
 import socket
+import ssl
 import struct
 import sys
 import threading
@@ -26,6 +28,11 @@ REQUEST = [
     ("te", "trailers"),
 ]
 THREADS = 6
+TLS = None
+if os.environ.get("RAW_TLS"):  # whoever floods asks for no certificate
+    TLS = ssl.create_default_context()
+    TLS.check_hostname, TLS.verify_mode = False, ssl.CERT_NONE
+    TLS.set_alpn_protocols(["h2"])
 
 
 def frame(kind: int, flags: int, stream: int, payload: bytes = b"") -> bytes:
@@ -67,7 +74,8 @@ def connect(address: str) -> socket.socket:
         one.connect(address.removeprefix("unix:"))
         return one
     host, _, port = address.rpartition(":")
-    return socket.create_connection((host, int(port)))
+    one = socket.create_connection((host, int(port)))
+    return TLS.wrap_socket(one) if TLS else one
 
 
 def greet(address: str) -> socket.socket:

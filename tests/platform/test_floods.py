@@ -1,7 +1,9 @@
 """Floods of frames and connections below gRPC: they cost the seat that sends them, and nobody else."""
 
 import asyncio
+import contextlib
 import os
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,6 +15,7 @@ from tests.platform import raw
 from tests.platform.seats import ended, host, serving, small_spec, start_agent
 from tests.platform.siege import memory
 
+from wildscav.proto.match_pb2 import Action, ClientMessage
 from wildscav.server import Clock, Door, MatchServer, SeatStatus
 
 # So that only a victim that is kept from playing is late, however busy the machine is.
@@ -85,6 +88,56 @@ def test_strangers_that_flood_an_address_keep_nobody_from_joining_there(tmp_path
         assert memory() - before < GROWTH
 
     serving(tmp_path, play)
+
+
+@pytest.mark.parametrize(
+    ("scrap", "bearable"),
+    [
+        (1, False),  # each byte costs the server as much as a whole message
+        (100, True),  # as a slow network may deliver it
+    ],
+)
+def test_a_seat_that_sends_its_answers_byte_by_byte_is_put_out(
+    tmp_path: Path, scrap: int, bearable: bool
+) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=1.0), clock=PATIENT)
+        seat = hosted.seats[0]
+        with raw.greet(address) as client:
+            client.sendall(raw.join(1, hosted.tokens[0]))
+            client.setblocking(False)
+            step = 0
+            while not (hosted.match.over or seat.gone):
+                await asyncio.sleep(0)
+                if seat.asked == step:
+                    step += 1
+                    await send_in_scraps(client, raw.message(1, long_answer(seat.asked)), scrap)
+            report = (await hosted.finished()).seats[0]
+        told = (report.status, report.steps_played, report.detail)
+        put_out = (
+            SeatStatus.PROTOCOL_ERROR,
+            0,
+            "flooded its connection with frames that say nothing or come in scraps",
+        )
+        assert told == (("finished", 10, "") if bearable else put_out)
+
+    serving(tmp_path, play)
+
+
+def long_answer(step: int) -> bytes:
+    """The largest answer that there may be: most of it is a field that nobody knows."""
+    answer = ClientMessage(action=Action(step=step)).SerializeToString()
+    padding = 4096 - len(answer) - 3
+    return answer + bytes([15 << 3 | 2, padding % 128 + 128, padding // 128]) + bytes(padding)
+
+
+async def send_in_scraps(client: socket.socket, content: bytes, size: int) -> None:
+    """Send something so that the server, in this very loop, reads piece by piece."""
+    for at in range(0, len(content), size):
+        with contextlib.suppress(BrokenPipeError):
+            client.send(content[at : at + size])
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
 
 
 @pytest.mark.slow

@@ -12,9 +12,11 @@ if TYPE_CHECKING:
 
 METHOD = "/fps_command.Commander/Request_S2A_UpdateGame"
 PATIENCE = 10.0  # s that a client may take to listen
+LARGEST = 2**20  # bytes of a reply: what 1,000 agents do, or how each of them begins, is less than a tenth
+OURS = "CLIENT: "  # how gRPC says which side did not take a message: here, the game's client is the server
 OPTIONS = (
     ("grpc.max_send_message_length", -1),
-    ("grpc.max_receive_message_length", -1),
+    ("grpc.max_receive_message_length", LARGEST),
     ("grpc.enable_http_proxy", 0),  # the client is on this machine, or on one that was named
 )
 
@@ -24,7 +26,7 @@ class ClientGoneError(WildscavError):
 
 
 class TooLargeError(WildscavError):
-    """The client takes no message as large as the episode needs: it is there, and waits."""
+    """The client does not take a message as large as the episode needs, or its reply is too large."""
 
 
 class Client:
@@ -81,7 +83,7 @@ class Client:
 
         Raises:
             ClientGoneError: The client has gone.
-            TooLargeError: It cannot take the request.
+            TooLargeError: It cannot take the request, or its reply is too large.
         """
         try:
             reply: Reply = self._call(request)
@@ -95,6 +97,11 @@ class Client:
         call: Any = error  # every error of a call is one, too
         if call.code() is grpc.StatusCode.UNAVAILABLE:
             return ClientGoneError(f"the client on {self.address} has gone")
+        if call.code() is grpc.StatusCode.RESOURCE_EXHAUSTED and OURS in str(call.details()):
+            most = f"{LARGEST >> 20} MiB"
+            return TooLargeError(
+                f"the client on {self.address} sent a reply of more than {most}: {call.details()}"
+            )
         if call.code() is grpc.StatusCode.RESOURCE_EXHAUSTED:
             return TooLargeError(
                 f"the client on {self.address} takes no message of {size / 1e6:.1f} MB, "

@@ -6,7 +6,8 @@ import threading
 import pytest
 from tests.platform.legacy.competitor import Competitor
 
-from wildscav.legacy.channel import Client, ClientGoneError
+from wildscav.legacy.channel import LARGEST, Client, ClientGoneError, TooLargeError
+from wildscav.legacy.commander_pb2 import GameState, GMCommand
 from wildscav.legacy.requests import START
 
 
@@ -32,3 +33,18 @@ def test_a_question_hears_by_itself_that_the_client_has_gone() -> None:
     with pytest.raises(ClientGoneError, match="has gone"):
         client.ask(START)
     client.close()
+
+
+@pytest.mark.parametrize("size", [LARGEST // 2, LARGEST, 40 * LARGEST])
+def test_a_reply_that_no_episode_needs_is_not_taken_in(size: int) -> None:
+    competitor = Competitor()
+    client = Client(f"127.0.0.1:{competitor.port}")
+    competitor.reply(GameState.RESET, gm_cmd=GMCommand(replay_suffix="x" * size))
+
+    if size < LARGEST:
+        assert len(client.ask(START).gm_cmd.replay_suffix) == size
+    else:
+        with pytest.raises(TooLargeError, match="sent a reply of more than 1 MiB"):
+            client.ask(START)
+    client.close()
+    competitor.die()

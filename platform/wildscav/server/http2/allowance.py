@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from wildscav.server.http2.frames import Code, FrameError
 
-# Of one connection, in frames that carry no whole message:
+# Of one connection, in frames that carry no whole message; reading has its cost, too:
 STRANGERS = 400.0  # before anybody knows whose it is
 MOST = 1000.0
 A_SECOND = 20.0  # that come back; honest clients send a ping now and then
@@ -13,6 +13,7 @@ A_MESSAGE = 4.0  # that come back for every message that the server sends: each 
 BYTES = 2048  # sent, for which one more comes back: clients open their windows again as they read
 HEADERS_COST = 5.0  # of a stream's beginning
 HEAVY = 256  # bytes of a payload that cost as much as another frame
+READ_COST = 0.25  # of a piece, however small, that had to be read by itself
 
 
 class FloodError(FrameError):
@@ -37,8 +38,12 @@ class Allowance:
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock, self._most, self._left, self._since = clock, STRANGERS, STRANGERS, clock()
 
-    def spend(self, cost: float, what: str) -> None:
-        """Pay for a frame.
+    def spend(self, cost: float, kind: str = "") -> None:
+        """Pay for a frame, or for having read something.
+
+        Args:
+            cost: In frames.
+            kind: Of the frame; empty if something was read.
 
         Raises:
             FloodError: There is nothing left to pay with.
@@ -49,9 +54,8 @@ class Allowance:
             self._left = min(self._most, self._left + (now - self._since) * A_SECOND)
             self._since = now
             if self._left < 0.0:
-                raise FloodError(
-                    f"flooded its connection with frames that say nothing ({what} the last of them)"
-                )
+                which = f"say nothing ({kind} the last of them)" if kind else "say nothing or come in scraps"
+                raise FloodError(f"flooded its connection with frames that {which}")
 
     def earn(self, sent: int) -> None:
         """Give back what a message of the server's is worth.

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from hpack import Decoder, HPACKError
 
-from wildscav.server.http2.allowance import HEADERS_COST, HEAVY, FloodError
+from wildscav.server.http2.allowance import HEADERS_COST, HEAVY, READ_COST, FloodError
 from wildscav.server.http2.frames import (
     LARGEST,
     LARGEST_WINDOW,
@@ -50,6 +50,7 @@ class Inbound:
         Raises:
             FrameError: The client does not speak HTTP/2 as it should; a FloodError: it sends too much.
         """
+        self._connection.allowance.spend(READ_COST)
         try:
             for frame in self._reader.feed(content):
                 self._take_frame(frame)

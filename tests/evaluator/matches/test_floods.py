@@ -1,0 +1,100 @@
+"""An agent that floods its own socket from its sandbox is put out for it, and costs the other no step."""
+
+import asyncio
+import inspect
+import os
+from pathlib import Path
+
+import pytest
+from tests.evaluator.players import WALKER, Submit
+from tests.evaluator.sandbox.conftest import missing
+from tests.platform import raw
+from tests.platform.siege import memory
+
+from wildscav.server import Clock, SeatStatus
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.matches.play import Seating, play_match
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.submissions.submission import Submission
+
+pytestmark = pytest.mark.usefixtures("compiled")
+
+STEPS = 300
+GROWTH = 50e6  # bytes
+# So that only a victim that is kept from playing is late, however busy the machine is.
+PATIENT = Clock(step_budget=5.0, join_timeout=60.0, game_time_factor=200.0)
+# The usual clock, for a machine that does nothing else: WILDSCAV_FLOODS_CLOCK=usual.
+CLOCK = Clock() if os.environ.get("WILDSCAV_FLOODS_CLOCK") == "usual" else PATIENT
+# Floods from threads of its own and of another process, and plays on meanwhile.
+FLOODER = """
+import os, subprocess, sys, threading
+
+from wildscav import Action, Agent
+
+import raw
+
+def begin():
+    address = os.environ["WILDSCAV_ADDRESS"]
+    subprocess.Popen([sys.executable, raw.__file__, "{kind}", address], stderr=subprocess.DEVNULL)
+    for _ in range(raw.THREADS):
+        threading.Thread(target=raw.flood_for_ever, args=("{kind}", address), daemon=True).start()
+
+if {step} is None:
+    begin()
+
+class Player(Agent):
+    def act(self, observation):
+        if observation.step == {step}:
+            begin()
+        return Action(walk_direction=observation.step * 10.0, walk_speed=6.0)
+"""
+# Takes its seat by itself, and floods on the seat's own connection and on others.
+SEATED = """
+import os
+import raw
+raw.main("{kind}", os.environ["WILDSCAV_ADDRESS"], os.environ["WILDSCAV_TOKEN"])
+"""
+CODES = {
+    "import": FLOODER.replace("{step}", "None"),
+    "match": FLOODER.replace("{step}", "20"),
+    "seat": SEATED,
+}
+WORST = ("connect", "ping", "large-continuation")  # of those that cost others steps, or memory, before
+EVERY_DAY = ("bubblewrap", "match", "connect")
+
+
+def cases() -> list[object]:
+    """Every flood during a match, the worst at all times and in all sandboxes; one of them every day."""
+    chosen = {("bubblewrap", "match", kind) for kind in raw.KINDS}
+    chosen |= {(sandbox, when, kind) for sandbox in SANDBOXES for when in CODES for kind in WORST}
+    slow = pytest.mark.slow
+    return [case if case == EVERY_DAY else pytest.param(*case, marks=slow) for case in sorted(chosen)]
+
+
+def flooder(submit: Submit, when: str, kind: str) -> Submission:
+    """Write a submission that floods."""
+    submission = submit("flooder", code=CODES[when].replace("{kind}", kind))
+    (submission.folder / "raw.py").write_text(inspect.getsource(raw))
+    return submission
+
+
+@pytest.mark.parametrize(("sandbox", "when", "kind"), cases())
+def test_a_flood_from_a_sandbox_costs_the_other_seat_no_step(
+    submit: Submit, tmp_path: Path, sandbox: str, when: str, kind: str
+) -> None:
+    if sandbox != "process" and missing(sandbox):
+        pytest.skip(missing(sandbox))
+    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
+    spec = MatchSpec(track="gathering", map=small, seats=("submission",) * 2, time_limit=STEPS / 10)
+    seats = (flooder(submit, when, kind), submit("victim", WALKER))
+    seating = Seating(spec, seats, (tmp_path / "flooder.log", tmp_path / "victim.log"))
+    before = memory()
+
+    played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], clock=CLOCK))
+
+    attacker, victim = played.seats[0], played.seats[1]
+    assert (victim.status, victim.late_steps, victim.steps_played) == ("finished", 0, STEPS)
+    assert (attacker.status, attacker.status.fault) == (SeatStatus.PROTOCOL_ERROR, "agent")
+    assert attacker.detail.startswith(("flooded its ", "sent ", "did not begin "))
+    assert not played.platform_faults
+    assert memory() - before < GROWTH
