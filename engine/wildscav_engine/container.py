@@ -15,11 +15,14 @@ The checksum finds damage, not forgery.
 import json
 import struct
 import zlib
+from collections.abc import Iterator
 from hashlib import blake2b
 from typing import Any, NamedTuple
 
 PREAMBLE = struct.Struct("<8sHI")
 CHECKSUM_SIZE = 32  # bytes
+HEADER_LIMIT = 1 << 20  # bytes: what can be made of them in memory is bounded, too
+CHUNK = 1 << 16  # bytes that are unpacked at once
 
 
 class ContainerError(Exception):
@@ -58,6 +61,8 @@ def unpack(layout: Layout, data: bytes) -> tuple[dict[str, Any], memoryview]:
         raise ContainerError(
             f"format version {version}, of {whose} engine; this one reads version {layout.version}"
         )
+    if header_size > HEADER_LIMIT:
+        raise ContainerError(f"its header has {header_size:,} bytes, {HEADER_LIMIT:,} are allowed")
     body = memoryview(data)[:-CHECKSUM_SIZE]
     if blake2b(body, digest_size=CHECKSUM_SIZE).digest() != data[-CHECKSUM_SIZE:]:
         raise ContainerError("cut short or edited: its checksum does not match")
@@ -76,15 +81,32 @@ def canonical(header: dict[str, Any]) -> bytes:
     return json.dumps(header, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-def decompress(packed: bytes | memoryview, size: int) -> bytes:
+def decompress(packed: bytes | memoryview, size: int) -> bytearray:
     """Return what was compressed, which must have just this size; never unpacks more than that.
 
     Raises:
         ValueError: It has another size.
         zlib.error: It is damaged.
     """
-    unpacker = zlib.decompressobj()
-    content = unpacker.decompress(packed, size + 1)
-    if len(content) != size or not (unpacker.eof or size == 0) or unpacker.unused_data:
+    content, filled, unpacker = bytearray(size), 0, zlib.decompressobj()
+    # In place and piece by piece, so that nothing of it is in memory twice.
+    for part in _pieces(unpacker, packed):
+        content[filled : filled + len(part)] = part
+        filled += len(part)
+        if filled > size:
+            break
+    if filled != size or not (unpacker.eof or size == 0) or unpacker.unused_data:
         raise ValueError(f"its arrays do not have the {size} bytes that they should take")
     return content
+
+
+def _pieces(unpacker: "zlib._Decompress", packed: bytes | memoryview) -> Iterator[bytes]:
+    for start in range(0, len(packed), CHUNK):
+        part = unpacker.decompress(packed[start : start + CHUNK], CHUNK)
+        yield part
+        # It keeps what it has no room for: as long as a piece is full, more may follow.
+        while len(part) == CHUNK:
+            part = unpacker.decompress(unpacker.unconsumed_tail, CHUNK)
+            yield part
+        if unpacker.unused_data:
+            return

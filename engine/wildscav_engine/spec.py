@@ -1,10 +1,13 @@
 """The specs: everything that a map and a match are functions of."""
 
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from wildscav_engine.rules import FRAMES_PER_SECOND, Rules, RulesField
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
 
 Seed = Annotated[int, Field(ge=0, lt=2**64)]
 Percent = Annotated[float, Field(ge=0, le=100)]
@@ -13,20 +16,41 @@ Place = tuple[float, float, float]
 
 SUBMISSION = "submission"  # the word for a seat that an agent process fills
 
+MOST_FAULTS = 1000  # of a value, to be looked at one by one
+SHOWN_FAULTS = 8  # of them, in a line
+LONGEST_SHOWN = 100  # characters of what was given
+
 
 def one_line(error: ValidationError) -> str:
     """Say in one line what is wrong with a value: each field with its fault and what was given."""
-    parts = []
-    for fault in error.errors():
-        field = ".".join(str(part) for part in fault["loc"])
-        given = (
-            ""
-            if fault["type"] in {"missing", "extra_forbidden", "value_error"}
-            else f", not {fault['input']!r}"
-        )
-        message = fault["msg"].removeprefix("Value error, ")
-        parts.append(f"{field}: {message}{given}" if field else message)
+    # Of values that an adversary wrote, there may be as many faults as fit into memory.
+    if error.error_count() > MOST_FAULTS:
+        return f"{error.error_count():,} of its values are not as they must be"
+    faults = error.errors(include_url=False)
+    parts = [_described(fault) for fault in faults[:SHOWN_FAULTS]]
+    if len(faults) > SHOWN_FAULTS:
+        parts.append(f"and {len(faults) - SHOWN_FAULTS:,} more faults")
     return "; ".join(parts)
+
+
+def _described(fault: "ErrorDetails") -> str:
+    """Return a field, its fault and what was given."""
+    field = ".".join(_clipped(str(part)) for part in fault["loc"])
+    message = fault["msg"].removeprefix("Value error, ")
+    if fault["type"] not in {"missing", "extra_forbidden", "value_error"}:
+        message += f", not {_shown(fault['input'])}"
+    return f"{field}: {message}" if field else message
+
+
+def _shown(value: object) -> str:
+    try:
+        return _clipped(repr(value))
+    except (RecursionError, ValueError):  # nested too deeply, or an integer of thousands of digits
+        return f"this {type(value).__name__}"
+
+
+def _clipped(text: str) -> str:
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
 
 
 class Spec(BaseModel):

@@ -19,7 +19,7 @@ from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
-from wildscav_evaluator.suites.suite import Suite
+from wildscav_evaluator.suites.suite import MOST_MATCHES, Suite
 
 REPLAY_CHOICES = ("none", "first", "all")
 KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox keeps that isolates nobody
@@ -75,8 +75,30 @@ class Plan:
 
 
 def matches(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
-    """Return the matches of a suite on a track, played in rounds of consecutive seeds."""
+    """Return the matches of a suite on a track, played in rounds of consecutive seeds.
+
+    Raises:
+        UserError: There are too many.
+    """
+    match_count(suite, track, rounds)
     return tuple(spec for turn in range(rounds) for spec in suite.matches(track, seed + turn))
+
+
+def match_count(suite: Suite, track: str, rounds: int) -> int:
+    """Return how many matches a suite has on a track.
+
+    Raises:
+        UserError: There are too many.
+    """
+    course = suite.courses[track]
+    count = course.maps * course.episodes * rounds
+    if count > MOST_MATCHES:
+        raise UserError(
+            f"suite {suite.name} has {count:,} matches of {track} in {rounds:,} rounds, {MOST_MATCHES:,} are "
+            "allowed",
+            exit_code=2,
+        )
+    return count
 
 
 def in_own_folder(plan: Plan) -> Plan:

@@ -1,4 +1,4 @@
-"""Files are there whole or not at all."""
+"""Files are written whole or not at all, and read up to a limit."""
 
 import errno
 import os
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.files import write_whole
+from wildscav_engine.files import read_limited, write_whole
 
 
 def test_a_file_is_replaced_and_nothing_else_is_left(tmp_path: Path) -> None:
@@ -43,3 +43,23 @@ def test_a_pipe_is_written_to(tmp_path: Path) -> None:
 
     assert os.read(reader, 10) == b"new"
     os.close(reader)
+
+
+def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(b"12345")
+
+    assert read_limited(path, 5) == b"12345"
+    with pytest.raises(OSError, match="it has more than 4 bytes") as caught:
+        read_limited(path, 4)
+    assert (caught.value.errno, caught.value.filename) == (errno.EFBIG, str(path))
+
+
+def test_what_never_ends_or_never_begins_is_not_read(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", Path("/dev/zero")):
+        with pytest.raises(OSError, match="it is not a plain file") as caught:
+            read_limited(path, 5)
+        assert caught.value.filename == str(path)
+    with pytest.raises(IsADirectoryError):
+        read_limited(tmp_path, 5)

@@ -142,13 +142,18 @@ def huge_picture(path: Path) -> Path:
     """A PNG whose pixels take 600 MB, packed into some hundred kB."""
     side, rows = 17_000, zlib.compressobj(9)
     data = b"".join(rows.compress(bytes(1 + 2 * side)) for _ in range(side)) + rows.flush()
+    return picture(path.with_suffix(".png"), side, data)
+
+
+def picture(path: Path, side: int, data: bytes) -> Path:
+    """A square PNG of 16 bits a pixel."""
     chunks = (b"IHDR", struct.pack(">2I5B", side, side, 16, 0, 0, 0, 0)), (b"IDAT", data), (b"IEND", b"")
     content = b"".join(
         struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
         for kind, body in chunks
     )
-    path.with_suffix(".png").write_bytes(b"\x89PNG\r\n\x1a\n" + content)
-    return path.with_suffix(".png")
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + content)
+    return path
 
 
 @pytest.mark.slow
@@ -164,3 +169,17 @@ def test_a_file_that_would_eat_memory_is_refused_in_a_line(
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not maps.exists() or not list(maps.iterdir())
+
+
+@pytest.mark.slow
+def test_the_largest_picture_that_is_allowed_can_be_brought_in(
+    tmp_path: Path, maps: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    side, rows = 8192, zlib.compressobj(1)
+    data = b"".join(rows.compress(b"\0" + struct.pack(">H", 8 * row) * side) for row in range(side))
+    path = picture(tmp_path / "largest.png", side, data + rows.flush())
+
+    lines = run(monkeypatch, path, "--size", 2000, "--highest", 100)
+
+    assert lines[1] == "largest: 2000 × 2000 m, ground from 0.0 to 100.0 m, no water, 0 parts"
+    assert config_in(lines).size == 2000

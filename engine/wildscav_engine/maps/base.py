@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.container import ContainerError, Layout, canonical, decompress, pack, unpack
-from wildscav_engine.files import write_whole
+from wildscav_engine.files import read_limited, write_whole
 from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.maps.errors import MapError
 
@@ -32,7 +32,7 @@ OVERHANG = 20.0  # m that a solid may reach beyond the border
 MOST_SOLIDS = 20_000
 MOST_FACES = 100  # of a solid; to draw one takes the fourth power of them
 MOST_CELLS = 20_000_000  # of the grid that solids may touch, counted for each: what indexing them takes
-FILE_LIMIT = 1 << 28  # bytes
+FILE_LIMIT = 80 << 20  # bytes: more than the most solids with the most faces take
 NAME_LIMIT = 80  # characters
 UNIT = 1e-6  # how far the length of a normal may be from 1
 
@@ -115,8 +115,7 @@ def read_base(path: Path) -> Base:
         BaseError: The file is missing, no base, of another version, cut short, damaged or too large.
     """
     try:
-        with path.open("rb") as file:
-            data = file.read(FILE_LIMIT + 1)
+        data = read_limited(path, FILE_LIMIT)
     except OSError as error:
         raise BaseError(f"{path}: cannot be read: {error.strerror}") from None
     try:
@@ -137,7 +136,7 @@ def decode(data: bytes) -> Base:
         base = _assemble(*unpack(LAYOUT, data))
     except ContainerError as error:
         raise BaseError(str(error)) from None
-    except (ValueError, KeyError, TypeError, OverflowError, zlib.error) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError, zlib.error) as error:
         raise BaseError(f"its contents are not valid: {error}") from None
     check_base(base)
     return base
@@ -223,7 +222,7 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Base:
         raise ValueError(f"a solid has other than 4 to {MOST_FACES} faces")
     points = round(size / CELL) + 1 if header["ground"] else 0
     counts = np.cumsum([points * points, 4 * sum(faces), 3 * len(faces), 3 * len(faces)])
-    numbers = np.frombuffer(decompress(packed, 8 * int(counts[-1])), "<f8").astype(np.float64)
+    numbers = np.frombuffer(decompress(packed, 8 * int(counts[-1])), "<f8").astype(np.float64, copy=False)
     ground, planes, low, high = np.split(numbers, counts[:-1])
     each = np.split(planes.reshape(-1, 4), np.cumsum(faces)[:-1]) if faces else []
     corners = zip(kinds, each, low.reshape(-1, 3), high.reshape(-1, 3), strict=True)

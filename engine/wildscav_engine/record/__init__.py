@@ -1,10 +1,12 @@
 """Records: write, read, play again and verify."""
 
 from wildscav_engine.record.format import (
+    FILE_LIMIT,
     RECORD_VERSION,
     SUFFIX,
     Record,
     RecordError,
+    check_recordable,
     read_record,
     record_of,
     save,
@@ -13,11 +15,13 @@ from wildscav_engine.record.format import (
 from wildscav_engine.record.verify import Verification, resimulate, verify_record
 
 __all__ = [
+    "FILE_LIMIT",
     "RECORD_VERSION",
     "SUFFIX",
     "Record",
     "RecordError",
     "Verification",
+    "check_recordable",
     "read_record",
     "record_of",
     "resimulate",

@@ -18,7 +18,7 @@ from pydantic import ValidationError
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.actions import FIELDS
 from wildscav_engine.container import ContainerError, Layout, decompress, pack, unpack
-from wildscav_engine.files import write_whole
+from wildscav_engine.files import read_limited, write_whole
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.match import Match
 from wildscav_engine.result import MatchResult
@@ -26,7 +26,8 @@ from wildscav_engine.spec import MatchSpec, one_line
 
 RECORD_VERSION = 2  # of this layout and of its header
 LAYOUT = Layout(b"WILDSCAV", RECORD_VERSION, "a record of a match")
-ARRAYS_LIMIT = 1 << 30  # bytes, unpacked: no record makes its reader run out of memory
+ARRAYS_LIMIT = 128 << 20  # bytes, unpacked: no record makes its reader run out of memory
+FILE_LIMIT = ARRAYS_LIMIT + (2 << 20)  # bytes: a header, and arrays that cannot be packed
 HEADER_KEYS = {
     *("spec", "map_digest", "generator_version", "simulation_version", "engine_version"),
     *("names", "result", "steps"),
@@ -87,6 +88,20 @@ def write_record(path: Path, match: Match, names: Sequence[str]) -> None:
     save(record_of(match, names), path)
 
 
+def check_recordable(spec: MatchSpec) -> None:
+    """Refuse a match whose record could become larger than what is read again.
+
+    Raises:
+        RecordError: It could.
+    """
+    _, size = _array_bytes(spec.step_limit, len(spec.seats))
+    if size > ARRAYS_LIMIT:
+        raise RecordError(
+            f"a match of {spec.step_limit:,} steps with {len(spec.seats):,} seats has a record of up to "
+            f"{size >> 20:,} MiB, {ARRAYS_LIMIT >> 20} are allowed: give it less time or fewer seats"
+        )
+
+
 def save(record: Record, path: Path) -> None:
     """Write a record; the file appears whole or not at all.
 
@@ -119,7 +134,7 @@ def read_record(path: Path) -> Record:
         RecordError: The file is missing, no record, of another format version, cut short or damaged.
     """
     try:
-        data = path.read_bytes()
+        data = read_limited(path, FILE_LIMIT)
     except OSError as error:
         raise RecordError(f"{path}: cannot be read: {error.strerror}") from None
     try:
@@ -156,12 +171,11 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         raise ValueError(f"{len(names)} names for {seats} seats")
     if not 0 <= steps <= spec.step_limit:
         raise ValueError(f"{steps} steps, of a match of {spec.step_limit} at most")
-    action_bytes = steps * seats * FIELDS * 4
-    size = action_bytes + steps * 8
+    action_bytes, size = _array_bytes(steps, seats)
     if size > ARRAYS_LIMIT:
         raise ValueError(f"its arrays would have {size} bytes, {ARRAYS_LIMIT} are allowed")
     arrays = decompress(packed, size)
-    actions = np.frombuffer(arrays[:action_bytes], "<f4").reshape(steps, seats, FIELDS)
+    actions = np.frombuffer(arrays, "<f4", action_bytes // 4).reshape(steps, seats, FIELDS)
     return Record(
         spec=spec,
         map_digest=str(header["map_digest"]),
@@ -170,6 +184,12 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         engine_version=str(header["engine_version"]),
         names=names,
         result=MatchResult.model_validate(header["result"]),
-        actions=actions.astype(np.float32),
-        digests=np.frombuffer(arrays[action_bytes:], "<u8").astype(np.uint64),
+        actions=actions.astype(np.float32, copy=False),
+        digests=np.frombuffer(arrays, "<u8", steps, action_bytes).astype(np.uint64, copy=False),
     )
+
+
+def _array_bytes(steps: int, seats: int) -> tuple[int, int]:
+    """Return the bytes of a record's actions, and those of actions and digests together."""
+    actions = steps * seats * FIELDS * 4
+    return actions, actions + steps * 8

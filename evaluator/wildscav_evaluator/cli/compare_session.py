@@ -9,7 +9,7 @@ from rich.text import Text
 from wildscav.console import console, counted, print_json
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.cli.complaints import raise_all
-from wildscav_evaluator.cli.session import all_failed, evaluating
+from wildscav_evaluator.cli.session import all_failed, evaluating, say, say_ledger
 from wildscav_evaluator.cli.tables import add_columns, heading, number, plain_table, signed
 from wildscav_evaluator.cli.time_table import conditions
 from wildscav_evaluator.evaluation import Plan
@@ -40,7 +40,8 @@ def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> 
             console.print(f"played in {line}", soft_wrap=True, highlight=False)
         try:
             ledger.close(results, write_results(results, plan.out))
-            console.print(f"kept in {write_comparisons(comparisons, plan.out)}", soft_wrap=True)
+            say("kept in", str(write_comparisons(comparisons, plan.out)))
+            say_ledger(plan, ledger)
         except OSError as error:
             raise UserError(f"the comparison could not be kept: {describe(error)}") from error
     raise_all([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])

@@ -19,7 +19,7 @@ from wildscav.preparing import preparing
 from wildscav.server import HostedMatch
 from wildscav_engine.actions import Field
 from wildscav_engine.match import MatchSetupError
-from wildscav_engine.record import SUFFIX, read_record, write_record
+from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record
 from wildscav_engine.rules import FRAMES_PER_SECOND
 from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
 from wildscav_engine.tracks import TRACKS
@@ -98,6 +98,8 @@ def run_match(
         OSError: A log could not be written.
     """
     check_targets(record, replay)
+    if record is not None or replay is not None:
+        _check_recordable(spec)
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
     seating = Seating(spec, tuple(submissions), paths)
     with _logging(logs, paths):
@@ -113,6 +115,13 @@ def run_match(
         kept = f"{int(seating.limits.output):,}"
         console.print(f"  {path} was cut: of what an agent prints, {kept} bytes are kept", soft_wrap=True)
     raise_all([*complaints, *_failures(played, seating)])
+
+
+def _check_recordable(spec: MatchSpec) -> None:
+    try:
+        check_recordable(spec)
+    except RecordError as error:
+        raise UserError(str(error), exit_code=2) from None
 
 
 @contextmanager

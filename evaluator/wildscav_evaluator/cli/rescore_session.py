@@ -83,9 +83,9 @@ def _say_what_is_shown(folder: Folder) -> None:
             "not signed: these actions give these scores; that nobody put in other actions, or another "
             "sandbox or submission, is not shown"
         )
-    if anew := sum(ledger.broken_off.values()):
-        were = "was" if anew == 1 else "were"
-        _say(f"{counted(anew, 'match')} {were} broken off and begun anew: see {LEDGER_FILE}")
+    if again := sum(ledger.interrupted.values()):
+        were = "was" if again == 1 else "were"
+        _say(f"{counted(again, 'match')} {were} interrupted and started again: see {LEDGER_FILE}")
     if folder.told.commitment is not None and not (folder.out / OPENED_FILE).exists():
         _say("That these are the suite's matches can be checked once its secret is opened.")
 

@@ -18,7 +18,7 @@ from wildscav_evaluator.cli.evaluate import (
     SuiteOption,
 )
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
-from wildscav_evaluator.cli.sign_option import KeyOption
+from wildscav_evaluator.cli.sign_option import KeyOption, SignOption, signing_key, warn_of_open_key
 
 
 def compare(
@@ -30,7 +30,7 @@ def compare(
     ] = None,
     suite: SuiteOption = "quick",
     rounds: Annotated[
-        int, typer.Option(help="How often to play the suite, each time with the next seed.", min=1)
+        int, typer.Option(help="How often to play the suite, each time with the next seed.", min=1, max=1000)
     ] = 2,
     seed: SeedOption = None,
     secret: SecretOption = None,
@@ -38,6 +38,7 @@ def compare(
     out: OutOption = None,
     fresh: FreshOption = False,
     sandbox: InSandbox = None,
+    sign: SignOption = None,
     log_format: LogOption = None,
     metrics_port: MetricsOption = None,
     as_json: AsJson = False,
@@ -64,7 +65,10 @@ def compare(
     if not tracks:
         raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
     first_seed = suite_seed(seed, secret)
+    key = signing_key(sign, out or COMPARISONS, loaded)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    if key is not None:
+        warn_of_open_key(runs_in)
     plan = Plan(
         submissions=loaded,
         tracks=tuple(tracks),
@@ -76,6 +80,7 @@ def compare(
         fresh=fresh,
         rounds=rounds,
         sandbox=runs_in,
+        key=key,
     )
     run_comparison(plan if out else in_own_folder(plan), Watching(log_format, metrics_port), as_json=as_json)
 

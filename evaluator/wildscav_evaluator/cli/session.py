@@ -60,7 +60,7 @@ def run_session(plan: Plan, database: Path, watching: Watching = NOBODY, *, as_j
         if as_json:
             print_json(document(results, plan.out, since))
         if not complaints:
-            _say("results", str(plan.out / RESULTS_FILE))
+            say("results", str(plan.out / RESULTS_FILE))
             say_ledger(plan, ledger)
         complaints += _keep(results, plan, kept_by, database)
         complaints += [
@@ -158,9 +158,9 @@ def _remark(results: Results) -> None:
 def say_ledger(plan: Plan, ledger: Keeper) -> None:
     """Say where the ledger is, and who signed it."""
     signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
-    _say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
+    say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
     if plan.public_key is not None:
-        _say("", f"its head, to be published with the results: {ledger.head}")
+        say("", f"its head, to be published with the results: {ledger.head}")
 
 
 def _written(results: Results, out: Path, ledger: Keeper) -> Iterator[str]:
@@ -195,32 +195,33 @@ def _show(results: Results, since: Sequence[Since] = ()) -> None:
     _remark(results)
     console.print()
     for position, line in enumerate(conditions(results.sandbox, results.limits)):
-        _say("" if position else "sandbox", line)
+        say("" if position else "sandbox", line)
 
 
 def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
     """Hand the results to the sinks, say where all the rest is, and yield what went wrong."""
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = sum(row.record is not None for row in rows)
-    _say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
-    _say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
+    say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
+    say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
     for sink in kept_by:
         try:
-            _say("database", sink.store(results))
-            _say("", f"standings: {command('wildscav')} leaderboard --db {database}")
+            say("database", sink.store(results))
+            say("", f"standings: {command('wildscav')} leaderboard --db {database}")
         except UserError as error:
             yield str(error)
     if any(row.logs for row in rows):
-        _say("logs", f"{plan.out / LOGS} (what the agents printed)")
+        say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sum(row.replay is not None for row in rows)
     if replays:
-        _say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to be watched in Rerun")
+        say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to be watched in Rerun")
     shown = _replay_to_show(results)
     if shown is not None:
-        _say("", f"watch one: {command('rerun')} {plan.out / shown}")
+        say("", f"watch one: {command('rerun')} {plan.out / shown}")
 
 
-def _say(what: str, text: str) -> None:
+def say(what: str, text: str) -> None:
+    """Print a line of what lies where."""
     console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)
 
 

@@ -33,7 +33,7 @@ class Resumed(Part):
 
 
 class Begun(Part):
-    """A match was begun, or begun again. One that never ended was broken off."""
+    """A match was begun, or begun again. One that never ended was interrupted."""
 
     kind: Literal["begun"] = "begun"
     match: str  # as its files are called

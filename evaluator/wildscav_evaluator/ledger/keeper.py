@@ -20,7 +20,14 @@ from wildscav_evaluator.ledger.entries import (
     digest_of_line,
 )
 from wildscav_evaluator.ledger.keys import SigningKey
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE, Ledger, LedgerError, check_lines, sha256_of
+from wildscav_evaluator.ledger.ledger import (
+    LEDGER_FILE,
+    Ledger,
+    LedgerError,
+    parse_ledger,
+    read_lines,
+    sha256_of,
+)
 from wildscav_evaluator.matches.jobs import JobResult
 from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.results import MatchRow, Results
@@ -65,16 +72,18 @@ class Keeper:
     def _found(self, identity: Identity) -> Ledger | None:
         """Return the ledger that is there, cut to its last whole line."""
         try:
-            content = self._path.read_bytes()
+            content = read_lines(self._path)
         except FileNotFoundError:
             return None
+        except LedgerError as error:
+            raise _changed(str(error)) from error
         whole = content[: content.rfind(b"\n") + 1]
         if len(whole) < len(content):
             os.truncate(self._path, len(whole))
         if not whole:
             return None
         try:
-            ledger = check_lines(self._path, whole[:-1].split(b"\n"))
+            ledger = parse_ledger(self._path, whole)
         except LedgerError as error:
             raise _changed(str(error)) from error
         if ledger.identity != identity:

@@ -4,14 +4,15 @@ Each entry names the one before by its digest, and each is signed by itself: so 
 any moment and go on, and still nothing in between can be changed, taken out or put in.
 """
 
+import io
+from collections.abc import Iterator
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from wildscav.errors import UserError, describe
-from wildscav_engine.spec import one_line
+from wildscav_engine.files import read_limited
+from wildscav_engine.record import FILE_LIMIT
 from wildscav_evaluator.ledger.entries import (
     Begun,
     Broke,
@@ -25,8 +26,10 @@ from wildscav_evaluator.ledger.entries import (
 )
 from wildscav_evaluator.ledger.keys import is_signed
 from wildscav_evaluator.output.identity import Identity
+from wildscav_evaluator.output.part import SMALL, PartError, try_limited
 
 LEDGER_FILE = "ledger.jsonl"
+LARGEST = 32 << 20  # bytes: to check as many takes some ten seconds
 
 
 class LedgerError(UserError):
@@ -74,8 +77,8 @@ class Ledger:
         return {match: times[-1] for match, times in self.ended.items() if times[-1].record is not None}
 
     @property
-    def broken_off(self) -> dict[str, int]:
-        """How often matches were begun anew that had come to no end and that the platform had not broken."""
+    def interrupted(self) -> dict[str, int]:
+        """How often matches were begun anew that were interrupted and not broken by the platform."""
         last: dict[str, Fact] = {}
         left: dict[str, int] = {}
         for fact in (entry.fact for entry in self.entries):
@@ -94,31 +97,44 @@ def read_ledger(out: Path) -> Ledger | None:
     """
     path = out / LEDGER_FILE
     try:
-        content = path.read_bytes()
+        content = read_lines(path)
     except FileNotFoundError:
         return None
     except OSError as error:
         raise LedgerError(f"the ledger cannot be read: {describe(error)}") from error
     if not content.endswith(b"\n"):
         raise LedgerError(f"{path} ends in the middle of a line" if content else f"{path} is empty")
-    return check_lines(path, content[:-1].split(b"\n"))
+    return parse_ledger(path, content)
 
 
-def check_lines(path: Path, lines: list[bytes]) -> Ledger:
-    """Return the ledger that some lines are.
+def read_lines(path: Path) -> bytes:
+    """Return the content of a ledger's file, whose entries fit into memory.
 
     Raises:
-        LedgerError: They are none.
+        LedgerError: They take too much time or memory.
+        OSError: It cannot be read.
+    """
+    large = path.stat().st_size > SMALL
+    if large:
+        try:
+            try_limited(f"{__name__}:try_entries", path)
+        except PartError as error:
+            raise LedgerError(f"{path}: {error}") from None
+    return read_limited(path, LARGEST if large else SMALL)
+
+
+def parse_ledger(path: Path, content: bytes) -> Ledger:
+    """Return the ledger that the content of a file is, which ends with a line.
+
+    Raises:
+        LedgerError: It is none.
     """
     entries: list[Entry] = []
-    for number, line in enumerate(lines):
-        try:
-            entry = Entry.model_validate_json(line)
-        except ValidationError as error:
-            raise LedgerError(f"{path}, line {number + 1}: not an entry: {one_line(error)}") from error
+    previous: str | None = None
+    for number, line in enumerate(_lines(content)):
+        entry = _entry(line, number, str(path))
         if not is_canonical(line):
             raise LedgerError(f"{path}, line {number + 1}: is not in canonical JSON")
-        previous = digest_of_line(lines[number - 1]) if number else None
         if (entry.number, entry.previous) != (number, previous):
             raise LedgerError(
                 f"{path}, line {number + 1}: does not follow the line before: an entry was changed, taken "
@@ -127,10 +143,35 @@ def check_lines(path: Path, lines: list[bytes]) -> Ledger:
         if isinstance(entry.fact, Opened) != (number == 0):
             raise LedgerError(f"{path}, line {number + 1}: the first entry, and no other, opens a ledger")
         entries.append(entry)
-    ledger = Ledger(tuple(entries), digest_of_line(lines[-1]))
+        previous = digest_of_line(line)
+    ledger = Ledger(tuple(entries), previous or "")
     for entry in ledger.entries:
         _check_signature(path, entry, ledger.key)
     return ledger
+
+
+def try_entries(path: str) -> None:
+    """Read all entries of a file, in the process that calls it.
+
+    Raises:
+        LedgerError: One of them is none.
+        OSError: It cannot be read.
+    """
+    content = read_limited(Path(path), LARGEST)
+    whole = content[: content.rfind(b"\n") + 1]  # half a line was left by a keeper that was killed
+    kept = [_entry(line, number, "") for number, line in enumerate(_lines(whole))]
+    del kept  # as many as they are, they fit
+
+
+def _lines(content: bytes) -> Iterator[bytes]:
+    return (line.removesuffix(b"\n") for line in io.BytesIO(content))
+
+
+def _entry(line: bytes, number: int, place: str) -> Entry:
+    try:
+        return Entry.parse(line)
+    except PartError as error:
+        raise LedgerError(f"{place}, line {number + 1}: not an entry: {error}".lstrip(", ")) from None
 
 
 def _check_signature(path: Path, entry: Entry, key: str | None) -> None:
@@ -160,6 +201,6 @@ def sha256_of(path: Path) -> str:
     """Return the SHA-256 of a file, as ``sha256sum`` prints it.
 
     Raises:
-        OSError: It cannot be read.
+        OSError: It cannot be read, or is larger than any file of an evaluation.
     """
-    return sha256(path.read_bytes()).hexdigest()
+    return sha256(read_limited(path, FILE_LIMIT)).hexdigest()

@@ -3,14 +3,14 @@
 from collections.abc import Iterable
 from hashlib import blake2b
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import ValidationError
+from pydantic import Field
 
 from wildscav.errors import UserError
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.output.part import Part
-from wildscav_evaluator.output.results import KeptLimits
+from wildscav_evaluator.output.part import Part, PartError
+from wildscav_evaluator.output.results import MOST_ROUNDS, KeptLimits
 from wildscav_evaluator.output.versions import Versions
 
 IDENTITY_FILE = "evaluation.json"
@@ -33,7 +33,7 @@ class Identity(Part):
     suite: str
     seed: str  # or the beginning of a hidden one's commitment
     commitment: str | None = None  # of a hidden seed, whole
-    rounds: int = 1  # how often the suite is played, each time with the next seed
+    rounds: Annotated[int, Field(ge=1, le=MOST_ROUNDS)] = 1  # of the suite, each with the next seed
     tracks: tuple[str, ...]
     matches: str  # digest of the specs of all matches
     submissions: tuple[Entrant, ...]
@@ -63,12 +63,13 @@ def read_identity(folder: Path) -> Identity | None:
     """
     path = folder / IDENTITY_FILE
     try:
-        return Identity.model_validate_json(path.read_bytes())
+        return Identity.read(path)
     except FileNotFoundError:
         return None
-    except ValidationError as error:
+    except PartError as error:
         raise UserError(
-            f"{path} is not of this version of Wildscav: name another --out, or begin anew with --fresh"
+            f"{path} is not of this version of Wildscav ({error}): name another --out, or begin anew with "
+            "--fresh"
         ) from error
 
 

@@ -8,9 +8,9 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Literal
 
-from pydantic import ValidationError
-
-from wildscav_evaluator.output.part import Part
+from wildscav_engine.files import read_limited
+from wildscav_engine.record import FILE_LIMIT
+from wildscav_evaluator.output.part import Part, PartError
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
 
 MATCHES = "matches"  # folder, in the output folder
@@ -53,11 +53,11 @@ def write_entry(out: Path, evaluation: str, match: str, row: MatchRow, timing: M
 def read_entry(out: Path, evaluation: str, match: str) -> Entry | None:
     """Return a match of the journal, if it was played in this evaluation and its record is as it was."""
     try:
-        entry = Entry.model_validate_json(entry_path(out, match).read_bytes())
+        entry = Entry.read(entry_path(out, match))
         if (entry.evaluation, entry.match) != (evaluation, match):
             return None
         return entry if file_digest(out / str(entry.row.record)) == entry.record else None
-    except (OSError, ValidationError):
+    except (OSError, PartError):
         return None
 
 
@@ -67,4 +67,4 @@ def file_digest(path: Path) -> str:
     Raises:
         OSError: It cannot be read.
     """
-    return blake2b(path.read_bytes(), digest_size=16).hexdigest()
+    return blake2b(read_limited(path, FILE_LIMIT), digest_size=16).hexdigest()

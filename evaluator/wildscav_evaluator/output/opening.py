@@ -6,7 +6,7 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav_engine.record import RecordError, read_record
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.evaluation import matches
+from wildscav_evaluator.evaluation import match_count, matches
 from wildscav_evaluator.output.folder import SUITE_FILE
 from wildscav_evaluator.output.results import RESULTS_FILE, Results, read_results
 from wildscav_evaluator.scores.rescore import parse_name, record_paths
@@ -36,10 +36,10 @@ def match_counts(out: Path, told: Results) -> Mapping[str, int]:
     """Return how many matches the suite has on each of its tracks, which does not depend on its seed.
 
     Raises:
-        UserError: The suite's own file is not that of the results.
+        UserError: The suite's own file is not that of the results, or there are too many.
     """
     suite = played_suite(out, told)
-    return {name: course.maps * course.episodes * told.rounds for name, course in suite.courses.items()}
+    return {name: match_count(suite, name, told.rounds) for name in suite.courses}
 
 
 def played_suite(out: Path, told: Results) -> Suite:

@@ -1,19 +1,56 @@
-"""What all files of the output folder that hold JSON are made of."""
+"""What all files of the output folder that hold JSON are made of.
 
+A folder may be anybody's, so its files are read with limits. What a small file makes of itself in memory is
+little. A large one is read in a limited process first, and here only if it fits into that.
+"""
+
+import importlib
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wildscav.console import ascii_json
-from wildscav_engine.files import write_whole
+from wildscav.errors import UserError
+from wildscav.limited import LimitExceededError, call_limited
+from wildscav_engine.files import read_limited, write_whole
+from wildscav_engine.spec import one_line
+
+LARGEST = 32 << 20  # bytes of a file
+MEMORY = 128 << 20  # bytes that a large file may take: who waits for it takes as much already
+SMALL = 256 << 10  # bytes of one that is read at once
 
 
 class Part(BaseModel):
     """Base of everything in such a file, and of the file itself."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read a file.
+
+        Raises:
+            PartError: It is too large, or not of this kind.
+            OSError: It cannot be read.
+        """
+        large = path.stat().st_size > SMALL
+        if large:
+            try_limited(f"{__name__}:check_part", path, cls.__module__, cls.__qualname__)
+        return cls.parse(read_limited(path, LARGEST if large else SMALL))
+
+    @classmethod
+    def parse(cls, content: bytes) -> Self:
+        """Return the part that some bytes are.
+
+        Raises:
+            PartError: They are none.
+        """
+        try:
+            return cls.model_validate_json(content)
+        except ValidationError as error:
+            raise PartError(one_line(error)) from None
 
     def as_json(self) -> Any:
         """Return this as the values that JSON has."""
@@ -27,3 +64,32 @@ class Part(BaseModel):
         """
         write_whole(path, ascii_json(self.model_dump_json(indent=1)).encode("ascii") + b"\n")
         return path
+
+
+class PartError(UserError):
+    """A file is not what it should be; the message is one line that says why, without the file's name."""
+
+
+def try_limited(function: str, path: Path, *arguments: str) -> None:
+    """Have a function read a file in a limited process, as it will be read here.
+
+    Raises:
+        PartError: It cannot be read, or takes too much time or memory.
+    """
+    try:
+        call_limited(function, str(path), *arguments, memory=MEMORY)
+    except LimitExceededError as error:
+        raise PartError(f"to read it would cost too much: {error}") from None
+    except UserError as error:
+        raise PartError(str(error)) from None
+
+
+def check_part(path: str, module: str, name: str) -> None:
+    """Read a file as a kind of part, in the process that calls it.
+
+    Raises:
+        PartError: It is not of this kind.
+        OSError: It cannot be read.
+    """
+    kind: type[Part] = getattr(importlib.import_module(module), name)
+    kind.parse(read_limited(Path(path), LARGEST))

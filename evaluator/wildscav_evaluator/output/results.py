@@ -3,22 +3,24 @@
 Two runs of the same command give equal files, but for ``timings``.
 """
 
-import json
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from wildscav.errors import UserError
-from wildscav_engine.spec import one_line
-from wildscav_evaluator.output.part import Part
+from wildscav_engine.files import read_limited
+from wildscav_evaluator.output.part import LARGEST, Part, PartError
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.suites.seeds import label
 
 RESULTS_FILE = "results.json"
 FORMAT = 2
+MOST_ROUNDS = 1000
+MOST_EVALUATIONS = 10_000  # of one submission on one track each
 
 Fault = Literal["agent", "platform"]
 
@@ -179,11 +181,11 @@ class Results(Part):
     suite: str  # an organizer's own has a digest of its file behind an @
     seed: int | None  # none while it is hidden
     commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
-    rounds: int = 1  # how often the suite was played, each time with the next seed
+    rounds: Annotated[int, Field(ge=1, le=MOST_ROUNDS)] = 1  # of the suite, each with the next seed
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
     key: str | None = None  # public key that the evaluation's ledger is signed with, 64 hexadecimal digits
-    evaluations: tuple[Evaluation, ...]
+    evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MOST_EVALUATIONS)]
     timings: Timings
 
     @property
@@ -204,27 +206,23 @@ def read_results(path: Path) -> Results:
         UserError: It is missing, or not a results file of this version.
     """
     try:
-        content = path.read_bytes()
-        return Results.model_validate_json(content)
+        return Results.read(path)
     except FileNotFoundError as error:
         raise UserError(f"{path} does not exist") from error
-    except ValidationError as error:
-        if _is_of_format_1(content):
+    except PartError as error:
+        if _is_of_format_1(path):
             raise UserError(
                 f"{path} is of format 1, which says nothing of the versions of the simulation, the map "
                 "generator and the records that it was played with, and has no ledger: it cannot be "
                 f"compared with results of format {FORMAT} or checked; evaluate its submissions again"
             ) from error
-        raise UserError(f"{path} is not a results file of format {FORMAT}: {one_line(error)}") from error
+        raise UserError(f"{path} is not a results file of format {FORMAT}: {error}") from error
 
 
-def _is_of_format_1(content: bytes) -> bool:
-    """Return whether some bytes are the results of an older version of Wildscav."""
-    try:
-        told = json.loads(content)
-    except (ValueError, RecursionError):
-        return False
-    return isinstance(told, dict) and told.get("format") == 1 and "engine_version" in told
+def _is_of_format_1(path: Path) -> bool:
+    """Return whether a file has the results of an older version of Wildscav, by what it has."""
+    content = read_limited(path, LARGEST)
+    return re.search(rb'"format":\s*1\b', content) is not None and b'"engine_version":' in content
 
 
 def write_results(results: Results, folder: Path) -> Path:

@@ -5,8 +5,10 @@ must at least be the same in ``results.json``, ``evaluation.json`` and the ledge
 organizer signed the ledger.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from wildscav.console import printable
@@ -26,8 +28,10 @@ from wildscav_evaluator.matches.jobs import FAILED, stem_of
 from wildscav_evaluator.output.identity import IDENTITY_FILE, Identity, digest_of, read_identity
 from wildscav_evaluator.output.opening import expected_matches, match_counts
 from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, MatchRow, Results
+from wildscav_evaluator.scores.compare import check_comparison
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 
+MOST_NAMED = 20  # matches that are missing, one by one
 SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key")  # in results and identity
 
 
@@ -59,11 +63,11 @@ def read_folder(out: Path, told: Results, key: str | None) -> Folder:
     Raises:
         UserError: Its results are of tracks that there are not, or tell something twice.
     """
-    names = [(one.track, one.submission) for one in told.evaluations]
-    for track, submission in names:
+    names = Counter((one.track, one.submission) for one in told.evaluations)
+    for (track, submission), count in names.items():
         if track not in TRACKS:
             raise UserError(f"{out / RESULTS_FILE}: there is no track {printable(track)!r}")
-        if names.count((track, submission)) > 1:
+        if count > 1:
             raise UserError(f"{out / RESULTS_FILE}: {printable(submission)} is in it twice on {track}")
     ledger, fault = None, f"there is no {out / LEDGER_FILE}: nothing shows that nothing was left out"
     try:
@@ -93,6 +97,8 @@ def complaints(folder: Folder, replayed: Sequence[Replayed]) -> Iterator[str]:
     yield from disagreements(replayed, folder.told, expected)
     yield from _of_versions(folder.told, replayed)
     yield from _of_ledger(folder)
+    if fault := check_comparison(folder.out, folder.told):
+        yield fault
 
 
 def _of_identity(folder: Folder) -> Iterator[str]:
@@ -155,9 +161,13 @@ def _of_rows(folder: Folder, counts: Mapping[str, int]) -> Iterator[str]:
     for evaluation in folder.told.evaluations:
         who, count = f"{evaluation.submission} on {evaluation.track}", counts.get(evaluation.track, 0)
         indices = [row.index for row in evaluation.matches]
-        for index in sorted({*range(count)}.difference(indices)):
+        known = {*indices}
+        absent = (index for index in range(count) if index not in known)
+        for index in islice(absent, MOST_NAMED):
             yield f"{who}: match {index} of the suite is not in the results"
-        for index in sorted({*indices}.difference(range(count))):
+        if more := sum(1 for _ in absent):
+            yield f"{who}: {more:,} more matches of the suite are not in the results"
+        for index in sorted(index for index in known if not 0 <= index < count):
             yield f"{who}: match {index} is in the results, but the suite has only {count}"
         if len(indices) > len({*indices}):
             yield f"{who}: a match is in the results twice"

@@ -1,13 +1,14 @@
 """Which of two submissions is better, by the matches that both played."""
 
+import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from wildscav_evaluator.output.part import Part
-from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results
+from wildscav_evaluator.output.part import Part, PartError
+from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, KeptLimits, MetricInfo, Results
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import interval
 
@@ -126,6 +127,27 @@ def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verd
     if low <= 0.0 <= high:
         return "tied"
     return "first" if (high < 0.0) == lower_is_better else "second"
+
+
+def check_comparison(out: Path, results: Results) -> str:
+    """Return why a folder's comparison is not the one that its results make; nothing if it is, or has none.
+
+    Args:
+        out: The folder.
+        results: In it.
+    """
+    path = out / COMPARISON_FILE
+    try:
+        told = Comparisons.read(path)
+    except FileNotFoundError:
+        return ""
+    except PartError as error:
+        return f"{path} is no comparison: {error}"
+    names = list(dict.fromkeys(one.submission for one in results.evaluations))
+    with contextlib.suppress(KeyError, ValueError):  # of results that lack something
+        if len(names) == 2 and told == compare(results, *names):
+            return ""
+    return f"{COMPARISON_FILE} is not what {RESULTS_FILE} gives"
 
 
 def write_comparisons(comparisons: Comparisons, folder: Path) -> Path:

@@ -9,28 +9,44 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, field_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from wildscav.errors import UserError, describe
+from wildscav.limited import LimitExceededError, call_limited
+from wildscav_engine.files import read_limited
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
+from wildscav_engine.record import RecordError, check_recordable
 from wildscav_engine.rng import Dice
 from wildscav_engine.spec import SUBMISSION, MapConfig, MatchSpec, Spec, one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.matches.seating import shuffled
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.suites.courses import choose
-from wildscav_evaluator.suites.suite import SUITES, Course, Suite
+from wildscav_evaluator.suites.suite import MOST_MATCHES, SUITES, Course, Suite
 
 SUFFIX = ".toml"
+LARGEST = 1 << 20  # bytes of a file
+SMALL = 4 << 10  # bytes of one that costs little, whatever is in it
+MEMORY = 96 << 20  # bytes that a larger one may take
 SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that its file may not give
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
 Count = Annotated[int, Field(ge=1, le=10_000)]
 Maps = Annotated[
-    Annotated[Count, Tag("count")] | Annotated[list[int], Field(min_length=1), Tag("numbers")],
+    Annotated[Count, Tag("count")]
+    | Annotated[list[int], Field(min_length=1, max_length=10_000), Tag("numbers")],
     Discriminator(lambda given: "numbers" if isinstance(given, list) else "count"),
 ]
 Fields = dict[str, Any]
@@ -59,6 +75,15 @@ class TrackPart(Part):
     match: Fields = {}
     choose: Choices = {}
     limits: Limits = DEFAULT_LIMITS  # of agents
+
+    @model_validator(mode="after")
+    def _has_an_end(self) -> Self:
+        maps = len(self.maps) if isinstance(self.maps, list) else self.maps
+        if maps * self.episodes > MOST_MATCHES:
+            raise ValueError(
+                f"{maps} maps with {self.episodes} episodes are more than {MOST_MATCHES:,} matches"
+            )
+        return self
 
     @field_validator("match", "choose")
     @classmethod
@@ -116,16 +141,40 @@ def read_suite(path: Path) -> Suite:
         UserError: The file cannot be read, or one line that says which field is wrong, and how.
     """
     try:
-        source = path.read_bytes()
-        content = tomllib.loads(source.decode())
+        source = read_limited(path, LARGEST)
     except OSError as error:
         raise UserError(f"the suite {describe(error)}", 2) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    if len(source) > SMALL:
+        try:
+            call_limited(f"{__name__}:try_suite", str(path), memory=MEMORY)
+        except LimitExceededError as error:
+            raise UserError(f"{path}: to read it would cost too much: {error}", 2) from None
+    return _parsed(path, source)
+
+
+def try_suite(path: str) -> None:
+    """Read a suite's file in the process that calls it.
+
+    Raises:
+        UserError: It is not as it must be.
+        OSError: It cannot be read.
+    """
+    _parsed(Path(path), read_limited(Path(path), LARGEST))
+
+
+def _parsed(path: Path, source: bytes) -> Suite:
+    try:
+        content = tomllib.loads(source.decode())
+    except RecursionError:
+        raise UserError(f"{path} is not valid TOML: it is nested too deeply", 2) from None
+    except ValueError as error:  # of TOML, of UTF-8, or a number with thousands of digits
         raise UserError(f"{path} is not valid TOML: {error}", 2) from error
     try:
         return _suite(SuiteFile.model_validate(_grouped(content)), source)
     except ValidationError as error:
         raise UserError(f"{path}: {one_line(error)}", 2) from error
+    except RecursionError:
+        raise UserError(f"{path}: a value in it is nested too deeply", 2) from None
     except (ValueError, MapError) as error:
         raise UserError(f"{path}: {error}", 2) from error
 
@@ -189,6 +238,11 @@ def _made(kind: type[AnySpec], fields: Fields, chosen: Fields, where: str) -> An
         raise ValueError(f"{where}: {one_line(error)}{_allowed(kind, error)}") from error
     if isinstance(spec, MatchSpec) and SUBMISSION not in spec.seats:
         raise ValueError(f"{where}: no seat is filled by {SUBMISSION!r}")
+    if isinstance(spec, MatchSpec):
+        try:
+            check_recordable(spec)
+        except RecordError as error:
+            raise ValueError(f"{where}: {error}") from error
     return spec
 
 

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
+from wildscav_engine.files import read_limited
 
 SHORTEST, LONGEST = 32, 4096  # bytes of a secret
+LARGEST = 1 << 20  # bytes of a file that is looked at
 OPENED_FILE = "secret.txt"  # the opened secret, in the output folder of an evaluation
 
 
@@ -43,7 +45,7 @@ def read_secret(path: Path) -> SuiteSeed:
         UserError: The file cannot be read, or is too short or too long to be a secret.
     """
     try:
-        content = path.read_bytes()
+        content = read_limited(path, LARGEST)
     except OSError as error:
         raise UserError(
             f"the secret {path} cannot be read: {error.strerror}; `wildscav secret new {path}` makes one", 2

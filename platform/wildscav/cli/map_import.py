@@ -1,6 +1,6 @@
 """``wildscav map import``: bring in a height map or a triangle mesh as a map of one's own."""
 
-import importlib
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +10,8 @@ from rich.markup import escape
 from wildscav.errors import UserError
 
 READER = "wildscav.cli.import_file:import_file"
+# What that needs. It is not imported here: this process waits, and need not be large meanwhile.
+MODULES = ("numba", "PIL", "scipy", "trimesh")
 
 
 def import_map(
@@ -51,7 +53,9 @@ def import_map(
         raise UserError("a height map needs --size and --highest, and cannot be left --in-place", exit_code=2)
     if not is_picture and (lowest is not None or highest is not None):
         raise UserError("--lowest and --highest are for height maps (PNG)", exit_code=2)
-    importlib.import_module(READER.partition(":")[0])  # says what to install if something is missing
+    for module in MODULES:
+        if find_spec(module) is None:
+            raise ModuleNotFoundError(f"No module named {module!r}", name=module)
     given = (size, lowest, highest, water, name, in_place)
     try:
         with error_console.status(f"reading {escape(file.name)}"):

@@ -16,7 +16,9 @@ from wildscav.errors import UserError
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
 
-LARGEST_FILE = 10_000_000  # bytes, of a config
+LARGEST_FILE = 1 << 20  # bytes, of a config
+SMALL_FILE = 4 << 10  # bytes of one that costs little, whatever is in it
+MEMORY = 96 << 20  # bytes that a larger one may take
 MOST_IDS = 999
 
 MapId = Annotated[
@@ -193,12 +195,36 @@ def _spec_fields(seed: int | None, file: Path | None, fields: dict[str, Any]) ->
 
 
 def _read_config(file: Path) -> dict[str, Any]:
-    if file.stat().st_size > LARGEST_FILE:
-        raise UserError(f"{file} is larger than {LARGEST_FILE // 1_000_000} MB", exit_code=2)
+    from wildscav.limited import LimitExceededError, call_limited
+
+    if file.is_file() and file.stat().st_size > SMALL_FILE:
+        try:
+            call_limited(f"{__name__}:try_config", str(file), memory=MEMORY)
+        except LimitExceededError as error:
+            raise UserError(f"{file}: to read it would cost too much: {error}", exit_code=2) from None
+    return _parsed_config(file)
+
+
+def try_config(file: str) -> None:
+    """Read a config in the process that calls it.
+
+    Raises:
+        UserError: It is not as it must be.
+        OSError: It cannot be read.
+    """
+    _parsed_config(Path(file))
+
+
+def _parsed_config(file: Path) -> dict[str, Any]:
+    from wildscav_engine.files import read_limited
+
+    content = read_limited(file, LARGEST_FILE)
     try:
-        text = file.read_text("utf-8")
+        text = content.decode()
         read = tomllib.loads(text) if file.suffix.lower() == ".toml" else json.loads(text)
-    except (ValueError, RecursionError) as error:
+    except RecursionError:
+        raise UserError(f"{file}: it is nested too deeply", exit_code=2) from None
+    except ValueError as error:
         raise UserError(f"{file}: {error}", exit_code=2) from None
     if not isinstance(read, dict):
         raise UserError(f"{file} must hold the fields of a MapConfig or a MapSpec", exit_code=2)

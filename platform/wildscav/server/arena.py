@@ -44,6 +44,7 @@ class ArenaService:
         from pydantic import ValidationError
 
         from wildscav_engine.match import MatchSetupError
+        from wildscav_engine.record import RecordError, check_recordable
         from wildscav_engine.spec import MatchSpec, one_line
 
         if len(self._open) >= OPEN_LIMIT:
@@ -54,13 +55,14 @@ class ArenaService:
         self._open[match_id] = None
         try:
             spec = MatchSpec.model_validate_json(request.spec_json)
+            check_recordable(spec)
             hosted = await self._server.host(
                 spec,
                 names=tuple(request.names) or tuple(f"seat {seat}" for seat in range(len(spec.seats))),
                 sensors={seat: _options(text) for seat, text in request.sensors_json.items()},
                 clock=clock,
             )
-        except (ValueError, RecursionError, MatchSetupError) as error:
+        except (ValueError, RecursionError, MatchSetupError, RecordError) as error:
             del self._open[match_id]
             message = one_line(error) if isinstance(error, ValidationError) else " ".join(str(error).split())
             raise RefusalError(grpc.StatusCode.INVALID_ARGUMENT, "SPEC_INVALID", message) from None

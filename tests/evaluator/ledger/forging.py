@@ -67,15 +67,19 @@ class Forgery:
         rows = tuple(row for one in before.matches if (row := change(one)) is not None)
         self.tell_of(name, matches=rows, summary=summary(before.metrics, rows))
 
+    def record(self, name: str, index: int) -> Path:
+        """The file of a match's record."""
+        return self.out / "records" / f"navigation-{index:03d}-{name}.wsr"
+
     def remove_match(self, name: str, index: int) -> None:
         """Take away a match's record and its entry in the journal."""
-        stem = f"navigation-{index:03d}-{name}"
-        (self.out / "records" / f"{stem}.wsr").unlink()
-        entry_path(self.out, stem).unlink()
+        path = self.record(name, index)
+        path.unlink()
+        entry_path(self.out, path.stem).unlink()
 
     def play_otherwise(self, name: str, index: int) -> dict[str, float]:
         """Put in a well-formed record of the same match with other actions, and return its metrics."""
-        path = self.out / "records" / f"navigation-{index:03d}-{name}.wsr"
+        path = self.record(name, index)
         record = read_record(path)
         match, target = Match(record.spec), record.spec
         start = match.start_info(0)

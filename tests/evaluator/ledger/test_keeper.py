@@ -60,10 +60,10 @@ def test_a_ledger_goes_on_where_a_killed_one_ended(
     assert ledger is not None
     assert [type(entry.fact) for entry in ledger.entries[1:]] == [Begun, Resumed, Begun]
     assert ledger.head == second.head
-    assert ledger.broken_off == {"navigation-000-ada": 1}, "a try that was broken off does not vanish"
+    assert ledger.interrupted == {"navigation-000-ada": 1}, "a try that was interrupted does not vanish"
 
 
-def test_a_match_that_the_platform_broke_was_not_broken_off_by_anybody(
+def test_a_match_that_the_platform_broke_was_not_interrupted(
     tmp_path: Path, identity: Identity, key: SigningKey
 ) -> None:
     keeper = Keeper(tmp_path, identity, key)
@@ -74,7 +74,7 @@ def test_a_match_that_the_platform_broke_was_not_broken_off_by_anybody(
     ledger = read_ledger(tmp_path)
 
     assert ledger is not None
-    assert ledger.broken_off == {}
+    assert ledger.interrupted == {}
     assert len(ledger.entries) == 5
 
 

@@ -144,7 +144,7 @@ def test_an_agent_that_thinks_for_ever_uses_up_its_own_time_alone(submit: Submit
     assert played.seats[1].status == SeatStatus.FINISHED
 
 
-def test_a_match_that_is_broken_off_leaves_no_agent_behind(submit: Submit, tmp_path: Path) -> None:
+def test_a_match_that_is_cancelled_leaves_no_agent_behind(submit: Submit, tmp_path: Path) -> None:
     sleeper = submit("sleeper", SLEEPER)
     seating = battle(sleeper, tmp_path=tmp_path)
 

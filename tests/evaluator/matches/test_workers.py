@@ -244,7 +244,7 @@ def test_a_match_that_hangs_every_worker_is_given_up_as_the_platforms_fault(
 
 
 @pytest.mark.slow
-def test_a_worker_that_hangs_when_all_is_broken_off_is_killed(
+def test_a_worker_that_hangs_when_all_is_interrupted_is_killed(
     submit: Submit, out: Path, sockets: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("wildscav_evaluator.matches.workers.STOP_TIME", 1.0)

@@ -94,7 +94,7 @@ def test_the_time_limit_ends_the_episode(competitor: Competitor, timeout: int, a
     assert request.time_step == 50 * timeout
 
 
-def test_episodes_follow_each_other_on_any_maps_even_where_one_is_broken_off(competitor: Competitor) -> None:
+def test_episodes_follow_each_other_on_any_maps_even_where_one_is_interrupted(competitor: Competitor) -> None:
     competitor.begin(command(timeout=1))
     competitor.act(times=10)
     assert competitor.is_over
@@ -139,7 +139,7 @@ def test_a_record_is_there_before_the_client_hears_of_the_end(competitor: Compet
     assert (record.steps, record.names) == (10, ("agent_0", "fox"))
 
 
-def test_an_episode_that_is_broken_off_leaves_no_record(competitor: Competitor) -> None:
+def test_an_episode_that_is_interrupted_leaves_no_record(competitor: Competitor) -> None:
     before = list(competitor.records.glob("*"))
     competitor.begin(command(timeout=1, is_record=True))
     competitor.act(times=5)

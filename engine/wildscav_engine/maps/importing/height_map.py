@@ -2,6 +2,7 @@
 
 import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +11,12 @@ from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.base import HIGHEST, LARGEST, LOWEST, SMALLEST, Base, BaseError
 from wildscav_engine.maps.importing.imported import Imported, finish
 
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
 MOST_PIXELS = 8192  # of a side
 WHITE = {"L": 255.0, "I;16": 65535.0, "I;16B": 65535.0, "I;16L": 65535.0}  # by Pillow's name of the pixels
+STRIP = 128  # pixels across that are worked on at once
 COARSE = 0.1  # m between two shades of grey, from which on slopes look like steps
 
 
@@ -48,11 +53,10 @@ def import_height_map(
             f"{HIGHEST:g} m"
         )
     try:
-        grey, white = _read(path)
+        points = round(size / CELL) + 1
+        shares, white = _read(path, points)
     except BaseError as error:
         raise BaseError(f"{path}: {error}") from None
-    points = round(size / CELL) + 1
-    shares = _resample(_resample(grey / white, points).T, points).T
     heights = lowest + (highest - lowest) * shares[::-1]
     step = (highest - lowest) / white
     notes = []
@@ -64,8 +68,8 @@ def import_height_map(
     return finish(Base(np.ascontiguousarray(heights), level, (), size, name or path.stem), notes)
 
 
-def _read(path: Path) -> tuple[NDArray[np.float64], float]:
-    """Return the pixels of a picture, row after row southwards, and the number that is white."""
+def _read(path: Path, points: int) -> tuple[NDArray[np.float64], float]:
+    """Return how bright a picture is at so many points a side, southwards, and the number that is white."""
     from PIL import Image, UnidentifiedImageError
 
     try:
@@ -80,13 +84,27 @@ def _read(path: Path) -> tuple[NDArray[np.float64], float]:
                 )
             if picture.mode not in WHITE:
                 raise BaseError(f"its pixels are {picture.mode}, must be grey of 8 or 16 bits without alpha")
-            return np.asarray(picture).astype(np.float64), WHITE[picture.mode]
+            white = WHITE[picture.mode]
+            return _brightness(picture, white, points), white
     except UnidentifiedImageError:
         raise BaseError("it is no PNG picture") from None
     except OSError as error:
         raise BaseError(f"cannot be read: {error.strerror or error}") from None
     except (SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise BaseError(f"it is damaged: {error}") from None
+
+
+def _brightness(picture: "Image", white: float, points: int) -> NDArray[np.float64]:
+    """Return how bright a picture is, (points, points), from 0 to 1, read a few columns at a time."""
+    side = picture.size[0]
+    columns = np.empty((points, side))
+    for left in range(0, side, STRIP):
+        strip = np.asarray(picture.crop((left, 0, min(left + STRIP, side), side))).astype(np.float64)
+        columns[:, left : left + STRIP] = _resample(strip / white, points)
+    shares = np.empty((points, points))
+    for top in range(0, points, STRIP):
+        shares[top : top + STRIP] = _resample(columns[top : top + STRIP].T, points).T
+    return shares
 
 
 def _resample(rows: NDArray[np.float64], count: int) -> NDArray[np.float64]:

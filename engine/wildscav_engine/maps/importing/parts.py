@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.files import read_limited
 from wildscav_engine.maps.base import BaseError
 from wildscav_engine.maps.importing.obj import read_obj
 
 MIRROR = np.array([1.0, 1.0, -1.0])  # from a file's frame to the game's, and back
-FILE_LIMIT = 1 << 28  # bytes
+FILE_LIMIT = 64 << 20  # bytes
 FARTHEST = 1e6  # m from the origin, of any vertex
 
 # Without a handler of its own, what it warns of would be printed; all that matters is an error or a note.
@@ -43,12 +44,9 @@ def read_parts(path: Path) -> list[Part]:
     if reader is None:
         raise BaseError(f"a mesh is a file named {' or '.join(readers)}, a height map one named .png")
     try:
-        with path.open("rb") as file:
-            data = file.read(FILE_LIMIT + 1)
+        data = read_limited(path, FILE_LIMIT)
     except OSError as error:
         raise BaseError(f"cannot be read: {error.strerror}") from None
-    if len(data) > FILE_LIMIT:
-        raise BaseError(f"more than {FILE_LIMIT >> 20} MiB")
     parts = [part for part in reader(data) if len(part.triangles)]
     if not parts:
         raise BaseError("there are no triangles in it")
@@ -84,8 +82,11 @@ def _read_glb(data: bytes) -> list[Part]:
         scene = trimesh.load_scene(io.BytesIO(data), file_type="glb", process=False)
         # Sorted, because it keeps them in no order of the file's.
         return [_node(scene, name) for name in sorted(scene.graph.nodes_geometry)]
+    except MemoryError:
+        raise
     except Exception as error:  # noqa: BLE001 - a damaged file makes its reader raise anything
-        reason = " ".join(str(error).split()) or type(error).__name__
+        told = isinstance(error, ValueError | KeyError | IndexError) and " ".join(str(error).split())
+        reason = told or "its contents do not fit together"
         raise BaseError(f"it is no GLB file, or damaged: {reason}") from None
 
 

@@ -1,0 +1,103 @@
+"""One evaluation of two submissions, really played and signed, and copies of its folder to be forged."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.evaluator.ledger.forging import Forgery, copied
+
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.rescore_session import run_rescore
+from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.ledger.keys import SigningKey, new_key
+from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_evaluator.suites.own_suite import read_suite
+from wildscav_evaluator.suites.seeds import SuiteSeed
+
+Rescored = Callable[..., str]
+
+SUITE = """
+name = "tiny"
+map = { size = 40, houses = 0 }
+[tracks.navigation]
+maps = 5
+match = { time_limit = 3.0 }
+"""
+AGENT = """
+from wildscav import Action, Agent
+
+class Player(Agent):
+    def act(self, observation):
+        return Action(walk_direction={direction}, walk_speed=6.0)
+"""
+MANIFEST = """
+name = "{name}"
+version = "1.0.0"
+entry_point = "agent:Player"
+tracks = ["navigation"]
+"""
+
+
+@pytest.fixture(scope="session")
+def key_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("organizer") / "season.key"
+
+
+@pytest.fixture(scope="session")
+def key(key_file: Path) -> SigningKey:
+    return new_key(key_file)
+
+
+@pytest.fixture(scope="session")
+def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> Plan:
+    """Two submissions on five short matches."""
+    folder = tmp_path_factory.mktemp("season")
+    for name, direction in (("ada", "observation.step * 9.0"), ("bob", "90.0")):
+        (folder / name).mkdir()
+        (folder / name / "agent.py").write_text(AGENT.format(direction=direction))
+        (folder / name / "submission.toml").write_text(MANIFEST.format(name=name))
+    (folder / "tiny.toml").write_text(SUITE)
+    return Plan(
+        (load_submission(folder / "ada"), load_submission(folder / "bob")),
+        ("navigation",),
+        read_suite(folder / "tiny.toml"),
+        SuiteSeed(0),
+        replays="none",
+        jobs=1,
+        out=folder / "out",
+        key=key,
+    )
+
+
+@pytest.fixture(scope="session")
+def evaluated(plan: Plan, compiled: None) -> Path:
+    run_session(plan, plan.out / "wildscav.db")
+    return plan.out
+
+
+@pytest.fixture
+def signed(evaluated: Path, tmp_path: Path) -> Forgery:
+    """A copy of the folder."""
+    return copied(evaluated, tmp_path / "out")
+
+
+@pytest.fixture
+def unsigned(signed: Forgery) -> Forgery:
+    """The same folder as nobody signed it."""
+    signed.rewrite_ledger()
+    return signed
+
+
+@pytest.fixture
+def rescored(capsys: pytest.CaptureFixture[str]) -> Rescored:
+    """Rescore a folder that must be refused, and return all the lines that say why."""
+
+    def run(forgery: Forgery, key: str | None = None) -> str:
+        capsys.readouterr()
+        with pytest.raises(UserError) as refused:
+            run_rescore(forgery.out, 1, key)
+        assert refused.value.exit_code != 0
+        return f"{capsys.readouterr().err}\n{refused.value}"
+
+    return run

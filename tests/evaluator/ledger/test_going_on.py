@@ -1,0 +1,56 @@
+"""An evaluation does not go on over what was changed."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tests.evaluator.ledger.forgeries import worst
+from tests.evaluator.ledger.forging import Forgery, with_metrics
+
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.ledger.keys import new_key
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE
+
+
+def test_an_edited_journal_does_not_get_into_the_results(plan: Plan, unsigned: Forgery) -> None:
+    unsigned_plan = replace(plan, key=None, out=unsigned.out)
+    better = with_metrics(
+        unsigned.evaluation("ada").matches[0],
+        {"time": 0.1, "used_time": 0.1, "punish_time": 0.0, "success": 1.0},
+    )
+    forge = {"matches": unsigned.rewrite_journal, "and the ledger": unsigned.rewrite_ledger}
+    unsigned.change_matches("ada", lambda row: better if row.index == 0 else row)
+
+    said = []
+    for rewrite in forge.values():
+        rewrite()
+        with pytest.raises(UserError) as refused:
+            run_session(unsigned_plan, unsigned.out / "wildscav.db")
+        assert refused.value.exit_code == 2
+        said.append(str(refused.value))
+
+    assert "the journal says otherwise of navigation-000-ada than the ledger" in said[0]
+    assert "the metrics of navigation-000-ada in the journal are not those of its record" in said[1]
+
+
+def test_a_signed_evaluation_goes_on_only_with_its_key(plan: Plan, signed: Forgery, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"it is signed with the key .*, not unsigned"):
+        run_session(replace(plan, key=None, out=signed.out), signed.out / "wildscav.db")
+    other = new_key(tmp_path / "other.key")
+    with pytest.raises(UserError, match=f"not signed with the key {other.public}"):
+        run_session(replace(plan, key=other, out=signed.out), signed.out / "wildscav.db")
+
+    before = (signed.out / LEDGER_FILE).read_bytes()
+    run_session(replace(plan, out=signed.out), signed.out / "wildscav.db")
+    assert (signed.out / LEDGER_FILE).read_bytes() == before, "nothing happened that was to be entered"
+
+
+def test_a_loss_cannot_be_removed_to_be_played_again(plan: Plan, signed: Forgery) -> None:
+    signed.remove_match("ada", worst(signed))
+
+    with pytest.raises(
+        UserError, match=r"the record or the journal of navigation-00.-ada is missing, or was changed"
+    ):
+        run_session(replace(plan, out=signed.out), signed.out / "wildscav.db")
