@@ -89,6 +89,18 @@ def test_a_shell_completes_commands_options_and_values() -> None:
     assert complete("wildscav evaluate --sandbox b") == {"bubblewrap"}
 
 
+@pytest.mark.parametrize(
+    ("line", "offers"),
+    [("wildscav ev", "evaluate"), ("wildscav look --sen", "--sensor"), ("wildscav secret o", "open")],
+)
+def test_zsh_completes_too(line: str, offers: str) -> None:
+    asked = {"_WILDSCAV_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": line}
+    said = run(env={**os.environ, **asked}).stdout
+    assert said.startswith("_arguments ")
+    assert said.count('":"') == 1
+    assert f'"{offers}":' in said
+
+
 def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
     done = run("--show-completion", env={**os.environ, "HOME": str(tmp_path), "SHELL": "/bin/bash"})
     if done.returncode:  # the shell is found out from the process that called
@@ -117,6 +129,113 @@ def test_what_is_mistyped_gets_a_suggestion(tmp_path: Path, arguments: list[str]
     assert done.returncode == 2
     assert says in " ".join(done.stderr.split())
     assert list(tmp_path.iterdir()) == []
+
+
+# One wrong value, or more, for every command. What is in braces is there; nothing else is.
+WRONG = [
+    "init {file}",
+    "init new --name A/B",
+    "init new --from-policy {file}",
+    "init new --from homing --from-policy {file}",
+    "play {nothing}",
+    "play {file}",
+    "play {broken}",
+    "play image:",
+    "play homing --time-limit nan",
+    "play homing --size 41",
+    "play homing --logs {file}",
+    "play homing --logs {file}/logs",
+    "check {empty}",
+    "check homing --logs {file}",
+    "build {broken}",
+    "evaluate {nothing}",
+    "evaluate homing --suite {file}",
+    "evaluate homing --seed -1",
+    "evaluate homing --sign {file}",
+    "evaluate homing --secret {empty}",
+    "evaluate homing --out {file}",
+    "evaluate homing --out {file}/out",
+    "evaluate homing homing",
+    "compare homing {empty}",
+    "leaderboard --db {file}",
+    "replay {binary}",
+    "replay {empty}",
+    "replay {binary} --output x.mp4",
+    "replay-agent {binary} homing",
+    "replay-agent {nothing} homing --logs {file}",
+    "verify {binary}",
+    "verify {empty}",
+    "rescore {empty}",
+    "rescore {file}",
+    "secret new {file}",
+    "secret commitment {file}",
+    "secret open {file} {empty}",
+    "secret check {empty} abc",
+    "key new {file}",
+    "key new {nothing}/key",
+    "key public {binary}",
+    "serve --listen nonsense",
+    "serve --listen unix:/{nothing}/socket",
+    "serve --tls-cert {file} --tls-key {file}",
+    "serve --tls-cert {file}",
+    "doctor {file}",
+    "map info -5",
+    "map info {file}",
+    "map info --config {binary}",
+    "map show 101 --output {file}",
+    "map export 101 --output {file}",
+    "map export 101 --output {file}/folder",
+    "map import {file}",
+    "map import {binary}",
+    "look -5",
+    "look 101 --position nan,0",
+    "look --config {binary}",
+    "legacy install {file}",
+    "legacy install new --maps 5-1",
+]
+
+
+@pytest.fixture
+def kit(tmp_path: Path) -> dict[str, str]:
+    """Names of what is in a folder, and of what is not."""
+    for folder in ("empty", "broken"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "file.txt").write_text("A file. ")
+    (tmp_path / "binary.bin").write_bytes(bytes(range(256)))
+    (tmp_path / "broken" / "submission.toml").write_text("name = = 3")
+    return {
+        "nothing": "nothing",
+        "file": "file.txt",
+        "binary": "binary.bin",
+        "empty": "empty",
+        "broken": "broken",
+    }
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_what_is_wrong_is_said_without_a_traceback_and_leaves_nothing_behind(
+    tmp_path: Path,
+    kit: dict[str, str],
+    line: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["wildscav", *line.format(**kit).split()])
+    before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
+    with pytest.raises(SystemExit) as ended:
+        main.main()
+    said = capsys.readouterr().err
+    assert ended.value.code in (1, 2)
+    assert "Traceback" not in said
+    assert said.startswith(("wildscav: ", "Usage: "))
+    assert said.startswith("Usage") or said.count("\n") == 1
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before
+
+
+def test_every_command_is_given_something_wrong() -> None:
+    tried = {" ".join(arguments) for arguments in EVERYTHING} - {"", "map", "key", "secret", "legacy"}
+    assert tried == {name for name in tried if any(line.startswith(f"{name} ") for line in WRONG)}
 
 
 @pytest.mark.parametrize(

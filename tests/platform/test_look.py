@@ -143,6 +143,7 @@ def test_a_sensor_that_may_leave_them_out_does_so_only_if_told_to(
     [
         ([], "a map is named by its ID, or by --seed, --config and the fields of a config"),
         (["1000"], "ID is 1000, must be 1 to 999"),
+        (["-5"], "ID is -5, must be 1 to 999"),
         ([*BARE, "--sensor", "nose"], "sensor 'nose' does not exist; those to look with are depth, lidar, "),
         ([*BARE, "--sensor", "compass"], "sensor 'compass' makes no image; those to look with are depth, "),
         ([*BARE, "--option", "zoom=2"], "sensor camera: there is no option 'zoom'; its options are width, "),

@@ -7,6 +7,7 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
+from wildscav.folders import check_folder
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
 
 
@@ -32,6 +33,7 @@ def check(
     from wildscav_evaluator.cli.selection import load_submissions
     from wildscav_evaluator.sandbox import SANDBOXES
 
+    check_folder("--logs", logs)
     loaded = load_submissions([submission])
     name, (runs,) = chosen_sandbox(sandbox, loaded)
     try:

@@ -10,6 +10,7 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
+from wildscav.folders import check_folder
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
 from wildscav_evaluator.cli.sign_option import SignOption, signing_key, warn_of_open_key
 
@@ -169,6 +170,7 @@ def play(
     from wildscav_evaluator.cli.play_session import make_spec, run_match
     from wildscav_evaluator.cli.selection import check_plays, load_submissions, tracks_played
 
+    check_folder("--logs", logs)
     loaded = load_submissions(submissions)
     chosen = tracks_played(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
     for submission in loaded:

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from wildscav.folders import check_folder
 from wildscav_evaluator.cli.sandbox_option import InSandbox, chosen_sandbox
 
 
@@ -39,6 +40,7 @@ def replay_agent(
     from wildscav_evaluator.cli.replay_agent_session import run_again
     from wildscav_evaluator.cli.selection import load_submissions
 
+    check_folder("--logs", logs)
     loaded = load_submissions([submission])
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     run_again(record, loaded[0], seats=seat or [], logs=logs, sandbox=runs_in)

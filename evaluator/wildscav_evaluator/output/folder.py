@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wildscav.errors import UserError, describe
+from wildscav.folders import check_folder
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS
@@ -34,11 +35,7 @@ def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iter
     Raises:
         UserError: The folder cannot be made, or belongs to another evaluation, or one is writing to it.
     """
-    try:
-        for name in FOLDERS:
-            (out / name).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"cannot make the output folder {error.filename}: {error.strerror}") from error
+    _make(out)
     with locked(out) as lock:
         if fresh:
             # The results first, and the identity last: killed in between, this can be done again.
@@ -47,11 +44,20 @@ def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iter
             keep_only(out, ())
         else:
             _check_same(out, identity)
+        for name in FOLDERS:  # not before: a folder that is refused is left as it is
+            _make(out / name)
         try:
             write_identity(identity, out)
         except OSError as error:
             raise UserError(f"nothing can be kept in the output folder: {describe(error)}") from error
         yield lock
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot make the output folder {error.filename}: {error.strerror}") from error
 
 
 def _check_same(out: Path, identity: Identity) -> None:
@@ -94,11 +100,12 @@ def _own_files(out: Path) -> Iterator[Path]:
 
 
 def check_out(out: Path, submissions: Iterable[Submission]) -> None:
-    """Refuse an output folder in a submission: it would change what is evaluated.
+    """Refuse an output folder that cannot be one, or in a submission: it would change what is evaluated.
 
     Raises:
-        UserError: It is a submission's folder, or in one.
+        UserError: It is no folder, or it is a submission's, or in one.
     """
+    check_folder("--out", out)
     target = out.resolve()
     for folder in (target, *target.parents):
         if (folder / MANIFEST).is_file() or any(folder == one.folder for one in submissions):

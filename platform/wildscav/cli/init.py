@@ -16,50 +16,48 @@ TEMPLATE = ("submission.toml", "agent.py", "README.md")
 LONGEST_NAME = 40  # characters
 
 
+Folder = Annotated[Path, typer.Argument(help="Folder to make: one that does not exist yet, or an empty one.")]
+Name = Annotated[str | None, typer.Option(help="Name of the submission. Default: that of the folder.")]
+Baseline = Annotated[
+    str | None,
+    typer.Option(
+        "--from", help=f"Begin with a copy of a baseline: {', '.join(NAMES)}. Default: a small template."
+    ),
+]
+PolicyFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="A trained policy to play: a .zip of Stable-Baselines3 (only one that you trust: it holds "
+        "Python objects), an .onnx file, or an .npz of layers."
+    ),
+]
+Track = Annotated[str | None, typer.Option(help="With --from-policy: what it was trained for.")]
+EnvironmentOptions = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=VALUE",
+        help="With --from-policy: an option of the environment that it was trained in, its value as "
+        "JSON, such as frames_per_action=15. What the policy's own shape tells may be left out.",
+    ),
+]
+Choosing = Annotated[
+    str,
+    typer.Option(help="With --from-policy: sampled (as likely as it says) or deterministic (the likeliest)."),
+]
+Activation = Annotated[str, typer.Option(help="With an .npz: what follows each layer but the last.")]
+
+
 def init(
-    folder: Annotated[
-        Path, typer.Argument(help="Folder to make: one that does not exist yet, or an empty one.")
-    ],
-    name: Annotated[
-        str | None, typer.Option(help="Name of the submission. Default: that of the folder.")
-    ] = None,
-    baseline: Annotated[
-        str | None,
-        typer.Option(
-            "--from", help=f"Begin with a copy of a baseline: {', '.join(NAMES)}. Default: a small template."
-        ),
-    ] = None,
-    from_policy: Annotated[
-        Path | None,
-        typer.Option(
-            help="A trained policy to play: a .zip of Stable-Baselines3 (only one that you trust: it holds "
-            "Python objects), an .onnx file, or an .npz of layers."
-        ),
-    ] = None,
-    track: Annotated[str | None, typer.Option(help="With --from-policy: what it was trained for.")] = None,
-    option: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="With --from-policy: an option of the environment that it was trained in, its value as "
-            "JSON, such as frames_per_action=15. What the policy's own shape tells may be left out.",
-        ),
-    ] = None,
-    choose: Annotated[
-        str,
-        typer.Option(
-            help="With --from-policy: sampled (as likely as it says) or deterministic (the likeliest)."
-        ),
-    ] = "sampled",
-    activation: Annotated[
-        str, typer.Option(help="With an .npz: what follows each layer but the last.")
-    ] = "tanh",
+    folder: Folder,
+    name: Name = None,
+    baseline: Baseline = None,
+    from_policy: PolicyFile = None,
+    track: Track = None,
+    option: EnvironmentOptions = None,
+    choose: Choosing = "sampled",
+    activation: Activation = "tanh",
 ) -> None:
     """Make a new submission, from a template, a baseline or a trained policy, ready to play."""
-    from rich.text import Text
-
-    from wildscav.console import console
-
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder} is not an empty folder: name one that does not exist yet", exit_code=2)
     name = submission_name(folder.resolve().name) if name is None else _checked(name)
@@ -76,6 +74,14 @@ def init(
 
         content = policy_files(from_policy, name, track, option or [], choose, activation)
     _write(folder, content)
+    _say_what_is_next(folder, name)
+
+
+def _say_what_is_next(folder: Path, name: str) -> None:
+    from rich.text import Text
+
+    from wildscav.console import console
+
     console.print(Text.assemble((str(folder), "bold"), " holds a new agent, ", (name, "bold"), ". Next:"))
     quoted = shlex.quote(str(folder))
     for command, what in (

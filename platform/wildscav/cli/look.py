@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from wildscav.cli.naming import Choice, takes_a_map
+from wildscav.cli.naming import Choice, MapCommand, takes_a_map
 from wildscav.cli.pictures import format_of, save
 from wildscav.errors import UserError
 
@@ -32,6 +32,10 @@ class Wanted(NamedTuple):
     numbers: tuple[float, ...]
 
 
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="rich")
+
+
+@app.command(cls=MapCommand)
 @takes_a_map
 def look(
     choose: Callable[[], Choice],

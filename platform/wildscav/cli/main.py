@@ -27,7 +27,7 @@ OWN = {
     "replay": "wildscav.cli.replay:replay",
     "serve": "wildscav.cli.serve:serve",
     "map": "wildscav.cli.map:app",
-    "look": "wildscav.cli.look:look",
+    "look": "wildscav.cli.look:app",
     "legacy": "wildscav.cli.legacy:app",
 }
 # The groups of help, and in them the order: what a newcomer needs first.

@@ -12,6 +12,7 @@ from wildscav.cli.map_import import import_map
 from wildscav.cli.naming import Choice, MapCommand, takes_a_map
 from wildscav.cli.pictures import format_of, save
 from wildscav.errors import UserError
+from wildscav.folders import check_folder
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -95,6 +96,8 @@ def export(
     from wildscav.console import console, error_console
     from wildscav_engine.maps.export import export_map
 
+    if output is not None:
+        check_folder("--output", output)
     choice = choose()
     folder = output or Path(choice.slug)
     with error_console.status("exporting"):

@@ -90,6 +90,7 @@ def test_a_folder_that_does_not_say_what_it_holds_is_refused(plan: Plan) -> None
     (plan.out / "records").mkdir(parents=True)
     (plan.out / "records" / "mine.wsr").touch()
     assert "does not say which one it is" in refusal(plan)
+    assert [path.name for path in plan.out.iterdir()] == ["records"], "what is refused is left as it is"
 
     (plan.out / IDENTITY_FILE).write_text("{}")
     with pytest.raises(UserError, match="not of this version"), output_folder(plan.out, identity(plan)):
