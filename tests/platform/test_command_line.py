@@ -175,7 +175,7 @@ WRONG = [
     "key new {nothing}/key",
     "key public {binary}",
     "serve --listen nonsense",
-    "serve --listen unix:/{nothing}/socket",
+    "serve --listen unix:/dev/null/socket",
     "serve --tls-cert {file} --tls-key {file}",
     "serve --tls-cert {file}",
     "doctor {file}",

@@ -13,6 +13,7 @@ import pytest
 from tests.platform.seats import connected, ended, small_spec, start_agent
 
 from wildscav.errors import UserError
+from wildscav.leftovers import own_folder
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server.shared import SharedServer
@@ -149,3 +150,15 @@ def test_an_address_that_a_worker_cannot_have_is_named_and_nothing_stays(tmp_pat
         other.bind(f"{tmp_path}/match.sock.2")
         other.listen()
         asyncio.run(start())
+
+
+@pytest.mark.parametrize("address", ["nonsense", "0.0.0.0:0", "unix:/dev/null/socket"])
+def test_an_address_that_is_refused_leaves_no_folder(address: str) -> None:
+    folder = own_folder()
+
+    async def run() -> None:
+        with pytest.raises(UserError):
+            await SharedServer(2).start([address])
+        assert list(folder.glob("serve-*")) == []
+
+    asyncio.run(run())

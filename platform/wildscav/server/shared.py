@@ -74,25 +74,28 @@ class SharedServer:
             AddressInUseError: An address cannot be had.
             UserError: An address is malformed or open to others without a token, or a worker cannot start.
         """
-        for address in addresses:
-            self._organizer.check_address(address)
-            self._door.check_address(address)
-        allow_many_files()
-        self.workers = [
-            Worker(self._orders(number, addresses), self._log) for number in range(1, self._count + 1)
-        ]
         try:
+            for address in addresses:
+                self._organizer.check_address(address)
+                self._door.check_address(address)
+            allow_many_files()
+            self.workers = [
+                Worker(self._orders(number, addresses), self._log) for number in range(1, self._count + 1)
+            ]
             self._bind(addresses)
+            await self._start_workers()
         except BaseException:
             await self.stop()
             raise
-        started = await asyncio.gather(*(worker.start() for worker in self.workers), return_exceptions=True)
-        for failure in filter(None, started):
-            await self.stop()
-            raise failure
         for entrance in self._entrances:
             entrance.start()
         return [entrance.address for entrance in self._entrances]
+
+    async def _start_workers(self) -> None:
+        """Start all of them, and wait until each is ready or has failed."""
+        started = await asyncio.gather(*(worker.start() for worker in self.workers), return_exceptions=True)
+        for failure in filter(None, started):
+            raise failure
 
     def _bind(self, addresses: Sequence[str]) -> None:
         """Take the organizers' addresses, though nobody is let in yet."""

@@ -165,7 +165,11 @@ def test_a_fresh_evaluation_replaces_what_was_in_its_folder_and_no_more(
         (["{walker}", "--out", "{walker}"], 2, "walker is the folder of a submission"),
         (["{walker}", "--out", "{walker}/out/deep"], 2, "walker/out/deep is in the folder of a submission"),
         (["{walker}", "--out", "{other}/out"], 2, "other/out is in the folder of a submission"),
-        (["{walker}", "--out", "/dev/null/out"], 1, "cannot make the output folder /dev/null/out"),
+        (
+            ["{walker}", "--out", "/dev/null/out"],
+            2,
+            "--out /dev/null/out cannot be made: /dev/null is not a folder",
+        ),
     ],
 )
 def test_bad_input_is_one_clear_line(
