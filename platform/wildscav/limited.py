@@ -19,7 +19,7 @@ from typing import Any
 from wildscav.errors import UserError, describe
 from wildscav.processes import end_with_parent
 
-MEMORY = 256 << 20  # bytes, beyond what Python takes with the function's module imported
+MEMORY = 224 << 20  # bytes, beyond what Python takes with the function's module imported
 PROCESSOR = 6  # s of processor time
 PATIENCE = 120.0  # s by the clock: a busy machine gives a process only a part of its time
 TOO_LONG = f"it takes more than {PROCESSOR} s of processor time"
