@@ -107,3 +107,13 @@ def test_a_track_without_evaluations_is_one_clear_line(make_results: Make, tmp_p
 
     assert done.returncode == 1
     assert "there are no evaluations of track battle in" in done.stderr
+
+
+def test_a_suite_or_a_track_is_found_by_the_beginning_of_its_name(make_results: Make, tmp_path: Path) -> None:
+    path = tmp_path / "wildscav.db"
+    results = make_results({("homing", "gathering"): [12.0]})
+    DatabaseSink(str(path)).store(results.model_copy(update={"suite": "spring@19da5d55"}))
+
+    for option in ("--suite=spring", "--track=gath"):
+        assert "suite spring@19da5d55" in leaderboard("--db", path, option).stdout
+    assert leaderboard("--db", path, "--suite=summer").returncode == 1
