@@ -31,7 +31,7 @@ maps = 3
 match = { time_limit = 2.0 }
 """
 MATCHES = 6  # of both
-KILLS = 25  # at random moments; WILDSCAV_TEST_KILLS asks for more
+KILLS = 15  # at random moments; WILDSCAV_TEST_KILLS asks for more
 
 
 @pytest.fixture
