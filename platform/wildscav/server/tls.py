@@ -26,6 +26,7 @@ class Certificate(NamedTuple):
             readable(path)
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         context.minimum_version = ssl.TLSVersion.TLSv1_2
+        context.options |= ssl.OP_NO_RENEGOTIATION
         context.set_alpn_protocols(["h2"])
         try:
             context.load_cert_chain(self.chain, self.key, password=_no_password)

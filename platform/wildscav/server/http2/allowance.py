@@ -73,8 +73,8 @@ class Allowance:
 
 SHARE = 0.25  # of a processor core, for all strangers at one address
 BURST = 0.05  # s that they may take at once
-# s that a connection is taken to cost before it has sent anything:
-GONE_COST, PLAIN_COST, TLS_COST = 20e-6, 300e-6, 3e-3
+# s that a connection is taken to cost before it has sent anything, and one that is gone at once:
+CONNECTION_COST, GONE_COST = 300e-6, 20e-6
 
 
 class Share:

@@ -1,11 +1,13 @@
 """One client's connection: when it is read and written, how long it may last, and how it ends."""
 
 import asyncio
+import ssl
 from collections.abc import Mapping
 from typing import Protocol, cast
 
-from wildscav.server.http2.allowance import Allowance, FloodError, Share, processor_time
+from wildscav.server.http2.allowance import HEAVY, Allowance, FloodError, Share, processor_time
 from wildscav.server.http2.calls import STREAMS, Calls, Route
+from wildscav.server.http2.encryption import Encryption
 from wildscav.server.http2.flow import Flow
 from wildscav.server.http2.frames import Code, FrameError, Kind, Setting, write_frame, write_settings
 from wildscav.server.http2.inbound import HEADER_LIMIT, Inbound
@@ -57,10 +59,12 @@ class Connection(asyncio.BufferedProtocol):
     Args:
         host: What it belongs to.
         peer: Where it comes from, as far as that is known.
+        tls: How it is encrypted; it is not if none.
     """
 
-    def __init__(self, host: Host, peer: str) -> None:
-        self._host, self.peer = host, peer
+    def __init__(self, host: Host, peer: str, tls: ssl.SSLContext | None = None) -> None:
+        self._host, self.peer, self._tls = host, peer, tls
+        self._encryption: Encryption | None = None  # from the first bytes on
         self._loop = asyncio.get_running_loop()
         self.allowance = Allowance(self._loop.time)
         self.known = False  # whether the client is in a seat, or an organizer
@@ -82,12 +86,13 @@ class Connection(asyncio.BufferedProtocol):
     # What the transport calls.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Greet the client."""
+        """Greet the client; where the connection is to be encrypted, this waits for the handshake."""
         self._transport = cast(asyncio.Transport, transport)
         if self._closing:  # it had to make room meanwhile
             self._transport.abort()
             return
-        self.send(GREETING)
+        if self._tls is None:
+            self.send(GREETING)
         self._timer = self._loop.call_later(GREETING_TIME, self._look)
 
     def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - as asyncio calls it
@@ -132,9 +137,33 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._heard, self._asked = self._loop.time(), 0.0
         try:
-            self._inbound.take(content)
+            self._inbound.take(content if self._tls is None else self._decrypted(content, self._tls))
+            if self._encryption is not None and self._encryption.has_ended:
+                self.abort()
         except FrameError as error:
             self._refuse(error)
+        except ssl.SSLError:
+            self.abort()
+
+    def _decrypted(self, content: bytes, tls: ssl.SSLContext) -> bytes:
+        """Return what is in TLS's records; what they add to it is paid for like frames without a message.
+
+        Raises:
+            ssl.SSLError: It is not TLS, or not from a client that may come in.
+            FloodError: There is too little in the records.
+        """
+        encryption = self._encryption = self._encryption or Encryption(tls)
+        was_ready = encryption.is_ready
+        try:
+            plain = encryption.decrypt(content)
+        finally:
+            if self._transport is not None and (own := encryption.own_words()):
+                self._transport.write(own)
+        if was_ready:
+            self.allowance.spend((len(content) - len(plain)) / HEAVY)
+        elif encryption.is_ready:
+            self.send(GREETING)
+        return plain
 
     def _take_from_stranger(self, content: bytes) -> None:
         started = processor_time()
@@ -165,8 +194,12 @@ class Connection(asyncio.BufferedProtocol):
 
     def send(self, content: bytes) -> None:
         """Write something, if anybody is there."""
-        if self._transport is not None and not self._transport.is_closing():
+        if self._transport is None or self._transport.is_closing():
+            return
+        if self._tls is None:
             self._transport.write(content)
+        elif self._encryption is not None and self._encryption.is_ready:
+            self._transport.write(self._encryption.encrypt(content))
 
     def trust(self) -> None:
         """Count the connection as known: it no longer shares the time of strangers."""
@@ -208,6 +241,8 @@ class Connection(asyncio.BufferedProtocol):
         self._closing = True
         if self._transport is not None:
             self.send(_goaway(self.calls.last, code, reason))
+            if self._encryption is not None and self._encryption.is_ready:
+                self._transport.write(self._encryption.end())
             self._transport.close()
             self._loop.call_later(SIGN_TIME, self.abort)  # who does not read, does not keep it open
 

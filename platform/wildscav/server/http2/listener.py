@@ -6,9 +6,9 @@ import socket
 import ssl
 from collections.abc import Callable, Mapping, Sequence
 
-from wildscav.server.http2.allowance import GONE_COST, PLAIN_COST, TLS_COST, FloodError, Share
+from wildscav.server.http2.allowance import CONNECTION_COST, GONE_COST, FloodError, Share
 from wildscav.server.http2.calls import Route
-from wildscav.server.http2.connection import GREETING_TIME, Connection
+from wildscav.server.http2.connection import Connection
 
 BACKLOG = 1024  # connections that wait to be let in
 AT_ONCE = 16  # connections let in before others get their turn
@@ -51,7 +51,7 @@ class Listener:
         self._open: dict[Connection, asyncio.Task[None]] = {}  # each with what sets it up
         self._strangers: dict[str, dict[Connection, None]] = {}  # by peer, in the order in which they came
         self._paused: asyncio.TimerHandle | None = None  # ends a pause for strangers
-        self._listening = False
+        self._who_comes = False  # whether the last turn was of those who come
 
     def start(self) -> None:
         """Let connections in."""
@@ -61,20 +61,18 @@ class Listener:
         self._listen()
 
     def _listen(self) -> None:
-        self._listening = True
         for one in self._sockets:
             self._loop.add_reader(one.fileno(), self._let_in, one)
 
     def _stop_listening(self) -> None:
-        self._listening = False
         for one in self._sockets:
             self._loop.remove_reader(one.fileno())
 
     # Who comes.
 
-    def _let_in(self, at: socket.socket) -> None:
-        for _ in range(AT_ONCE):
-            if not self._listening:
+    def _let_in(self, at: socket.socket, most: int = AT_ONCE) -> None:
+        for _ in range(most):
+            if not self._sockets:
                 return
             if (seconds := self.share.wait()) > 0.0:
                 self._pause(seconds)
@@ -116,13 +114,13 @@ class Listener:
             self.share.spend(GONE_COST)
             come.close()
             return
-        self.share.spend(TLS_COST if self._tls else PLAIN_COST)
+        self.share.spend(CONNECTION_COST)
         if len(self._open) >= self._limit and not self._send_one_away():
             come.close()
             return
         if come.family != socket.AF_UNIX:
             come.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        connection = Connection(self, peer)
+        connection = Connection(self, peer, self._tls)
         self._strangers.setdefault(peer, {})[connection] = None
         task = self._loop.create_task(self._set_up(connection, come), name="connection")
         # One that was cancelled before it began has closed nothing.
@@ -130,13 +128,10 @@ class Listener:
         self._open[connection] = task
 
     async def _set_up(self, connection: Connection, come: socket.socket) -> None:
-        """Connect a socket to what serves it, after a handshake where there is one."""
-        handshake_time = GREETING_TIME if self._tls else None
+        """Connect a socket to what serves it."""
         try:
-            await self._loop.connect_accepted_socket(
-                lambda: connection, come, ssl=self._tls, ssl_handshake_timeout=handshake_time
-            )
-        except (OSError, TimeoutError):  # of TLS as well
+            await self._loop.connect_accepted_socket(lambda: connection, come)
+        except OSError:
             come.close()
             self.closed(connection)
 
@@ -178,15 +173,23 @@ class Listener:
             self._paused = self._loop.call_later(seconds, self._go_on)
 
     def _go_on(self) -> None:
-        """Take what strangers have said meanwhile, in the order in which they did, and let others in."""
+        """Take in turns what strangers have said, in the order in which they did, and those who come.
+
+        So neither keep the others waiting for good, even if there is time for one of them only.
+        """
         self._paused = None
         while self._waiting and self.share.wait() == 0.0:
-            one = next(iter(self._waiting))
-            del self._waiting[one]
-            one.resume()
+            self._who_comes = not self._who_comes
+            if self._who_comes:
+                for at in tuple(self._sockets):
+                    self._let_in(at, most=1)
+            else:
+                one = next(iter(self._waiting))
+                del self._waiting[one]
+                one.resume()
         if (seconds := self.share.wait()) > 0.0:
             self._pause(seconds)
-        else:
+        elif self._paused is None:
             self._listen()
 
     # Its end.
