@@ -130,7 +130,7 @@ def play(called: str) -> GetMatchResponse:
             env={**os.environ, **seat},
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=300,
         )
         assert agent.returncode == 0, agent.stderr
         over = (GetMatchResponse.STATE_FINISHED, GetMatchResponse.STATE_FAILED)

@@ -35,7 +35,7 @@ EVERYTHING = sorted(set(everything(ROOT)))
 
 def run(*arguments: object, **options: object) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(  # type: ignore[call-overload, no-any-return]
-        [WILDSCAV, *map(str, arguments)], capture_output=True, text=True, timeout=60, **options
+        [WILDSCAV, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
     )
 
 
