@@ -1,9 +1,9 @@
 """Opening the database, and the one line that says why it cannot be opened."""
 
-import contextlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from sqlalchemy import URL, Connection, Engine, create_engine, inspect
 from sqlalchemy.exc import DatabaseError, OperationalError
@@ -14,23 +14,24 @@ from wildscav_leaderboard.schema import bring_up_to_date, is_current, is_newer, 
 
 
 def check_writable(path: Path) -> None:
-    """See whether ``writing`` would work: an old database is only opened, a new one made and removed.
+    """See whether ``writing`` would work, and leave nothing behind.
+
+    An old database is only opened. In the place of a new one a trial is made, in a folder of its own: another
+    command may make the database, or its folder, at the same time.
 
     Raises:
         UserError: It would not.
     """
-    new = not path.exists()
-    folders = [folder for folder in path.absolute().parents if not folder.exists()]
+    if path.exists():
+        with _opened_to_write(path):
+            return
+    there = next(folder for folder in path.absolute().parents if folder.exists())
     try:
-        with _opened_to_write(path) as connection:
-            if new:
-                connection.commit()  # shows a full disk
-        if new:
-            path.unlink()
-    finally:
-        for folder in folders:
-            with contextlib.suppress(OSError):
-                folder.rmdir()
+        trial = TemporaryDirectory(prefix=".wildscav-", dir=there)
+    except OSError as error:
+        raise UserError(f"cannot make the database {path} in {there}: {error.strerror}") from error
+    with trial as folder, _opened_to_write(Path(folder) / path.name, path) as connection:
+        connection.commit()  # shows a full disk
 
 
 @contextmanager
@@ -47,16 +48,25 @@ def writing(path: Path) -> Iterator[Session]:
 
 
 @contextmanager
-def _opened_to_write(path: Path) -> Iterator[Connection]:
+def _opened_to_write(path: Path, named: Path | None = None) -> Iterator[Connection]:
     """Yield a connection in a transaction with our tables, made or brought up to date.
 
     All that is lost unless committed.
+
+    Args:
+        path: The database.
+        named: What errors call it, if not by its path.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"cannot make the folder of the database {path}: {error.strerror}") from error
-    with _nothing_half_made(path), _one_line(path), _engine(path) as engine, engine.connect() as connection:
+    with (
+        _nothing_half_made(path),
+        _one_line(named or path),
+        _engine(path) as engine,
+        engine.connect() as connection,
+    ):
         # Takes the database at once, so that making tables is part of the transaction.
         connection.exec_driver_sql("BEGIN IMMEDIATE")
         if inspect(connection).get_table_names():

@@ -9,11 +9,12 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
-from sqlalchemy import func, select
+from sqlalchemy import Connection, func, select
 
 from wildscav.errors import UserError
 from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.output.sinks import GROUP, sinks
+from wildscav_leaderboard import database
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.models import Base, Evaluation, MatchResult, Score, Submission
 from wildscav_leaderboard.sink import DatabaseSink
@@ -137,6 +138,23 @@ def test_a_check_leaves_nothing_new_behind_and_nothing_old_changed(
     sink.check()
     assert path.read_bytes() == before
     assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_check_leaves_alone_what_another_command_stores_meanwhile(
+    make_results: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "out" / "wildscav.db"
+    sink = DatabaseSink(str(path))
+
+    def store_meanwhile(connection: Connection) -> None:
+        monkeypatch.undo()
+        sink.store(make_results({("homing", "navigation"): [1.0]}))
+        database.bring_up_to_date(connection)
+
+    monkeypatch.setattr(database, "bring_up_to_date", store_meanwhile)
+    sink.check()
+
+    assert count(path, Evaluation) == 1
 
 
 def test_a_full_disk_leaves_no_empty_database(tmp_path: Path) -> None:

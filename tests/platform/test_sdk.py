@@ -185,20 +185,27 @@ def test_an_agent_may_run_event_loops_of_its_own(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "SCHED_BATCH"), reason="the system has no such policy")
-@pytest.mark.parametrize(("chosen", "kept"), [("OTHER", "BATCH"), ("IDLE", "IDLE")])
-def test_an_agent_interrupts_nobody_unless_its_user_chose_how_it_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, chosen: str, kept: str
-) -> None:
-    monkeypatch.setenv("CHOSEN", chosen)
-
+def test_an_agent_that_plays_interrupts_nobody(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec())
+        hosted = await host(server, small_spec(seconds=0.5))
         agent = await start_agent("TellsHowItRuns", address, hosted.tokens[0])
         code, said = await ended(agent)
         assert code == 0
-        assert {int(line) for line in said.split()} == {getattr(os, f"SCHED_{kept}")}
+        assert {int(line) for line in said.split()} == {os.SCHED_BATCH}
 
     serving(tmp_path, play)
+
+
+@pytest.mark.skipif(not hasattr(os, "SCHED_IDLE"), reason="the system has no such policy")
+def test_how_an_agents_user_chose_to_run_it_stays() -> None:
+    code = (
+        "import os; from wildscav.sdk.run import wait_in_line; "
+        "os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0)); "
+        "wait_in_line(); chosen = os.sched_getscheduler(0); "
+        "os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0)); print(chosen)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.PIPE, text=True)
+    assert int(done.stdout) == os.SCHED_IDLE
 
 
 def test_a_server_that_dies_is_an_unreachable_server(tmp_path: Path) -> None:
