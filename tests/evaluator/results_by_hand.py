@@ -1,6 +1,7 @@
 """Results made by hand, without a match."""
 
 from wildscav_evaluator.evaluation import metric_infos
+from wildscav_evaluator.output.identity import Entrant, Identity
 from wildscav_evaluator.output.results import (
     Evaluation,
     KeptLimits,
@@ -41,6 +42,25 @@ def results_of(text: str, *others: str) -> Results:
         limits={"navigation": KeptLimits(memory=1)},
         evaluations=tuple(evaluation_of(name) for name in names),
         timings=Timings(started="2030-01-01T00:00:00+00:00", wall=1.0, jobs=1, matches=tuple(timings)),
+    )
+
+
+def identity_of(
+    *names: str, track: str = "navigation", digest: str = "1" * 32, key: str | None = None
+) -> Identity:
+    """Identity of an evaluation of some submissions on one track."""
+    return Identity(
+        versions=CURRENT_VERSIONS,
+        suite="quick",
+        seed="0",
+        tracks=(track,),
+        matches="0" * 32,
+        submissions=tuple(
+            Entrant(name=name, version="1.0.0", digest=digest, tracks=(track,)) for name in names
+        ),
+        sandbox="process",
+        limits={},
+        key=key,
     )
 
 

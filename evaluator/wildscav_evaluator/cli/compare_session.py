@@ -47,6 +47,11 @@ def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> 
     raise_all([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])
 
 
+def both_play(tracks: Sequence[str], submissions: Sequence[Submission]) -> tuple[str, ...]:
+    """Return those of some tracks that all submissions play."""
+    return tuple(name for name in tracks if all(name in one.manifest.tracks for one in submissions))
+
+
 def told_apart(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
     """Return two submissions under two names: two versions of one are called by its name, -a and -b."""
     first, second = submissions

@@ -49,7 +49,7 @@ def compare(
     match, leaves out zero. A comparison that was interrupted is continued by the same command.
     """
     from wildscav_engine.threads import cores
-    from wildscav_evaluator.cli.compare_session import run_comparison, told_apart
+    from wildscav_evaluator.cli.compare_session import both_play, run_comparison, told_apart
     from wildscav_evaluator.cli.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.evaluation import Plan, in_own_folder
     from wildscav_evaluator.output.numbered import COMPARISONS
@@ -57,11 +57,7 @@ def compare(
     from wildscav_evaluator.watch.watch import Watching
 
     loaded, chosen = told_apart(load_submissions([first, second])), find_suite(suite)
-    tracks = [
-        name
-        for name in suite_tracks(loaded, track or [], chosen)
-        if all(name in one.manifest.tracks for one in loaded)
-    ]
+    tracks = both_play(suite_tracks(loaded, track or [], chosen), loaded)
     if not tracks:
         raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
     first_seed = suite_seed(seed, secret)
@@ -71,7 +67,7 @@ def compare(
         warn_of_open_key(runs_in)
     plan = Plan(
         submissions=loaded,
-        tracks=tuple(tracks),
+        tracks=tracks,
         suite=chosen,
         seed=first_seed,
         replays="none",

@@ -26,10 +26,9 @@ from wildscav_evaluator.ledger.entries import (
 )
 from wildscav_evaluator.ledger.keys import is_signed
 from wildscav_evaluator.output.identity import Identity
-from wildscav_evaluator.output.part import SMALL, PartError, try_limited
+from wildscav_evaluator.output.part import LARGEST, PartError, read_tried
 
 LEDGER_FILE = "ledger.jsonl"
-LARGEST = 32 << 20  # bytes: to check as many takes some ten seconds
 
 
 class LedgerError(UserError):
@@ -114,13 +113,10 @@ def read_lines(path: Path) -> bytes:
         LedgerError: They take too much time or memory.
         OSError: It cannot be read.
     """
-    large = path.stat().st_size > SMALL
-    if large:
-        try:
-            try_limited(f"{__name__}:try_entries", path)
-        except PartError as error:
-            raise LedgerError(f"{path}: {error}") from None
-    return read_limited(path, LARGEST if large else SMALL)
+    try:
+        return read_tried(path, f"{__name__}:try_entries")
+    except PartError as error:
+        raise LedgerError(f"{path}: {error}") from None
 
 
 def parse_ledger(path: Path, content: bytes) -> Ledger:

@@ -35,10 +35,7 @@ class Part(BaseModel):
             PartError: It is too large, or not of this kind.
             OSError: It cannot be read.
         """
-        large = path.stat().st_size > SMALL
-        if large:
-            try_limited(f"{__name__}:check_part", path, cls.__module__, cls.__qualname__)
-        return cls.parse(read_limited(path, LARGEST if large else SMALL))
+        return cls.parse(read_tried(path, f"{__name__}:check_part", cls.__module__, cls.__qualname__))
 
     @classmethod
     def parse(cls, content: bytes) -> Self:
@@ -70,18 +67,27 @@ class PartError(UserError):
     """A file is not what it should be; the message is one line that says why, without the file's name."""
 
 
-def try_limited(function: str, path: Path, *arguments: str) -> None:
-    """Have a function read a file in a limited process, as it will be read here.
+def read_tried(path: Path, trial: str, *arguments: str) -> bytes:
+    """Return the content of a file; a large one is read on trial first, in a limited process.
+
+    Args:
+        path: The file.
+        trial: What reads it there as the caller will, "module:function"; it is given the path.
+        arguments: Others that it is given.
 
     Raises:
-        PartError: It cannot be read, or takes too much time or memory.
+        PartError: A large file cannot be read, or takes too much time or memory.
+        OSError: A file cannot be read.
     """
-    try:
-        call_limited(function, str(path), *arguments, memory=MEMORY)
-    except LimitExceededError as error:
-        raise PartError(f"to read it would cost too much: {error}") from None
-    except UserError as error:
-        raise PartError(str(error)) from None
+    large = path.stat().st_size > SMALL
+    if large:
+        try:
+            call_limited(trial, str(path), *arguments, memory=MEMORY)
+        except LimitExceededError as error:
+            raise PartError(f"to read it would cost too much: {error}") from None
+        except UserError as error:
+            raise PartError(str(error)) from None
+    return read_limited(path, LARGEST if large else SMALL)
 
 
 def check_part(path: str, module: str, name: str) -> None:

@@ -22,8 +22,8 @@ from pydantic import (
     model_validator,
 )
 
+from wildscav.configs import LARGEST, read_config
 from wildscav.errors import UserError, describe
-from wildscav.limited import LimitExceededError, call_limited
 from wildscav_engine.files import read_limited
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
@@ -37,9 +37,6 @@ from wildscav_evaluator.suites.courses import choose
 from wildscav_evaluator.suites.suite import MOST_MATCHES, SUITES, Course, Suite
 
 SUFFIX = ".toml"
-LARGEST = 1 << 20  # bytes of a file
-SMALL = 4 << 10  # bytes of one that costs little, whatever is in it
-MEMORY = 96 << 20  # bytes that a larger one may take
 SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that its file may not give
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
@@ -141,14 +138,9 @@ def read_suite(path: Path) -> Suite:
         UserError: The file cannot be read, or one line that says which field is wrong, and how.
     """
     try:
-        source = read_limited(path, LARGEST)
+        source = read_config(path, f"{__name__}:try_suite")
     except OSError as error:
         raise UserError(f"the suite {describe(error)}", 2) from error
-    if len(source) > SMALL:
-        try:
-            call_limited(f"{__name__}:try_suite", str(path), memory=MEMORY)
-        except LimitExceededError as error:
-            raise UserError(f"{path}: to read it would cost too much: {error}", 2) from None
     return _parsed(path, source)
 
 

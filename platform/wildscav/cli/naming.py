@@ -16,9 +16,6 @@ from wildscav.errors import UserError
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
 
-LARGEST_FILE = 1 << 20  # bytes, of a config
-SMALL_FILE = 4 << 10  # bytes of one that costs little, whatever is in it
-MEMORY = 96 << 20  # bytes that a larger one may take
 MOST_IDS = 999
 
 MapId = Annotated[
@@ -195,14 +192,9 @@ def _spec_fields(seed: int | None, file: Path | None, fields: dict[str, Any]) ->
 
 
 def _read_config(file: Path) -> dict[str, Any]:
-    from wildscav.limited import LimitExceededError, call_limited
+    from wildscav.configs import read_config
 
-    if file.is_file() and file.stat().st_size > SMALL_FILE:
-        try:
-            call_limited(f"{__name__}:try_config", str(file), memory=MEMORY)
-        except LimitExceededError as error:
-            raise UserError(f"{file}: to read it would cost too much: {error}", exit_code=2) from None
-    return _parsed_config(file)
+    return _parsed_config(file, read_config(file, f"{__name__}:try_config"))
 
 
 def try_config(file: str) -> None:
@@ -212,13 +204,13 @@ def try_config(file: str) -> None:
         UserError: It is not as it must be.
         OSError: It cannot be read.
     """
-    _parsed_config(Path(file))
-
-
-def _parsed_config(file: Path) -> dict[str, Any]:
+    from wildscav.configs import LARGEST
     from wildscav_engine.files import read_limited
 
-    content = read_limited(file, LARGEST_FILE)
+    _parsed_config(Path(file), read_limited(Path(file), LARGEST))
+
+
+def _parsed_config(file: Path, content: bytes) -> dict[str, Any]:
     try:
         text = content.decode()
         read = tomllib.loads(text) if file.suffix.lower() == ".toml" else json.loads(text)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.killing import Sitting
+from tests.evaluator.results_by_hand import identity_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.rescore_session import run_rescore
@@ -11,8 +12,7 @@ from wildscav_evaluator.ledger.entries import Begun, Resumed
 from wildscav_evaluator.ledger.keeper import Keeper
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE, LedgerError, read_ledger
-from wildscav_evaluator.output.identity import Entrant, Identity
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.identity import Identity
 
 SUITE = """
 name = "short"
@@ -30,17 +30,7 @@ def key(tmp_path: Path) -> SigningKey:
 
 @pytest.fixture
 def identity(key: SigningKey) -> Identity:
-    return Identity(
-        versions=CURRENT_VERSIONS,
-        suite="quick",
-        seed="0",
-        tracks=("navigation",),
-        matches="0" * 32,
-        submissions=(Entrant(name="ada", version="1", digest="1" * 32, tracks=("navigation",)),),
-        sandbox="process",
-        limits={},
-        key=key.public,
-    )
+    return identity_of("ada", key=key.public)
 
 
 def test_a_ledger_goes_on_where_a_killed_one_ended(

@@ -3,28 +3,16 @@
 from pathlib import Path
 
 import pytest
-from tests.evaluator.results_by_hand import RESULTS, evaluation
+from tests.evaluator.results_by_hand import RESULTS, evaluation, identity_of
 
-from wildscav_evaluator.output.identity import Entrant, Identity, write_identity
+from wildscav_evaluator.output.identity import Identity, write_identity
 from wildscav_evaluator.output.numbered import own_folder
 from wildscav_evaluator.output.results import Results, write_results
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.since import since_last
 
 
 def identity(*names: str, digest: str = "1") -> Identity:
-    return Identity(
-        versions=CURRENT_VERSIONS,
-        suite="quick",
-        seed="0",
-        tracks=("royale",),
-        matches="0",
-        submissions=tuple(
-            Entrant(name=name, version="1.0.0", digest=digest, tracks=("royale",)) for name in names
-        ),
-        sandbox="process",
-        limits={},
-    )
+    return identity_of(*names, track="royale", digest=digest)
 
 
 def begin(parent: Path, one: Identity, *, fresh: bool = False) -> str:
