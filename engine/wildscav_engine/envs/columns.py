@@ -9,21 +9,14 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from wildscav_engine.actions import Field
+from wildscav_engine.sensors.base import Column
 from wildscav_engine.tracks import Track
 
 FAR = 5000.0  # m, more than any place of a map has
 FAST = 1000.0  # m/s, more than anybody has
 LONG = 100_000.0  # s, more than any match takes
 MANY = 2.0**31  # of anything that is counted
-
-
-class Column(NamedTuple):
-    """One number."""
-
-    name: str
-    unit: str
-    low: float
-    high: float
+YES = "0 or 1"  # the unit of what is so or not
 
 
 class Group(NamedTuple):
@@ -31,30 +24,6 @@ class Group(NamedTuple):
 
     name: str
     columns: tuple[Column, ...]
-
-
-def _yes(*names: str) -> tuple[Column, ...]:
-    return tuple(Column(name, "0 or 1", 0.0, 1.0) for name in names)
-
-
-def _count(*names: str) -> tuple[Column, ...]:
-    return tuple(Column(name, "", 0.0, MANY) for name in names)
-
-
-def _seconds(*names: str) -> tuple[Column, ...]:
-    return tuple(Column(name, "s", 0.0, LONG) for name in names)
-
-
-def _metres(*names: str) -> tuple[Column, ...]:
-    return tuple(Column(name, "m", -FAR, FAR) for name in names)
-
-
-def _distance(*names: str) -> tuple[Column, ...]:
-    return tuple(Column(name, "m", 0.0, 2 * FAR) for name in names)
-
-
-def _unit(*names: str) -> tuple[Column, ...]:
-    return tuple(Column(name, "", -1.0, 1.0) for name in names)
 
 
 class Part(IntEnum):
@@ -77,35 +46,88 @@ class Part(IntEnum):
 PARTS = len(Part)
 
 GROUPS: dict[Part, Group] = {
-    Part.POSITION: Group("position", _metres("x", "y", "z")),
-    Part.VELOCITY: Group("velocity", tuple(Column(axis, "m/s", -FAST, FAST) for axis in ("x", "y", "z"))),
+    Part.POSITION: Group(
+        "position",
+        (
+            Column("x", "m", -FAR, FAR, "position of the soles, east of the middle of the map"),
+            Column("y", "m", -FAR, FAR, "height of the soles"),
+            Column("z", "m", -FAR, FAR, "position of the soles, north of the middle of the map"),
+        ),
+    ),
+    Part.VELOCITY: Group(
+        "velocity",
+        (
+            Column("x", "m/s", -FAST, FAST, "velocity to the east in the last frame"),
+            Column("y", "m/s", -FAST, FAST, "velocity upwards in the last frame"),
+            Column("z", "m/s", -FAST, FAST, "velocity to the north in the last frame"),
+        ),
+    ),
     Part.VIEW: Group(
         "view",
         (
-            Column("yaw", "degrees", -180.0, 180.0),
-            Column("pitch", "degrees", -90.0, 90.0),
-            *_unit("sine of yaw", "cosine of yaw", "sine of pitch", "cosine of pitch"),
+            Column("yaw", "degrees", -180.0, 180.0, "where the agent faces: 0 is north, 90 is east"),
+            Column("pitch", "degrees", -90.0, 90.0, "how far the view looks down; negative looks up"),
+            Column("sine of yaw", "", -1.0, 1.0, "the same yaw without the jump from 180 to -180"),
+            Column("cosine of yaw", "", -1.0, 1.0, "the same yaw without the jump from 180 to -180"),
+            Column("sine of pitch", "", -1.0, 1.0, "the same pitch"),
+            Column("cosine of pitch", "", -1.0, 1.0, "the same pitch"),
         ),
     ),
-    Part.BODY: Group("body", _yes("alive", "on_ground", "in_water")),
-    Part.TIME: Group("time", _seconds("left", "passed")),
+    Part.BODY: Group(
+        "body",
+        (
+            Column("alive", YES, 0.0, 1.0, "whether the agent is alive"),
+            Column("on_ground", YES, 0.0, 1.0, "whether it stands on something"),
+            Column("in_water", YES, 0.0, 1.0, "whether it wades in water"),
+        ),
+    ),
+    Part.TIME: Group(
+        "time",
+        (
+            Column("left", "s", 0.0, LONG, "game time until the time limit"),
+            Column("passed", "s", 0.0, LONG, "game time since the start"),
+        ),
+    ),
     Part.TARGET: Group(
         "target",
         (
-            *_yes("known"),
-            *_metres("x", "y", "z", "x from here", "y from here", "z from here"),
-            *_distance("distance"),
+            Column("known", YES, 0.0, 1.0, "whether the target is known; the rest is 0 until it is"),
+            Column("x", "m", -FAR, FAR, "position of the target, east of the middle of the map"),
+            Column("y", "m", -FAR, FAR, "height of the target"),
+            Column("z", "m", -FAR, FAR, "position of the target, north of the middle of the map"),
+            Column("x from here", "m", -FAR, FAR, "position of the target, east of the soles"),
+            Column("y from here", "m", -FAR, FAR, "position of the target, above the soles"),
+            Column("z from here", "m", -FAR, FAR, "position of the target, north of the soles"),
+            Column("distance", "m", 0.0, 2 * FAR, "straight distance of the target from the soles"),
         ),
     ),
     Part.SUPPLIES: Group(
-        "supplies", (*_count("carried", "picked up in the step", "carried by the team"), *_yes("can_pick_up"))
+        "supplies",
+        (
+            Column("carried", "", 0.0, MANY, "supplies that the agent carries"),
+            Column("picked up in the step", "", 0.0, MANY, "supplies that it picked up in the last step"),
+            Column("carried by the team", "", 0.0, MANY, "supplies that its team carries, its own included"),
+            Column("can_pick_up", YES, 0.0, 1.0, "whether a supply box is within reach"),
+        ),
     ),
     Part.VITALS: Group(
-        "vitals", (Column("health", "hp", 0.0, 10_000.0), *_seconds("respawn_left", "invincible_left"))
+        "vitals",
+        (
+            Column("health", "hp", 0.0, 10_000.0, "health; 0 is dead"),
+            Column("respawn_left", "s", 0.0, LONG, "time until a dead agent comes back"),
+            Column("invincible_left", "s", 0.0, LONG, "time until shots do it harm again"),
+        ),
     ),
     Part.WEAPON: Group(
         "weapon",
-        (*_count("clip", "spare_ammo"), *_seconds("reload_left"), *_yes("fired", "hit", "was_hit")),
+        (
+            Column("clip", "", 0.0, MANY, "rounds in the weapon"),
+            Column("spare_ammo", "", 0.0, MANY, "rounds carried besides"),
+            Column("reload_left", "s", 0.0, LONG, "time until the weapon is reloaded"),
+            Column("fired", YES, 0.0, 1.0, "whether the agent fired in the last step"),
+            Column("hit", YES, 0.0, 1.0, "whether its last shot of the step hit another agent"),
+            Column("was_hit", YES, 0.0, 1.0, "whether another agent hit it in the last step"),
+        ),
     ),
 }
 

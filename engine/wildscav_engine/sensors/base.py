@@ -9,6 +9,7 @@ from typing import (
     Any,
     ClassVar,
     Literal,
+    NamedTuple,
     TypeVar,
     cast,
     dataclass_transform,
@@ -32,6 +33,16 @@ if TYPE_CHECKING:
 CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
+class Column(NamedTuple):
+    """One number of a reading, or of what a learner observes."""
+
+    name: str
+    unit: str  # "" for a plain number
+    low: float
+    high: float
+    meaning: str  # a phrase for the tables of the documentation
+
+
 class Sensor(ABC):
     """A way to perceive: reads an array a seat from a match, and changes nothing in it."""
 
@@ -50,6 +61,11 @@ class Sensor(ABC):
         Raises:
             ValueError: The match has no such seat.
         """
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """What the numbers along the last axis of a reading are; empty for images, whose pixels are alike."""
+        return ()
 
     @property
     def rays(self) -> int:
@@ -109,12 +125,20 @@ def sensor(kind: type[SensorType]) -> type[SensorType]:
     return cast(type[SensorType], made)
 
 
-def table_space(limit: int, low: Sequence[float], high: Sequence[float]) -> "Box":
-    """Return the space of a table with so many rows, given the bounds of its columns."""
+def row_space(columns: Sequence[Column]) -> "Box":
+    """Return the space of one row of numbers."""
     from gymnasium.spaces import Box
 
-    least, most = np.array(low, np.float32), np.array(high, np.float32)
-    return Box(np.tile(least, (limit, 1)), np.tile(most, (limit, 1)), dtype=np.float32)
+    low = np.array([column.low for column in columns], np.float32)
+    return Box(low, np.array([column.high for column in columns], np.float32), dtype=np.float32)
+
+
+def table_space(limit: int, columns: Sequence[Column]) -> "Box":
+    """Return the space of a table with so many rows."""
+    from gymnasium.spaces import Box
+
+    row = row_space(columns)
+    return Box(np.tile(row.low, (limit, 1)), np.tile(row.high, (limit, 1)), dtype=np.float32)
 
 
 def rows_of(match: "Match", seats: Sequence[int]) -> NDArray[np.int64]:

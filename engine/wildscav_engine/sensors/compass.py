@@ -15,13 +15,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.kernel import kernel
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of, sensor
 from wildscav_engine.trig import cosine, sine
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.match import Match
+
+INF = np.inf
+COLUMNS = (
+    Column("known", "0 or 1", 0, 1, "whether the agent knows a target"),
+    Column("sine", "", -1, 1, "sine of the target's bearing from the view, clockwise: 1 is to the right"),
+    Column("cosine", "", -1, 1, "cosine of that bearing: 1 is straight ahead"),
+    Column("distance", "m", 0, INF, "level distance of the target"),
+    Column("height", "m", -INF, INF, "how much higher than the agent's soles the target lies"),
+)
 
 
 @sensor
@@ -32,12 +41,14 @@ class Compass(Sensor):
     title: ClassVar[str] = "the target: whether there is one, sine and cosine of its bearing, m away, m up"
 
     @property
-    def space(self) -> "Box":
-        """(5,): has a target, sine, cosine, distance in m, height in m."""
-        from gymnasium.spaces import Box
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a reading."""
+        return COLUMNS
 
-        low = np.array([0.0, -1.0, -1.0, 0.0, -np.inf], np.float32)
-        return Box(low, np.array([1.0, 1.0, 1.0, np.inf, np.inf], np.float32), dtype=np.float32)
+    @property
+    def space(self) -> "Box":
+        """(5,)."""
+        return row_space(COLUMNS)
 
     def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), 5).
@@ -46,7 +57,7 @@ class Compass(Sensor):
             ValueError: The match has no such seat.
         """
         rows = rows_of(match, seats)
-        readings = np.zeros((len(rows), 5), np.float32)
+        readings = np.zeros((len(rows), len(COLUMNS)), np.float32)
         agents, matches = match.state.agents, match.state.matches
         known = np.flatnonzero(agents.knows_target[0, rows])
         pointed = readings[known]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor, table_space
+from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
 from wildscav_engine.sensors.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
@@ -34,11 +34,22 @@ class NearbySupplies(Sensor):
     limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = SUPPLY_LIMIT  # rows
 
     @property
-    def space(self) -> "Box":
-        """(limit, 6): present, quantity, x, y, z in m, distance in m."""
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a row."""
         reach = self.range
-        low = (0.0, 0.0, -reach, -reach, -reach, 0.0)
-        return table_space(self.limit, low, (1.0, MOST_SUPPLIES, reach, reach, reach, reach))
+        return (
+            Column("present", "0 or 1", 0.0, 1.0, "whether the row describes a box"),
+            Column("quantity", "", 0.0, MOST_SUPPLIES, "supplies in the box"),
+            Column("x", "m", -reach, reach, "position east of the agent's soles"),
+            Column("y", "m", -reach, reach, "position above the agent's soles"),
+            Column("z", "m", -reach, reach, "position north of the agent's soles"),
+            Column("distance", "m", 0.0, reach, "distance from the agent's soles"),
+        )
+
+    @property
+    def space(self) -> "Box":
+        """(limit, 6)."""
+        return table_space(self.limit, self.columns)
 
     def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 6).

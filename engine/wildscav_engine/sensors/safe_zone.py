@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.rules import FRAME
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor
+from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of, sensor
 from wildscav_engine.systems.zone import phase_at, zone_at
 
 if TYPE_CHECKING:
@@ -23,8 +23,19 @@ if TYPE_CHECKING:
     from wildscav_engine.match import Match
 
 INF = np.inf
-LOW = (0, -INF, -INF, -INF, 0, -INF, -INF, 0, 0, 0, 0)
-HIGH = (1, INF, INF, INF, INF, INF, INF, INF, INF, INF, 10_000)
+COLUMNS = (
+    Column("present", "0 or 1", 0, 1, "whether the match has a zone"),
+    Column("inside", "m", -INF, INF, "how far inside the zone's edge the agent is; negative outside"),
+    Column("x", "m", -INF, INF, "the zone's middle, east of the agent"),
+    Column("z", "m", -INF, INF, "the zone's middle, north of the agent"),
+    Column("radius", "m", 0, INF, "the zone's radius"),
+    Column("next_x", "m", -INF, INF, "the middle of the next circle, east of the agent"),
+    Column("next_z", "m", -INF, INF, "the middle of the next circle, north of the agent"),
+    Column("next_radius", "m", 0, INF, "the radius of the next circle"),
+    Column("shrinks_in", "s", 0, INF, "time until the zone begins to shrink; 0 while it does"),
+    Column("shrunk_in", "s", 0, INF, "time until the zone has shrunk to the next circle"),
+    Column("damage", "hp/s", 0, 10_000, "damage outside the zone"),
+)
 
 
 @sensor
@@ -38,11 +49,14 @@ class SafeZone(Sensor):
     )
 
     @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a reading."""
+        return COLUMNS
+
+    @property
     def space(self) -> "Box":
         """(11,)."""
-        from gymnasium.spaces import Box
-
-        return Box(np.array(LOW, np.float32), np.array(HIGH, np.float32), dtype=np.float32)
+        return row_space(COLUMNS)
 
     def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), 11).
@@ -51,7 +65,7 @@ class SafeZone(Sensor):
             ValueError: The match has no such seat.
         """
         rows = rows_of(match, seats)
-        readings = np.zeros((len(rows), len(HIGH)), np.float32)
+        readings = np.zeros((len(rows), len(COLUMNS)), np.float32)
         matches, frame = match.state.matches, match.frame
         phase = phase_at(matches, 0, frame)
         if phase < 0:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor, table_space
+from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -23,8 +23,21 @@ if TYPE_CHECKING:
 INF = np.inf
 MOST_SUPPLIES = 2.0**31  # carried: what a 32-bit count holds
 # Seats are numbers below 1000; rules allow 10,000 hp at most.
-LOW = (0, 0, -INF, -INF, -INF, 0, -INF, -INF, -INF, -180, 0, 0, 0)
-HIGH = (1, 999, INF, INF, INF, INF, INF, INF, INF, 180, 10_000, 1, MOST_SUPPLIES)
+COLUMNS = (
+    Column("present", "0 or 1", 0, 1, "whether the row describes a teammate"),
+    Column("seat", "", 0, 999, "its seat"),
+    Column("x", "m", -INF, INF, "position east of the agent's soles"),
+    Column("y", "m", -INF, INF, "position above the agent's soles"),
+    Column("z", "m", -INF, INF, "position north of the agent's soles"),
+    Column("distance", "m", 0, INF, "distance from the agent's soles"),
+    Column("velocity_x", "m/s", -INF, INF, "its velocity to the east"),
+    Column("velocity_y", "m/s", -INF, INF, "its velocity upwards"),
+    Column("velocity_z", "m/s", -INF, INF, "its velocity to the north"),
+    Column("yaw", "degrees", -180, 180, "where it faces: 0 is north, 90 is east"),
+    Column("health", "hp", 0, 10_000, "its health; 0 if it is dead"),
+    Column("invincible", "0 or 1", 0, 1, "whether shots do it no harm at present"),
+    Column("supplies", "", 0, MOST_SUPPLIES, "supplies that it carries"),
+)
 
 
 @sensor
@@ -40,9 +53,14 @@ class Teammates(Sensor):
     limit: Annotated[int, Field(ge=1, le=64)] = 7  # rows
 
     @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a row."""
+        return COLUMNS
+
+    @property
     def space(self) -> "Box":
         """(limit, 13)."""
-        return table_space(self.limit, LOW, HIGH)
+        return table_space(self.limit, COLUMNS)
 
     def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 13).
@@ -51,7 +69,7 @@ class Teammates(Sensor):
             ValueError: The match has no such seat.
         """
         rows = rows_of(match, seats)
-        readings = np.zeros((len(rows), self.limit, len(HIGH)), np.float32)
+        readings = np.zeros((len(rows), self.limit, len(COLUMNS)), np.float32)
         for reading, row in zip(readings, rows, strict=True):
             mates = self._nearest(match, int(row))
             reading[: len(mates)] = _describe(match, int(row), mates)

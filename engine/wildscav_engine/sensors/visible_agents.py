@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import Sensor, rows_of, sensor, table_space
+from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
 from wildscav_engine.sensors.visibility import AGENT_LIMIT
 
 if TYPE_CHECKING:
@@ -23,8 +23,21 @@ if TYPE_CHECKING:
 
 INF = np.inf
 # Seats and teams are numbers below 1000; rules allow 10,000 hp at most.
-LOW = (0, 0, 0, -INF, -INF, -INF, 0, -INF, -INF, -INF, -180, 0, 0)
-HIGH = (1, 999, 999, INF, INF, INF, INF, INF, INF, INF, 180, 10_000, 1)
+COLUMNS = (
+    Column("present", "0 or 1", 0, 1, "whether the row describes an agent"),
+    Column("seat", "", 0, 999, "its seat"),
+    Column("team", "", 0, 999, "its team"),
+    Column("x", "m", -INF, INF, "position east of the agent's soles"),
+    Column("y", "m", -INF, INF, "position above the agent's soles"),
+    Column("z", "m", -INF, INF, "position north of the agent's soles"),
+    Column("distance", "m", 0, INF, "distance from the agent's soles"),
+    Column("velocity_x", "m/s", -INF, INF, "its velocity to the east"),
+    Column("velocity_y", "m/s", -INF, INF, "its velocity upwards"),
+    Column("velocity_z", "m/s", -INF, INF, "its velocity to the north"),
+    Column("yaw", "degrees", -180, 180, "where it faces: 0 is north, 90 is east"),
+    Column("health", "hp", 0, 10_000, "its health"),
+    Column("invincible", "0 or 1", 0, 1, "whether shots do it no harm at present"),
+)
 
 
 @sensor
@@ -40,9 +53,14 @@ class VisibleAgents(Sensor):
     limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = AGENT_LIMIT  # rows
 
     @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a row."""
+        return COLUMNS
+
+    @property
     def space(self) -> "Box":
         """(limit, 13)."""
-        return table_space(self.limit, LOW, HIGH)
+        return table_space(self.limit, COLUMNS)
 
     def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 13).
@@ -61,6 +79,6 @@ class VisibleAgents(Sensor):
             *agents.velocity[0, others].T,
             *(agents.yaw[0, others], agents.health[0, others], agents.invincible_left[0, others] > 0),
         )
-        readings = np.zeros((len(rows), self.limit, len(HIGH)), np.float32)
+        readings = np.zeros((len(rows), self.limit, len(COLUMNS)), np.float32)
         readings[reader, place] = np.stack(columns, axis=-1)
         return readings

@@ -199,3 +199,19 @@ def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
         print("scene" in vars(match.game_map), "gymnasium" in sys.modules)
     """
     assert run_alone(code).split() == ["False", "True", "False"]
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_the_columns_of_a_sensor_are_those_of_its_space(name: str) -> None:
+    sensor = SENSORS[name]()
+    space = sensor.space
+    if sensor.rays:  # its pixels are alike
+        assert sensor.columns == ()
+        return
+    assert len(sensor.columns) == space.shape[-1]
+    for place, column in enumerate(sensor.columns):
+        assert (space.low[..., place] == np.float32(column.low)).all(), column
+        assert (space.high[..., place] == np.float32(column.high)).all(), column
+        assert column.name, column
+        assert column.meaning, column
+    assert len({column.name for column in sensor.columns}) == len(sensor.columns)
