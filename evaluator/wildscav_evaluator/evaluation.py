@@ -12,7 +12,7 @@ from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
-from wildscav_evaluator.output.numbered import own_folder
+from wildscav_evaluator.output.numbered_folders import own_folder
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits

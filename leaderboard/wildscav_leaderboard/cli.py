@@ -27,7 +27,7 @@ def leaderboard(
     as_json: AsJson = False,
 ) -> None:
     """Show the standings on every track: the latest evaluation of each submission."""
-    from wildscav_evaluator.cli.tables import LEGEND
+    from wildscav_evaluator.cli.result_tables.ranking import LEGEND
     from wildscav_leaderboard.database import reading
     from wildscav_leaderboard.documents import document
     from wildscav_leaderboard.standings import standings
@@ -67,7 +67,7 @@ def _nothing_found(everything: "list[Standings]", track: str | None, suite: str 
 
 
 def _table(one: "Standings") -> Table:
-    from wildscav_evaluator.cli import tables
+    from wildscav_evaluator.cli.result_tables import ranking as tables
 
     table = tables.ranking_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
     # Rows without a score come last, so the first row knows the metrics if any row does.
@@ -113,7 +113,7 @@ def _signed(one: "Standings") -> str:
 
 def _conditions(one: "Standings") -> str:
     """Return what agents ran in, in a line."""
-    from wildscav_evaluator.cli.time_table import conditions
+    from wildscav_evaluator.cli.result_tables.timing import conditions
     from wildscav_evaluator.output.results import KeptLimits
 
     limits = KeptLimits.model_validate_json(one.limits)

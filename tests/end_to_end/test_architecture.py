@@ -28,11 +28,11 @@ def test_the_import_contracts_hold() -> None:
         ("wildscav.sdk", "numba"),
         ("wildscav.sdk", "wildscav_engine"),
         ("wildscav.sdk", "pydantic"),
-        ("wildscav_evaluator.cli.evaluate", "numba"),
+        ("wildscav_evaluator.cli.commands.evaluate", "numba"),
         ("wildscav_leaderboard.cli", "numba"),
         ("wildscav_leaderboard.cli", "sqlalchemy"),
-        ("wildscav_evaluator.cli.session", "wildscav_leaderboard"),
-        ("wildscav_evaluator.cli.session", "rerun"),
+        ("wildscav_evaluator.cli.sessions.evaluate", "wildscav_leaderboard"),
+        ("wildscav_evaluator.cli.sessions.evaluate", "rerun"),
     ],
 )
 def test_importing_one_does_not_load_the_other(module: str, stranger: str) -> None:

@@ -13,20 +13,20 @@ from tests.end_to_end.test_docs import blocks
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.matches.play import TRIES
+from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
+from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.folder import SUITE_FILE
 from wildscav_evaluator.output.identity import IDENTITY_FILE
 from wildscav_evaluator.output.journal import MATCHES
-from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.json_files import Part
 from wildscav_evaluator.output.results import RESULTS_FILE
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.compare import FEWEST
 from wildscav_evaluator.scores.score import RESAMPLES
-from wildscav_evaluator.suites.own_suite import read_suite
 from wildscav_evaluator.suites.seeds import OPENED_FILE
 from wildscav_evaluator.suites.suite import SUITES
-from wildscav_evaluator.watch.metrics import EvaluationMetrics
-from wildscav_evaluator.watch.tally import Tally
+from wildscav_evaluator.suites.suite_file import read_suite
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "evaluation.md"

@@ -21,7 +21,7 @@ from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.wire.matches import decode_seat_address
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode
-from wildscav_evaluator.sandbox.engine import OWNER, Engine, call, find_engine
+from wildscav_evaluator.sandbox.containers.container_engine import OWNER, Engine, call, find_engine
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]

@@ -105,7 +105,7 @@ def test_it_builds_an_image(run: Run) -> None:
     from tests.evaluator.sandbox.conftest import missing
     from tests.evaluator.submissions.python_image import NAME, python_image
 
-    from wildscav_evaluator.sandbox.engine import call, find_engine
+    from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine
     from wildscav_evaluator.submissions import images
 
     if missing("oci"):

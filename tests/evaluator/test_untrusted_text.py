@@ -16,13 +16,18 @@ from tests.platform.plain_text import is_plain
 from wildscav.cli import verify
 from wildscav.console import PlainConsole
 from wildscav_engine.spec import MatchSpec
-from wildscav_evaluator.check import session as checking
 from wildscav_evaluator.check.findings import Finding, Verdict
-from wildscav_evaluator.cli import compare_session, rescore_session, session
-from wildscav_evaluator.cli.complaints import raise_all
-from wildscav_evaluator.cli.tables import track_table
-from wildscav_evaluator.cli.time_table import conditions, time_table
+from wildscav_evaluator.cli.result_tables.ranking import track_table
+from wildscav_evaluator.cli.result_tables.timing import conditions, time_table
+from wildscav_evaluator.cli.sessions import check as checking
+from wildscav_evaluator.cli.sessions import compare as compare_session
+from wildscav_evaluator.cli.sessions import evaluate as session
+from wildscav_evaluator.cli.sessions import rescore as rescore_session
+from wildscav_evaluator.cli.sessions.errors import raise_all
 from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.monitoring.dashboard import dashboard
+from wildscav_evaluator.monitoring.progress import EvaluationProgress
+from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output.results import KeptLimits, read_results, write_results
 from wildscav_evaluator.scores.compare import compare
 from wildscav_evaluator.submissions.submission import (
@@ -31,9 +36,6 @@ from wildscav_evaluator.submissions.submission import (
     SubmissionError,
     load_submission,
 )
-from wildscav_evaluator.watch.dashboard import dashboard
-from wildscav_evaluator.watch.progress import EvaluationProgress
-from wildscav_evaluator.watch.tally import Tally
 from wildscav_leaderboard import cli as leaderboard
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.sink import DatabaseSink
@@ -50,7 +52,7 @@ def screen(monkeypatch: pytest.MonkeyPatch) -> PlainConsole:
     console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
     for module in (session, checking, compare_session, rescore_session, leaderboard):
         monkeypatch.setattr(module, "console", console)
-    monkeypatch.setattr("wildscav_evaluator.cli.complaints.error_console", console)
+    monkeypatch.setattr("wildscav_evaluator.cli.sessions.errors.error_console", console)
     return console
 
 

@@ -12,8 +12,8 @@ import pytest
 from sqlalchemy import Connection, func, select
 
 from wildscav.errors import UserError
+from wildscav_evaluator.output.result_sinks import GROUP, sinks
 from wildscav_evaluator.output.results import Results
-from wildscav_evaluator.output.sinks import GROUP, sinks
 from wildscav_leaderboard import database
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.models import Base, Evaluation, MatchResult, Score, Submission

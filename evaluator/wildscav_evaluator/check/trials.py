@@ -7,8 +7,8 @@ from pathlib import Path
 from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check import findings
+from wildscav_evaluator.check.delaying_proxy import heard_late
 from wildscav_evaluator.check.findings import Finding
-from wildscav_evaluator.check.weather import heard_late
 from wildscav_evaluator.matches.play import (
     Played,
     Seating,

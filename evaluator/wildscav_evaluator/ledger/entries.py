@@ -13,7 +13,7 @@ from pydantic import Field
 
 from wildscav.console import ascii_json
 from wildscav_evaluator.output.identity import Identity
-from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.json_files import Part
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, Summary
 
 CONTEXT = b"wildscav ledger entry 1\n"  # stands before what is signed: no signature is good for anything else

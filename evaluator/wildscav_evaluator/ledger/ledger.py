@@ -26,7 +26,7 @@ from wildscav_evaluator.ledger.entries import (
 )
 from wildscav_evaluator.ledger.keys import is_signed
 from wildscav_evaluator.output.identity import Identity
-from wildscav_evaluator.output.part import LARGEST, PartError, read_tried
+from wildscav_evaluator.output.json_files import LARGEST, PartError, read_tried
 
 LEDGER_FILE = "ledger.jsonl"
 

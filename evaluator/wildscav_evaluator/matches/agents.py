@@ -5,7 +5,7 @@ import asyncio
 from wildscav.server import HostedMatch, SeatReport, SeatStatus
 from wildscav_evaluator.matches.lateness import late_for_platform
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
-from wildscav_evaluator.sandbox.waiting import WaitMeter
+from wildscav_evaluator.sandbox.agents.processor_waits import WaitMeter
 
 
 class MatchAgents:

@@ -23,11 +23,11 @@ from wildscav_evaluator.matches.play import (
     prepare_logs,
     remove_empty_logs,
 )
-from wildscav_evaluator.matches.seating import submission_seats
 from wildscav_evaluator.matches.warm import Wanted
 from wildscav_evaluator.output.journal import read_entry, write_entry
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, SeatTiming
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits, Sandbox
+from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 
 RECORDS, REPLAYS, LOGS = "records", "replays", "logs"

@@ -26,7 +26,6 @@ from wildscav.server import (
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.matches.agents import MatchAgents, status_of
-from wildscav_evaluator.matches.seating import display_names, submission_seats
 from wildscav_evaluator.sandbox import (
     DEFAULT_LIMITS,
     SANDBOXES,
@@ -35,6 +34,7 @@ from wildscav_evaluator.sandbox import (
     Limits,
     Sandbox,
 )
+from wildscav_evaluator.seats import display_names, submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 
 SOCKET = "match.sock"

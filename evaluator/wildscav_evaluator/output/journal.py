@@ -10,7 +10,7 @@ from typing import Literal
 
 from wildscav_engine.files import read_limited
 from wildscav_engine.record import FILE_LIMIT
-from wildscav_evaluator.output.part import Part, PartError
+from wildscav_evaluator.output.json_files import Part, PartError
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
 
 MATCHES = "matches"  # folder, in the output folder

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from wildscav.errors import UserError
 from wildscav_engine.files import read_limited
-from wildscav_evaluator.output.part import LARGEST, Part, PartError
+from wildscav_evaluator.output.json_files import LARGEST, Part, PartError
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.suites.seeds import label
 

@@ -3,7 +3,7 @@
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import RECORD_VERSION
-from wildscav_evaluator.output.part import Part
+from wildscav_evaluator.output.json_files import Part
 
 
 class Versions(Part):

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav import __version__, leftovers
+from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox.base import Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.process import WARNING, ProcessSandbox
-from wildscav_evaluator.submissions.cache import cache_folder
 
 BOOT = Path("/proc/sys/kernel/random/boot_id")
 ENGINE = ("WILDSCAV_ENGINE", "DOCKER_HOST", "CONTAINER_HOST")  # variables that say who runs containers
@@ -101,7 +101,7 @@ def _memory(sandbox: Sandbox, limits: Limits) -> Path:
         [os.environ.get(name, "") for name in ENGINE],
         limits.model_dump_json(),
         [(place, os.stat(place).st_mtime if place else 0) for place in places],  # noqa: PTH116
-        sorted((path.name, path.stat().st_mtime) for path in Path(__file__).parent.glob("*.py")),
+        sorted((str(path), path.stat().st_mtime) for path in Path(__file__).parent.rglob("*.py")),
     ]
     digest = hashlib.blake2b(json.dumps(facts).encode(), digest_size=16).hexdigest()
     return cache_folder("sandboxes") / digest

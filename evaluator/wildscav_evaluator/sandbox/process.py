@@ -11,9 +11,9 @@ import signal
 import sys
 from pathlib import Path
 
+from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess, agent_variables, start_process
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.sandbox.running import AgentProcess, agent_variables, start_process
 
 KILL_ROUNDS = 1000  # the most looks at a session that keeps forking
 PASSED_ON = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "LD_LIBRARY_PATH")

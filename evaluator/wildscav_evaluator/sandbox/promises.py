@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from wildscav import leftovers
+from wildscav_evaluator.sandbox.agents.capped_log import CUT
 from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits
-from wildscav_evaluator.sandbox.log import CUT
 
 PROBE = Path(__file__).parent / "probe" / "agent.py"
 # Small enough to be tried quickly: what holds for these holds for others.

@@ -26,9 +26,9 @@ from wildscav_evaluator.ledger.ledger import (
 )
 from wildscav_evaluator.matches.jobs import FAILED, stem_of
 from wildscav_evaluator.output.identity import IDENTITY_FILE, Identity, digest_of, read_identity
-from wildscav_evaluator.output.opening import expected_matches, match_counts
 from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, MatchRow, Results
 from wildscav_evaluator.scores.compare import check_comparison
+from wildscav_evaluator.scores.expected_matches import expected_matches, match_counts
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 
 MOST_NAMED = 20  # matches that are missing, one by one

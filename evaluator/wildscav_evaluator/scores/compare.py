@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from wildscav_evaluator.output.part import Part, PartError
+from wildscav_evaluator.output.json_files import Part, PartError
 from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, KeptLimits, MetricInfo, Results
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import interval

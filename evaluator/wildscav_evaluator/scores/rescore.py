@@ -21,10 +21,10 @@ from wildscav_engine.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.evaluation import metric_infos
 from wildscav_evaluator.matches.jobs import RECORDS
-from wildscav_evaluator.matches.seating import display_names, submission_seats
 from wildscav_evaluator.output.results import Evaluation, MatchRow, Results, SeatRow, mean_metrics
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import summary
+from wildscav_evaluator.seats import display_names, submission_seats
 
 NAME = re.compile(
     rf"(?P<track>{'|'.join(TRACKS)})-(?P<match>\d{{3,6}})-(?P<submission>[a-z0-9-]{{2,40}}){re.escape(SUFFIX)}"

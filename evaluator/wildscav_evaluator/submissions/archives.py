@@ -22,7 +22,7 @@ from typing import IO
 
 from wildscav.errors import UserError
 from wildscav.limited import LimitExceededError, call_limited
-from wildscav_evaluator.submissions.cache import cache_folder
+from wildscav_evaluator.cache import cache_folder
 
 SUFFIXES = (".zip", ".tar.gz", ".tgz")
 LARGEST = 256 << 20  # bytes of an archive

@@ -15,8 +15,10 @@ from pathlib import Path
 
 import wildscav
 from wildscav import leftovers
+from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.sandbox.agents.readable_copies import make_readable
 from wildscav_evaluator.sandbox.base import SandboxError
-from wildscav_evaluator.sandbox.engine import (
+from wildscav_evaluator.sandbox.containers.container_engine import (
     Engine,
     call,
     cross_out_container,
@@ -26,8 +28,6 @@ from wildscav_evaluator.sandbox.engine import (
     last_line,
     removal,
 )
-from wildscav_evaluator.sandbox.staging import make_readable
-from wildscav_evaluator.submissions.cache import cache_folder
 from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel
 from wildscav_evaluator.submissions.submission import (
     IGNORED_FOLDERS,

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from wildscav_engine.rng import Dice, Stream
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.suites.courses import battle, capture, choose, gathering, navigation, royale
+from wildscav_evaluator.suites.match_drawing import battle, capture, choose, gathering, navigation, royale
 
 MOST_MATCHES = 20_000  # on a track, in all rounds: each takes a moment to draw
 EVALUATION_MAPS = 1 << 63  # the bit that marks a map seed as kept for evaluation

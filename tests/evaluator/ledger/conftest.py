@@ -7,13 +7,13 @@ import pytest
 from tests.evaluator.ledger.forging import Forgery, copied
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.rescore_session import run_rescore
-from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.cli.sessions.evaluate import run_session
+from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_evaluator.suites.own_suite import read_suite
 from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite_file import read_suite
 
 Rescored = Callable[..., str]
 

@@ -3,7 +3,7 @@
 from tests.evaluator.ledger.forging import Forgery, blamed_on_platform, with_metrics
 
 from wildscav_evaluator.output.results import KeptLimits, MatchRow
-from wildscav_evaluator.suites.own_suite import read_suite
+from wildscav_evaluator.suites.suite_file import read_suite
 
 MATCHES = 5
 

@@ -6,8 +6,8 @@ import pytest
 from tests.evaluator.ledger.conftest import Rescored
 from tests.evaluator.ledger.forging import Forgery
 
-from wildscav_evaluator.cli.rescore_session import run_rescore
-from wildscav_evaluator.cli.scores import compare
+from wildscav_evaluator.cli.commands.compare import compare
+from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.scores.compare import COMPARISON_FILE, Comparisons

@@ -11,8 +11,8 @@ from tests.evaluator.ledger.forgeries import FORGERIES, replace_record, shut_in,
 from tests.evaluator.ledger.forging import Forgery
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.replay_agent_session import run_again
-from wildscav_evaluator.cli.rescore_session import run_rescore
+from wildscav_evaluator.cli.sessions.replay_agent import run_again
+from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
 

@@ -8,7 +8,7 @@ from tests.evaluator.ledger.forgeries import worst
 from tests.evaluator.ledger.forging import Forgery, with_metrics
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.ledger.keys import new_key
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.rescore_session import recomputed
+from wildscav_evaluator.cli.sessions.rescore import recomputed
 from wildscav_evaluator.output.identity import read_identity
 from wildscav_evaluator.output.results import read_results
 from wildscav_evaluator.scores.audit import complaints, read_folder

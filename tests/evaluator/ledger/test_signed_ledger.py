@@ -7,7 +7,7 @@ from tests.evaluator.ledger.forging import Forgery
 
 from wildscav.cli.verify import verify
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.rescore_session import run_rescore
+from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.ledger.entries import Closed
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE, read_ledger

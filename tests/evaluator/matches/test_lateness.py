@@ -10,8 +10,8 @@ import pytest
 
 from wildscav.server import Clock, Thought
 from wildscav_evaluator.matches.lateness import late_for_platform
-from wildscav_evaluator.sandbox.waiting import Sample, WaitMeter
-from wildscav_evaluator.scores.conduct import late_for_machine
+from wildscav_evaluator.sandbox.agents.processor_waits import Sample, WaitMeter
+from wildscav_evaluator.scores.notes import late_for_machine
 
 CLOCK = Clock(step_budget=0.1, time_bank=1.0)
 # Steps 4 to 6 were played while the answer to step 4 was under way, which took 1.4 s.

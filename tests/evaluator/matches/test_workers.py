@@ -17,11 +17,11 @@ from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResu
 from wildscav_evaluator.matches.play import Seating
 from wildscav_evaluator.matches.watchdog import Patience
 from wildscav_evaluator.matches.workers import Workers
+from wildscav_evaluator.monitoring.dashboard import standing
+from wildscav_evaluator.monitoring.monitor import Watch, Watching
+from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
 from wildscav_evaluator.output.journal import MATCHES
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_evaluator.watch.dashboard import standing
-from wildscav_evaluator.watch.metrics import EvaluationMetrics
-from wildscav_evaluator.watch.watch import Watch, Watching
 
 KILLS_EVERY_WORKER = """
     def act(self, observation):

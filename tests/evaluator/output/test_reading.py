@@ -9,10 +9,10 @@ from tests.evaluator.results_by_hand import results_of
 from wildscav.errors import UserError
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE, LedgerError, read_ledger
 from wildscav_evaluator.output.identity import read_identity
-from wildscav_evaluator.output.part import LARGEST, SMALL
+from wildscav_evaluator.output.json_files import LARGEST, SMALL
 from wildscav_evaluator.output.results import read_results, write_results
-from wildscav_evaluator.suites.own_suite import read_suite
 from wildscav_evaluator.suites.seeds import read_secret
+from wildscav_evaluator.suites.suite_file import read_suite
 
 READERS = {
     "results.json": read_results,

@@ -11,12 +11,12 @@ from sqlalchemy import func, select
 from tests.evaluator.killing import Sitting, check_whole, files, journal, without_timings
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.output.results import read_results
 from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_evaluator.suites.own_suite import read_suite
 from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_leaderboard.database import reading
 from wildscav_leaderboard.models import Evaluation, MatchResult
 

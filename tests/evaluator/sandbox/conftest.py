@@ -10,7 +10,7 @@ import pytest
 from tests.evaluator.sandbox.world import LIMITS
 
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
-from wildscav_evaluator.sandbox.engine import CHOICE, ENGINES
+from wildscav_evaluator.sandbox.containers.container_engine import CHOICE, ENGINES
 
 REAL = ["bubblewrap", *(pytest.param(f"oci-{name}", marks=pytest.mark.slow) for name in ENGINES)]
 

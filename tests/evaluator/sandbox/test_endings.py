@@ -14,9 +14,11 @@ import pytest
 from tests.evaluator.sandbox.world import GROUPS, LIMITS, listening, processes_with, tight_group, wait_until
 
 from wildscav import leftovers
-from wildscav_evaluator.sandbox import Ending, Launch, Sandbox, bubblewrap, cgroup, oci
-from wildscav_evaluator.sandbox.engine import call, find_engine, old_groups
-from wildscav_evaluator.sandbox.kernel_log import logged_kill
+from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
+from wildscav_evaluator.sandbox.containers import oci
+from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine, old_groups
+from wildscav_evaluator.sandbox.linux import bubblewrap, cgroup
+from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.slow

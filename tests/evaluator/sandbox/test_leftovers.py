@@ -17,7 +17,7 @@ from tests.evaluator.sandbox.world import GROUPS, listening, processes_with, wai
 
 from wildscav import leftovers
 from wildscav_evaluator.sandbox import Sandbox
-from wildscav_evaluator.sandbox.engine import OWNER, call, find_engine
+from wildscav_evaluator.sandbox.containers.container_engine import OWNER, call, find_engine
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.slow
@@ -28,7 +28,7 @@ STARTER = """
 import asyncio, sys
 from pathlib import Path
 from wildscav_evaluator.sandbox import SANDBOXES, Launch
-from wildscav_evaluator.sandbox.engine import find_engine
+from wildscav_evaluator.sandbox.containers.container_engine import find_engine
 from wildscav import leftovers
 
 async def run():

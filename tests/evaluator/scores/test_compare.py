@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.platform.command import Done, command_here
 
-from wildscav_evaluator.cli.compare_session import comparison_table, told_apart, verdict_line
+from wildscav_evaluator.cli.sessions.compare import comparison_table, told_apart, verdict_line
 from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Timings
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.compare import Comparison, compare, judge

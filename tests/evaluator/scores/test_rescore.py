@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.rescore_session import recomputed, run_rescore
-from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.cli.sessions.evaluate import run_session
+from wildscav_evaluator.cli.sessions.rescore import recomputed, run_rescore
 from wildscav_evaluator.evaluation import Plan
-from wildscav_evaluator.output.opening import expected_matches
 from wildscav_evaluator.output.results import Evaluation, Results, read_results, write_results
+from wildscav_evaluator.scores.expected_matches import expected_matches
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, record_paths, replay_one
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed

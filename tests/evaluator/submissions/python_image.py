@@ -11,8 +11,8 @@ import tarfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from wildscav_evaluator.sandbox.engine import Engine, call
-from wildscav_evaluator.sandbox.runtime import LINKED
+from wildscav_evaluator.sandbox.agents.host_python import LINKED
+from wildscav_evaluator.sandbox.containers.container_engine import Engine, call
 
 NAME = "localhost/wildscav/test-python"
 VERSION = f"python{sys.version_info.major}.{sys.version_info.minor}"

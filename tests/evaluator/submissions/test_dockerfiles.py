@@ -11,7 +11,7 @@ from tests.evaluator.submissions.python_image import NAME, python_image
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
-from wildscav_evaluator.sandbox.engine import Engine, call, find_engine
+from wildscav_evaluator.sandbox.containers.container_engine import Engine, call, find_engine
 from wildscav_evaluator.submissions import images
 from wildscav_evaluator.submissions.images import base_name, build_image, with_images
 from wildscav_evaluator.submissions.submission import Submission, load_submission

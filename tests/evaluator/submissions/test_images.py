@@ -10,9 +10,9 @@ from tests.evaluator.sandbox.conftest import engine_named, missing
 from tests.evaluator.sandbox.world import listening
 from tests.evaluator.submissions.python_image import python_image
 
-from wildscav_evaluator.cli.selection import load_submissions
+from wildscav_evaluator.cli.options.selection import load_submissions
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, SandboxError
-from wildscav_evaluator.sandbox.engine import ENGINES, bare_image, call, find_engine
+from wildscav_evaluator.sandbox.containers.container_engine import ENGINES, bare_image, call, find_engine
 from wildscav_evaluator.submissions.images import (
     IMAGE,
     _manifest_in,

@@ -10,10 +10,10 @@ import pytest
 from tests.platform.command import Done, command_here
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.session import run_session
+from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.evaluation import Plan
-from wildscav_evaluator.output.opening import check_opened, expected_matches
 from wildscav_evaluator.output.results import read_results
+from wildscav_evaluator.scores.expected_matches import check_opened, expected_matches
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import OPENED_FILE, SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import SUITES

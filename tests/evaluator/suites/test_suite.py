@@ -8,7 +8,7 @@ import pytest
 from wildscav_engine.maps.layout import lay_out
 from wildscav_engine.spec import SUBMISSION
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.cli.evaluate import evaluate
+from wildscav_evaluator.cli.commands.evaluate import evaluate
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES, suite
 
 BOTH = [(name, track) for name in SUITES for track in TRACKS]

@@ -1,0 +1,50 @@
+"""The command ``wildscav build``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def build(
+    submission: Annotated[
+        Path,
+        typer.Argument(
+            help="Folder with a submission.toml, an archive of one, or a baseline's name.",
+            metavar="SUBMISSION",
+            show_default=False,
+        ),
+    ],
+    base: Annotated[
+        str | None,
+        typer.Option(
+            help="Image to build on. Default: the SDK on python:3.11-slim, or on what WILDSCAV_PYTHON_IMAGE "
+            "names; made when it is not there.",
+            show_default=False,
+        ),
+    ] = None,
+    dockerfile: Annotated[
+        Path | None,
+        typer.Option(help="Another Dockerfile than docker/agent.Dockerfile.", show_default=False),
+    ] = None,
+    build_option: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Passed on to the engine's build, such as --build-option=--network=host; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Build the container image of a submission, with the packages that its requirements.txt names.
+
+    Building runs what those packages bring along, with a network: do it where no secrets are. Matches then
+    run the image as it is, with none.
+    """
+    from wildscav.console import console
+    from wildscav_evaluator.cli.options.selection import load_named
+    from wildscav_evaluator.submissions.images import build_image
+
+    loaded = load_named(submission)
+    name = build_image(loaded, base=base, options=build_option or (), dockerfile=dockerfile)
+    console.print(f"image     {name}", highlight=False, soft_wrap=True)
+    console.print(f"          wildscav play {submission} --sandbox oci", highlight=False, soft_wrap=True)

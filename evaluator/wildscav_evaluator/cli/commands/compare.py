@@ -1,0 +1,102 @@
+"""The commands ``wildscav compare`` and ``wildscav rescore``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.commands.evaluate import (
+    FreshOption,
+    JobsOption,
+    LogOption,
+    MetricsOption,
+    OutOption,
+    SecretOption,
+    SeedOption,
+    SuiteOption,
+)
+from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.signing import KeyOption, SignOption, signing_key, warn_of_open_key
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(help="A folder with a submission.toml.", metavar="A")],
+    second: Annotated[Path, typer.Argument(help="Another one, or another version of it.", metavar="B")],
+    track: Annotated[
+        list[str] | None,
+        typer.Option(help="Compare on this track; may be repeated. Default: all that both play."),
+    ] = None,
+    suite: SuiteOption = "quick",
+    rounds: Annotated[
+        int, typer.Option(help="How often to play the suite, each time with the next seed.", min=1, max=1000)
+    ] = 2,
+    seed: SeedOption = None,
+    secret: SecretOption = None,
+    jobs: JobsOption = None,
+    out: OutOption = None,
+    fresh: FreshOption = False,
+    sandbox: InSandbox = None,
+    sign: SignOption = None,
+    log_format: LogOption = None,
+    metrics_port: MetricsOption = None,
+    as_json: AsJson = False,
+) -> None:
+    """Play two submissions on the same matches, and say which is better, or that they are tied.
+
+    The verdict is that of a paired bootstrap: one is better if the 95 % interval of the differences, match by
+    match, leaves out zero. A comparison that was interrupted is continued by the same command.
+    """
+    from wildscav_engine.threads import cores
+    from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks
+    from wildscav_evaluator.cli.sessions.compare import both_play, run_comparison, told_apart
+    from wildscav_evaluator.evaluation import Plan, in_own_folder
+    from wildscav_evaluator.monitoring.monitor import Watching
+    from wildscav_evaluator.output.numbered_folders import COMPARISONS
+    from wildscav_evaluator.suites.suite_file import find_suite
+
+    loaded, chosen = told_apart(load_submissions([first, second])), find_suite(suite)
+    tracks = both_play(suite_tracks(loaded, track or [], chosen), loaded)
+    if not tracks:
+        raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
+    first_seed = suite_seed(seed, secret)
+    key = signing_key(sign, out or COMPARISONS, loaded)
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    if key is not None:
+        warn_of_open_key(runs_in)
+    plan = Plan(
+        submissions=loaded,
+        tracks=tracks,
+        suite=chosen,
+        seed=first_seed,
+        replays="none",
+        jobs=jobs or cores(),
+        out=out or COMPARISONS,
+        fresh=fresh,
+        rounds=rounds,
+        sandbox=runs_in,
+        key=key,
+    )
+    run_comparison(plan if out else in_own_folder(plan), Watching(log_format, metrics_port), as_json=as_json)
+
+
+def rescore(
+    out: Annotated[Path, typer.Argument(help="The output folder of an evaluation.", show_default=False)],
+    jobs: Annotated[
+        int | None, typer.Option(help="Records to play at once. Default: one a processor core.", min=1)
+    ] = None,
+    key: KeyOption = None,
+    as_json: AsJson = False,
+) -> None:
+    """Play every record of an evaluation again and compute its tables anew. Exit code 0 only if all agree.
+
+    Every number comes from the records, and exactly the suite's matches of every entrant must be there. Which
+    submission played, in what, and whose fault it was when an agent ended early, is only proven by a ledger
+    that the organizer signed (--key).
+    """
+    from wildscav_engine.threads import cores
+    from wildscav_evaluator.cli.sessions.rescore import run_rescore
+    from wildscav_evaluator.ledger.keys import read_public
+
+    run_rescore(out, jobs or cores(), None if key is None else read_public(key), as_json=as_json)

@@ -1,0 +1,46 @@
+"""The command ``wildscav replay-agent``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.folders import check_folder
+from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+
+
+def replay_agent(
+    record: Annotated[
+        Path, typer.Argument(help="The record of a match.", metavar="RECORD", show_default=False)
+    ],
+    submission: Annotated[
+        Path,
+        typer.Argument(
+            help="A folder with a submission.toml, an archive of one, or image:NAME.",
+            metavar="SUBMISSION",
+            show_default=False,
+        ),
+    ],
+    seat: Annotated[
+        list[int] | None,
+        typer.Option(
+            help="Compare this seat; may be repeated. Default: the submission's own by the record.",
+            min=0,
+        ),
+    ] = None,
+    logs: Annotated[Path, typer.Option(help="Folder for what the agents print.")] = Path("out/replay-agent"),
+    sandbox: InSandbox = None,
+) -> None:
+    """Ask a submission again in a recorded match, and compare its actions with the record, step by step.
+
+    All seats play what is recorded, so the agent sees just what it saw then. Exit code 0 if it acts as
+    recorded in every step; 1 if not, and the first difference is shown. An agent that looks at a clock, uses
+    threads, or random numbers of its own, may differ though it is the same.
+    """
+    from wildscav_evaluator.cli.options.selection import load_submissions
+    from wildscav_evaluator.cli.sessions.replay_agent import run_again
+
+    check_folder("--logs", logs)
+    loaded = load_submissions([submission])
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    run_again(record, loaded[0], seats=seat or [], logs=logs, sandbox=runs_in)

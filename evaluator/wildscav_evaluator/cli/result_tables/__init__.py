@@ -1,0 +1,1 @@
+"""Tables of results, narrow enough for a terminal of 80 columns."""

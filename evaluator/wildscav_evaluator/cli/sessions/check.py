@@ -1,0 +1,86 @@
+"""``wildscav check`` as its user sees it: a table of what was tried, and how to fix what failed."""
+
+from pathlib import Path
+
+from rich.table import Table
+from rich.text import Text
+
+from wildscav.console import console, counted, print_json
+from wildscav.errors import UserError
+from wildscav.preparing import preparing
+from wildscav_evaluator.check.findings import Finding, Verdict
+from wildscav_evaluator.check.trials import run_checks
+from wildscav_evaluator.cli.result_tables.ranking import plain_table
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.sandbox import Sandbox
+from wildscav_evaluator.submissions.submission import Submission
+
+STYLES = {Verdict.KEPT: "green", Verdict.DOUBTFUL: "yellow", Verdict.BROKEN: "red"}
+SHOWN_LINES = 8  # of what a failing agent printed
+
+
+def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: bool = False) -> None:
+    """Try a submission, and say what was found.
+
+    Raises:
+        UserError: Something failed that a judge would not pass over.
+    """
+    with preparing(console):
+        warm([submission.manifest.sensors])
+    findings = []
+    with console.status("playing") as status:
+        for finding in run_checks(submission, sandbox, logs):
+            findings.append(finding)
+            status.update(f"played: {finding.check}")
+    console.print(_table(submission, findings))
+    if as_json:
+        print_json(_document(submission, findings, logs))
+    for finding in findings:
+        _explain(finding)
+    broken = sum(finding.verdict == Verdict.BROKEN for finding in findings)
+    if broken:
+        raise UserError(f"{submission.name} fails {counted(broken, 'check')}; what it printed is in {logs}")
+    console.print(f"{submission.name} may be submitted. What it printed is in {logs}.", soft_wrap=True)
+
+
+def _document(submission: Submission, findings: list[Finding], logs: Path) -> dict[str, object]:
+    """Return what ``wildscav check --json`` prints."""
+    return {
+        "submission": submission.name,
+        "version": submission.manifest.version,
+        "passed": not any(finding.verdict == Verdict.BROKEN for finding in findings),
+        "findings": [
+            {
+                "check": finding.check,
+                "verdict": finding.verdict.value,
+                "seen": finding.seen,
+                "advice": finding.mend,
+                "last_lines": finding.last_lines,
+            }
+            for finding in findings
+        ],
+        "logs": str(logs),
+    }
+
+
+def _table(submission: Submission, findings: list[Finding]) -> Table:
+    title = f"{submission.name} {submission.manifest.version}"
+    table = plain_table(title)
+    table.add_column("check", no_wrap=True)
+    table.add_column("")
+    table.add_column("seen")
+    for finding in findings:
+        verdict = Text(finding.verdict.value, STYLES[finding.verdict])
+        table.add_row(finding.check, verdict, Text(finding.seen))
+    return table
+
+
+def _explain(finding: Finding) -> None:
+    """Say how to fix what is not kept."""
+    if finding.verdict == Verdict.KEPT:
+        return
+    style = STYLES[finding.verdict]
+    console.print(Text.assemble((f"\n{finding.check}: ", style), finding.seen), soft_wrap=True)
+    for line in finding.last_lines[-SHOWN_LINES:]:
+        console.print(Text(f"  | {line}", "dim"), soft_wrap=True)
+    console.print(Text.assemble(("  to fix it: ", "bold"), finding.mend), soft_wrap=True)

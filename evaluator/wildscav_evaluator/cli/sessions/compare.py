@@ -1,0 +1,94 @@
+"""``wildscav compare`` as its user sees it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rich.table import Table
+from rich.text import Text
+
+from wildscav.console import console, counted, print_json
+from wildscav.errors import UserError, describe
+from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, number, plain_table, signed
+from wildscav_evaluator.cli.result_tables.timing import conditions
+from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.cli.sessions.evaluate import all_failed, evaluating, say, say_ledger
+from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.monitoring.monitor import Watching
+from wildscav_evaluator.output.results import write_results
+from wildscav_evaluator.scores.compare import FEWEST, Comparison, compare, write_comparisons
+from wildscav_evaluator.submissions.submission import Submission
+
+
+def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> None:
+    """Play two submissions on the same matches, and show and keep which is better.
+
+    Raises:
+        UserError: Nothing could be played; or something could not be kept, or a submission failed in all its
+            matches, after everything else was shown and kept.
+    """
+    first, second = plan.submissions
+    with evaluating(plan, watching) as (results, ledger):
+        comparisons = compare(results, first.name, second.name)
+        for one in comparisons.comparisons:
+            console.print()
+            console.print(comparison_table(one))
+            console.print(verdict_line(one))
+        if as_json:
+            print_json({"folder": str(plan.out), **comparisons.as_json()})
+        console.print()
+        for line in conditions(results.sandbox, results.limits):
+            console.print(f"played in {line}", soft_wrap=True, highlight=False)
+        try:
+            ledger.close(results, write_results(results, plan.out))
+            say("kept in", str(write_comparisons(comparisons, plan.out)))
+            say_ledger(plan, ledger)
+        except OSError as error:
+            raise UserError(f"the comparison could not be kept: {describe(error)}") from error
+    raise_all([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])
+
+
+def both_play(tracks: Sequence[str], submissions: Sequence[Submission]) -> tuple[str, ...]:
+    """Return those of some tracks that all submissions play."""
+    return tuple(name for name in tracks if all(name in one.manifest.tracks for one in submissions))
+
+
+def told_apart(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
+    """Return two submissions under two names: two versions of one are called by its name, -a and -b."""
+    first, second = submissions
+    if first.name != second.name:
+        return first, second
+    return tuple(
+        replace(one, manifest=one.manifest.model_copy(update={"name": f"{one.name[:38]}-{letter}"}))
+        for one, letter in ((first, "a"), (second, "b"))
+    )
+
+
+def comparison_table(one: Comparison) -> Table:
+    """Return the table of two submissions on one track: every metric, and how far they are apart in it."""
+    table = plain_table(f"{one.track} · {counted(one.pairs, 'match')} that both played")
+    table.add_column("", vertical="bottom")
+    add_columns(table, one.first, one.second, "difference", "95 %\ninterval")
+    for difference in one.differences:
+        metric = difference.metric
+        table.add_row(
+            " ".join(heading(metric).split()),
+            number(difference.first, metric),
+            number(difference.second, metric),
+            signed(difference.difference, metric),
+            f"{signed(difference.low, metric)} to {signed(difference.high, metric)}",
+        )
+    return table
+
+
+def verdict_line(one: Comparison) -> Text:
+    """Return who is better on a track, in words."""
+    dropped = f" ({counted(one.dropped, 'match')} left out: the platform failed)" if one.dropped else ""
+    if one.verdict == "too few":
+        return Text(
+            f"{counted(one.pairs, 'match')} are too few to tell: {FEWEST} at least{dropped}", "yellow"
+        )
+    title = one.differences[0].metric.title
+    if one.verdict == "tied":
+        return Text(f"tied: the {title} tells neither apart from the other{dropped}", "yellow")
+    better, worse = (one.first, one.second) if one.verdict == "first" else (one.second, one.first)
+    return Text(f"{better} is better than {worse} by its {title}{dropped}", "green")

@@ -1,0 +1,246 @@
+"""An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.text import Text
+
+from wildscav.console import command, console, counted, print_json
+from wildscav.errors import UserError, describe
+from wildscav.preparing import preparing
+from wildscav_engine.files import write_whole
+from wildscav_engine.record import SUFFIX
+from wildscav_evaluator.cli.result_tables.changes import since_table
+from wildscav_evaluator.cli.result_tables.ranking import LEGEND, ranked, track_table
+from wildscav_evaluator.cli.result_tables.timing import conditions, time_table
+from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.evaluation import Plan, check_names, collect, identity, make_jobs
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE
+from wildscav_evaluator.ledger.writer import Keeper
+from wildscav_evaluator.matches.jobs import (
+    LOGS,
+    RECORDS,
+    REPLAYS,
+    Broken,
+    Job,
+    JobResult,
+    Told,
+    kept,
+    sensors_read,
+)
+from wildscav_evaluator.matches.workers import WorkerDiedError, Workers
+from wildscav_evaluator.monitoring.monitor import Watch, Watching
+from wildscav_evaluator.output.folder import SUITE_FILE, check_out, keep_only, output_folder
+from wildscav_evaluator.output.lock import Lock
+from wildscav_evaluator.output.result_sinks import ResultSink, sinks
+from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, Results, write_results
+from wildscav_evaluator.scores.changes import Since, since_last
+from wildscav_evaluator.scores.notes import evaluation_remark, machine_remark
+
+INTERRUPTED = 130  # exit code, as shells have it
+NOBODY = Watching()
+
+
+def run_session(plan: Plan, database: Path, watching: Watching = NOBODY, *, as_json: bool = False) -> None:
+    """Evaluate, show and keep the results.
+
+    Raises:
+        UserError: Nothing could be evaluated; or something could not be kept, or a submission failed in all
+            its matches, after everything else was shown and kept.
+    """
+    kept_by = tuple(sinks(str(database)))
+    for sink in kept_by:
+        sink.check()
+    with evaluating(plan, watching) as (results, ledger):
+        # Before anything is shown: whoever closes the terminal has them all the same.
+        complaints = list(_written(results, plan.out, ledger))
+        since = since_last(results, plan.out)
+        _show(results, since)
+        if as_json:
+            print_json(document(results, plan.out, since))
+        if not complaints:
+            say("results", str(plan.out / RESULTS_FILE))
+            say_ledger(plan, ledger)
+        complaints += _keep(results, plan, kept_by, database)
+        complaints += [
+            all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
+        ]
+    raise_all(complaints)
+
+
+@contextmanager
+def evaluating(plan: Plan, watching: Watching) -> Iterator[tuple[Results, Keeper]]:
+    """Play all matches of a plan, or what is left of them, and hold its output folder while the block lasts.
+
+    Yields:
+        The results, and the ledger, which is to be closed with them.
+
+    Raises:
+        UserError: They cannot be played, or it was interrupted.
+    """
+    check_names(plan.submissions)
+    check_out(plan.out, plan.submissions)
+    jobs = make_jobs(plan)
+    with output_folder(plan.out, identity(plan), fresh=plan.fresh) as lock:
+        if plan.suite.source is not None:
+            write_whole(plan.out / SUITE_FILE, plan.suite.source)
+        ledger = Keeper(plan.out, identity(plan), plan.key)
+        try:
+            results = collect(plan, _play(plan, jobs, lock, ledger, watching))
+        except KeyboardInterrupt:
+            raise UserError(_interrupted(plan, jobs), INTERRUPTED) from None
+        except WorkerDiedError as error:
+            raise UserError(str(error)) from error
+        yield results, ledger
+
+
+def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, ledger: Keeper, watching: Watching) -> list[JobResult]:
+    """Play what was not played in an earlier sitting, and return the results of all."""
+    done = ledger.confirm([result for job in jobs if (result := kept(job)) is not None])
+    keep_only(plan.out, (result.job.stem for result in done))
+    if done:
+        console.print(_goes_on(len(done), len(jobs)))
+    watch = Watch(jobs, plan.jobs, plan.title, watching)
+    for result in done:
+        watch.keep(result)
+    complete = {result.job.stem for result in done if not result.to_render}
+    waiting = [job for job in jobs if job.stem not in complete]
+    if waiting:
+        with Workers(min(plan.jobs, len(waiting)), lock) as workers:
+            with preparing(console):
+                workers.warm(sensors_read(waiting))
+            with watch.shown():
+                for result in workers.run(waiting, *_hearing(ledger, watch)):
+                    ledger.end(result)
+                    watch.add(result)
+    return list(watch.tally.done.values())
+
+
+def _hearing(ledger: Keeper, watch: Watch) -> tuple[Callable[[Job], None], Callable[[Job, Told], None]]:
+    """Return what is told of every match as it is begun, and of how it goes on."""
+
+    def begin(job: Job) -> None:
+        ledger.begin(job.stem)
+        watch.start(job)
+
+    def tell(job: Job, told: Told) -> None:
+        if isinstance(told, Broken):
+            ledger.broke(job.stem, told.reason)
+        watch.tell(job, told)
+
+    return begin, tell
+
+
+def _goes_on(done: int, jobs: int) -> str:
+    of = f"{done:,} of {counted(jobs, 'match')} {'was' if done == 1 else 'were'} played before"
+    return of if done < jobs else f"all {counted(jobs, 'match')} were played before"
+
+
+def _interrupted(plan: Plan, jobs: Sequence[Job]) -> str:
+    done = sum(kept(job) is not None for job in jobs)
+    return (
+        f"interrupted: {done:,} of {counted(len(jobs), 'match')} are kept in {plan.out}; "
+        "run the same command again to play the others"
+    )
+
+
+def _remark(results: Results) -> None:
+    """Say which submissions' actions were not as they must be, and which late steps are not their fault."""
+    lines = [line for one in results.evaluations if (line := evaluation_remark(one))]
+    lines += [line for one in results.evaluations if (line := machine_remark(one, results.timings.matches))]
+    if lines:
+        console.print()
+    for line in lines:
+        console.print(Text.assemble(("note: ", "yellow"), line))
+
+
+def say_ledger(plan: Plan, ledger: Keeper) -> None:
+    """Say where the ledger is, and who signed it."""
+    signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
+    say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
+    if plan.public_key is not None:
+        say("", f"its head, to be published with the results: {ledger.head}")
+
+
+def _written(results: Results, out: Path, ledger: Keeper) -> Iterator[str]:
+    """Write the results, close the ledger with them, and yield what went wrong."""
+    try:
+        ledger.close(results, write_results(results, out))
+    except OSError as error:
+        yield f"the results could not be kept: {describe(error)}"
+    except UserError as error:  # of the ledger
+        yield str(error)
+
+
+def document(results: Results, out: Path, since: Sequence[Since]) -> dict[str, object]:
+    """Return what ``wildscav evaluate --json`` prints."""
+    return {
+        "folder": str(out),
+        "results": results.as_json(),
+        "since_last": [one.as_json() for one in since],
+    }
+
+
+def _show(results: Results, since: Sequence[Since] = ()) -> None:
+    """Show the tables, what agents should have done otherwise, and what they ran in."""
+    for track in results.tracks:
+        console.print()
+        console.print(track_table(results, track))
+    console.print(f"\n{LEGEND}\n", style="dim")
+    if since:
+        console.print(since_table(since))
+        console.print()
+    console.print(time_table(results))
+    _remark(results)
+    console.print()
+    for position, line in enumerate(conditions(results.sandbox, results.limits)):
+        say("" if position else "sandbox", line)
+
+
+def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
+    """Hand the results to the sinks, say where all the rest is, and yield what went wrong."""
+    rows = [row for one in results.evaluations for row in one.matches]
+    recorded = sum(row.record is not None for row in rows)
+    say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
+    say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
+    for sink in kept_by:
+        try:
+            say("database", sink.store(results))
+            say("", f"standings: {command('wildscav')} leaderboard --db {database}")
+        except UserError as error:
+            yield str(error)
+    if any(row.logs for row in rows):
+        say("logs", f"{plan.out / LOGS} (what the agents printed)")
+    replays = sum(row.replay is not None for row in rows)
+    if replays:
+        say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to be watched in Rerun")
+    shown = _replay_to_show(results)
+    if shown is not None:
+        say("", f"watch one: {command('rerun')} {plan.out / shown}")
+
+
+def say(what: str, text: str) -> None:
+    """Print a line of what lies where."""
+    console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)
+
+
+def _replay_to_show(results: Results) -> str | None:
+    """Return a replay worth seeing first: of the last track, which has most to see, and its best agent."""
+    for track in reversed(results.tracks):
+        for _, one in ranked(one for one in results.evaluations if one.track == track):
+            for row in one.matches:
+                if row.replay is not None:
+                    return row.replay
+    return None
+
+
+def all_failed(evaluation: Evaluation, out: Path) -> str:
+    """Say that a submission failed in every match of a track, or the platform did, and why."""
+    first = evaluation.matches[0]
+    if all(row.fault == "platform" for row in evaluation.matches):
+        return f"no match of {evaluation.track} could be played for {evaluation.submission}: {first.detail}"
+    # The log of the seat that failed, which may not be its first.
+    log = next((seat.log for seat in first.seats if seat.fault is not None), None)
+    see = f" (its log: {out / log})" if log else ""
+    return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"

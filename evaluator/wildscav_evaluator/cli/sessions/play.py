@@ -1,0 +1,264 @@
+"""``wildscav play`` as its user sees it: the match's spec, its progress, its table and its files."""
+
+import asyncio
+import contextlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pydantic import ValidationError
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
+
+from wildscav import leftovers
+from wildscav.console import command, console, print_json
+from wildscav.errors import UserError, describe
+from wildscav.preparing import preparing
+from wildscav.server import HostedMatch
+from wildscav_engine.actions import Field
+from wildscav_engine.match import MatchSetupError
+from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record
+from wildscav_engine.rules import FRAMES_PER_SECOND
+from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.cli.options.output_paths import check_targets
+from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, number, plain_table
+from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
+from wildscav_evaluator.evaluation import metric_infos
+from wildscav_evaluator.matches.jobs import FINISHED
+from wildscav_evaluator.matches.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
+from wildscav_evaluator.sandbox.agents.capped_log import is_cut
+from wildscav_evaluator.scores.notes import late_for_machine, remark
+from wildscav_evaluator.seats import BATTLE_ROBOTS
+from wildscav_evaluator.submissions.submission import Submission
+
+if TYPE_CHECKING:
+    from wildscav_engine.result import SeatResult
+
+BATTLE_SEATS = 6  # unless asked otherwise
+MAX_SEATS = 1000  # that a spec may have
+HOUSE_AREA = 2500.0  # m² of map for each house
+
+
+def make_spec(
+    track: str,
+    *,
+    submissions: int,
+    robots: int | None,
+    map_seed: int,
+    size: int,
+    seed: int,
+    time_limit: float,
+) -> MatchSpec:
+    """Return the spec of a match; the submissions have the first seats, robots the others.
+
+    Raises:
+        UserError: There is no such match: the map's size is odd, or there are too many seats, for example.
+    """
+    if size % 2:
+        raise UserError(f"--size is {size}, must be even", exit_code=2)
+    if robots is None:
+        robots = max(0, BATTLE_SEATS - submissions) if Field.SHOOT in TRACKS[track].fields else 0
+    if submissions + robots > MAX_SEATS:
+        raise UserError(f"--robots is {robots}, must leave at most {MAX_SEATS:,} seats in all", exit_code=2)
+    filled_by = [BATTLE_ROBOTS[number % len(BATTLE_ROBOTS)] for number in range(robots)]
+    houses = max(1, min(200, round(size * size / HOUSE_AREA)))
+    try:
+        return MatchSpec(
+            track=track,
+            map=MapSpec(config=MapConfig(size=size, houses=houses), seed=map_seed),
+            seed=seed,
+            seats=(SUBMISSION,) * submissions + tuple(filled_by),
+            time_limit=time_limit,
+        )
+    except ValidationError as error:
+        raise UserError(f"there is no such match: {one_line(error)}", exit_code=2) from error
+
+
+def run_match(
+    spec: MatchSpec,
+    submissions: Sequence[Submission],
+    *,
+    record: Path | None,
+    replay: Path | None,
+    logs: Path,
+    sandbox: str,
+    as_json: bool = False,
+) -> None:
+    """Play a match, show how it went, and write what is asked for.
+
+    Raises:
+        UserError: The match could not be played; or an agent failed, or a file could not be written, after
+            everything else was shown and written.
+        OSError: A log could not be written.
+    """
+    check_targets(record, replay)
+    if record is not None or replay is not None:
+        _check_recordable(spec)
+    paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
+    seating = Seating(spec, tuple(submissions), paths)
+    with _logging(logs, paths):
+        played = _play(seating, SANDBOXES[sandbox])
+    console.print(_table(seating, played))
+    _remark(seating, played)
+    complaints = list(_write(played, seating, record, replay))
+    if as_json:
+        print_json(_document(seating, played))
+    if any(path.exists() for path in paths):
+        console.print(f"what the agents printed is in {logs}", soft_wrap=True)
+    for path in filter(is_cut, paths):
+        kept = f"{int(seating.limits.output):,}"
+        console.print(f"  {path} was cut: of what an agent prints, {kept} bytes are kept", soft_wrap=True)
+    raise_all([*complaints, *_failures(played, seating)])
+
+
+def _check_recordable(spec: MatchSpec) -> None:
+    try:
+        check_recordable(spec)
+    except RecordError as error:
+        raise UserError(str(error), exit_code=2) from None
+
+
+@contextmanager
+def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
+    """Begin the logs; at the end remove those that are empty, and the folder if nothing is in it."""
+    made = [parent for parent in folder.absolute().parents if not parent.exists()]
+    prepare_logs(logs)
+    try:
+        yield
+    finally:
+        remove_empty_logs(logs)
+        for empty in (folder, *made):
+            with contextlib.suppress(OSError):
+                empty.rmdir()
+
+
+def _play(seating: Seating, sandbox: Sandbox) -> Played:
+    try:
+        with preparing(console):
+            warm([submission.manifest.sensors for submission in seating.submissions])
+        return asyncio.run(_play_with_progress(seating, sandbox))
+    except KeyboardInterrupt:
+        raise UserError("interrupted: the match was not played to its end", INTERRUPTED) from None
+    except MatchSetupError as error:
+        raise UserError(str(error)) from error
+
+
+async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> Played:
+    spec = seating.spec
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task(f"{spec.track}, {spec.time_limit:g} s", total=spec.frame_limit)
+        watching: list[asyncio.Task[None]] = []
+
+        async def watch(hosted: HostedMatch) -> None:
+            while True:
+                progress.update(task, completed=hosted.match.frame)
+                await asyncio.sleep(0.2)
+
+        try:
+            return await play_match(
+                seating,
+                sandbox=sandbox,
+                started=lambda hosted: watching.append(asyncio.create_task(watch(hosted))),
+            )
+        finally:
+            for watcher in watching:
+                watcher.cancel()
+
+
+def _table(seating: Seating, played: Played) -> Table:
+    result = played.match.result()
+    metrics = metric_infos(seating.spec.track)
+    seconds = result.frames / FRAMES_PER_SECOND
+    title = f"{seating.spec.track} · map {seating.spec.map.seed} · seed {seating.spec.seed} · {seconds:g} s"
+    table = plain_table(title)
+    add_columns(table, "seat")
+    table.add_column("name", vertical="bottom")
+    add_columns(table, *map(heading, metrics))
+    table.add_column("agent", vertical="bottom")
+
+    def key(seat: "SeatResult") -> float:
+        value = seat.metrics[metrics[0].name]
+        return value if metrics[0].lower_is_better else -value
+
+    for seat in sorted(result.seats, key=key):
+        values = [number(seat.metrics[metric.name], metric) for metric in metrics]
+        report = played.seats.get(seat.seat)
+        table.add_row(str(seat.seat), seating.names[seat.seat], *values, report.status if report else "robot")
+    return table
+
+
+def _document(seating: Seating, played: Played) -> dict[str, object]:
+    """Return what ``wildscav play --json`` prints."""
+    result = played.match.result()
+    return {
+        "track": seating.spec.track,
+        "map": seating.spec.map.seed,
+        "seed": seating.spec.seed,
+        "seconds": result.frames / FRAMES_PER_SECOND,
+        "metrics": [metric.as_json() for metric in metric_infos(seating.spec.track)],
+        "seats": [_seat_document(seating, played, seat) for seat in result.seats],
+    }
+
+
+def _seat_document(seating: Seating, played: Played, seat: "SeatResult") -> dict[str, object]:
+    report = played.seats.get(seat.seat)
+    return {
+        "seat": seat.seat,
+        "name": seating.names[seat.seat],
+        "metrics": dict(seat.metrics),
+        "status": report.status.value if report else "robot",
+        "detail": report.detail if report else "",
+    }
+
+
+def _remark(seating: Seating, played: Played) -> None:
+    """Say which agents' actions were not as they must be."""
+    for seat, report in played.seats.items():
+        line = remark(seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions)
+        if line is not None:
+            console.print(Text.assemble(("note: ", "yellow"), line))
+        if steps := played.late_for_platform.get(seat):
+            told = late_for_machine(seating.names[seat], {"": steps})
+            console.print(Text.assemble(("note: ", "yellow"), told))
+
+
+def _write(played: Played, seating: Seating, record: Path | None, replay: Path | None) -> Iterator[str]:
+    """Write what is asked for, and yield what went wrong. Neither file costs the other."""
+    if record is not None:
+        try:
+            write_record(record, played.match, seating.names)
+            console.print(f"record: {record}", soft_wrap=True)
+        except OSError as error:
+            yield f"the record could not be kept: {describe(error)}"
+    if replay is not None:
+        try:
+            with console.status("rendering the replay"):
+                _render(played, seating, replay)
+            console.print(f"replay: {replay}\n  {command('rerun')} {replay}", soft_wrap=True)
+        except OSError as error:
+            yield f"the replay could not be kept: {describe(error)}"
+
+
+def _render(played: Played, seating: Seating, replay: Path) -> None:
+    from wildscav_engine.view import write_replay
+
+    with leftovers.temporary_folder("record-") as folder:
+        path = folder / f"match{SUFFIX}"
+        write_record(path, played.match, seating.names)
+        write_replay(read_record(path), replay, follow=seating.seats[0])
+
+
+def _failures(played: Played, seating: Seating) -> Iterator[str]:
+    """Yield a line for every agent that did not play to the end."""
+    for seat, log in zip(seating.seats, seating.logs, strict=True):
+        report = played.seats[seat]
+        if report.status != FINISHED:
+            see = f" (its log: {log})" if log.exists() else ""
+            yield f"{seating.names[seat]} {report.status.value}: {report.detail}{see}"

@@ -1,0 +1,143 @@
+"""``wildscav rescore`` as its user sees it."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from wildscav.console import console, counted, error_console, print_json
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.result_tables.ranking import LEGEND, track_table
+from wildscav_evaluator.cli.result_tables.timing import conditions
+from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.ledger.ledger import LEDGER_FILE, LedgerError, check_key, read_ledger
+from wildscav_evaluator.output.identity import Identity, read_identity
+from wildscav_evaluator.output.results import RESULTS_FILE, Results, Timings, read_results
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.scores.audit import Folder, complaints, read_folder
+from wildscav_evaluator.scores.rescore import Replayed, recompute, record_paths, replay_all
+from wildscav_evaluator.suites.seeds import OPENED_FILE
+
+SHOWN = 20  # disagreements, at most
+
+
+def run_rescore(out: Path, jobs: int, key: str | None = None, *, as_json: bool = False) -> None:
+    """Play the records of a folder again, show the tables that they make, and say whether they agree.
+
+    Args:
+        out: The output folder of an evaluation.
+        jobs: How many records to play at once.
+        key: The public key that must have signed its ledger; none if that does not matter.
+        as_json: Whether to print a JSON document besides.
+
+    Raises:
+        UserError: There are no records; or they do not agree, after everything was shown.
+    """
+    paths = record_paths(out)
+    told = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
+    folder = None if told is None else read_folder(out, told, key)
+    replayed = _replay(paths, jobs)
+    results = recomputed(replayed, told, read_identity(out))
+    _show(results)
+    found = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
+    found += _without_results(out, key) if folder is None else complaints(folder, replayed)
+    if as_json:
+        print_json({"folder": str(out), "results": results.as_json(), "disagreements": found})
+    if len(found) > SHOWN:
+        found[SHOWN:] = [f"and {len(found) - SHOWN:,} more disagreements"]
+    raise_all(found)
+    everything = counted(len(replayed), "record")
+    if folder is None:
+        console.print(f"{everything} played again; there is no {out / RESULTS_FILE} to compare with")
+        return
+    console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}", soft_wrap=True)
+    _say_what_is_shown(folder)
+
+
+def _without_results(out: Path, key: str | None) -> Iterator[str]:
+    """Yield what is wrong with a folder that has no results."""
+    try:
+        ledger = read_ledger(out)
+        if key is not None:
+            check_key(ledger, key, out)
+    except LedgerError as error:
+        yield str(error)
+        return
+    if ledger is not None and ledger.closed is not None:
+        yield f"there is no {out / RESULTS_FILE}, though the ledger says that the evaluation came to results"
+    elif key is not None:
+        yield f"the evaluation in {out} did not come to its end: there is nothing yet that was signed as such"
+
+
+def _say_what_is_shown(folder: Folder) -> None:
+    """Say what all that agrees shows, and what it does not."""
+    ledger = folder.ledger
+    if ledger is None:
+        raise TypeError("a folder without a ledger does not agree")
+    if folder.signed:
+        _say(f"signed with the key {ledger.key}: nothing was changed or taken out since; head {ledger.head}")
+    elif ledger.key is not None:
+        _say(f"signed with the key {ledger.key}: if that is the organizer's, say so with --key")
+    else:
+        _say(
+            "not signed: these actions give these scores; that nobody put in other actions, or another "
+            "sandbox or submission, is not shown"
+        )
+    if again := sum(ledger.interrupted.values()):
+        were = "was" if again == 1 else "were"
+        _say(f"{counted(again, 'match')} {were} interrupted and started again: see {LEDGER_FILE}")
+    if folder.told.commitment is not None and not (folder.out / OPENED_FILE).exists():
+        _say("That these are the suite's matches can be checked once its secret is opened.")
+
+
+def _say(text: str) -> None:
+    console.print(text, soft_wrap=True, highlight=False)
+
+
+def recomputed(
+    replayed: Sequence[Replayed], told: Results | None, identity: Identity | None = None
+) -> Results:
+    """Return results made anew from records.
+
+    Args:
+        replayed: The records, played again.
+        told: What the evaluation said; what no record says is taken from it.
+        identity: Which evaluation it is, where it has not come to results yet.
+    """
+    evaluations = tuple(recompute(replayed, told))
+    if told is not None:
+        return told.model_copy(update={"evaluations": evaluations})
+    nothing = Timings(started="", wall=0.0, jobs=0, matches=())
+    return Results(
+        versions=CURRENT_VERSIONS,
+        suite="unknown" if identity is None else identity.suite,
+        seed=int(identity.seed) if identity is not None and identity.seed.isdecimal() else None,
+        sandbox="unknown" if identity is None else identity.sandbox,
+        limits={} if identity is None else identity.limits,
+        evaluations=evaluations,
+        timings=nothing,
+    )
+
+
+def _replay(paths: Sequence[Path], jobs: int) -> list[Replayed]:
+    columns = (TextColumn("playing records again"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    replayed = []
+    with Progress(*columns, console=error_console, transient=True) as progress:
+        task = progress.add_task("", total=len(paths))
+        try:
+            for one in replay_all(paths, jobs):
+                replayed.append(one)
+                progress.advance(task)
+        except KeyboardInterrupt:
+            raise UserError("interrupted: not all records were played again", 130) from None
+    return replayed
+
+
+def _show(results: Results) -> None:
+    for track in results.tracks:
+        console.print(track_table(results, track))
+        console.print()
+    console.print(f"{LEGEND}\n", style="dim")
+    if results.limits:
+        for line in conditions(results.sandbox, results.limits):
+            console.print(f"played in {line}", soft_wrap=True, highlight=False)

@@ -1,0 +1,1 @@
+"""How a running evaluation is watched: dashboard, log and metrics."""

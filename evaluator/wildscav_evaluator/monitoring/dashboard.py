@@ -1,0 +1,153 @@
+"""The dashboard of an evaluation: what a terminal shows while it runs."""
+
+from collections.abc import Iterator
+
+from rich.console import Group, RenderableType
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from wildscav.console import counted
+from wildscav_engine.rules import FRAMES_PER_SECOND
+from wildscav_evaluator.cli.result_tables.ranking import NOTHING, number
+from wildscav_evaluator.monitoring.tally import Line, Running, Tally
+from wildscav_evaluator.output.results import MetricInfo
+
+BAR = 18  # columns
+NAME = 22  # columns that a submission's name takes at most
+SHOWN = 8  # running matches, at most
+WIDE = 78  # columns, from which on there is room for bars and intervals
+FIGURES = 31  # columns of a line's figures where there is not
+
+
+def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
+    """Return the dashboard as it is now.
+
+    Args:
+        tally: What is shown.
+        title: What is evaluated.
+        width: Of the terminal, columns. A narrow one gets no bars and no intervals.
+    """
+    wide = width >= WIDE
+    name = NAME if wide else max(6, min(NAME, width - FIGURES))
+    return Group(
+        *_head(tally, title, wide=wide), *_tracks(tally, name, wide=wide), *_running(tally, name, wide=wide)
+    )
+
+
+def _head(tally: Tally, title: str, *, wide: bool) -> Iterator[RenderableType]:
+    done, total = len(tally.done), len(tally.jobs)
+    times = f"{duration(tally.elapsed)} gone"
+    if (left := tally.time_left()) is not None and done < total:
+        times += f", about {duration(left)} left"
+    yield Text(title, "bold")
+    if wide:
+        table = Table.grid(padding=(0, 2))
+        table.add_row(ProgressBar(total, done, width=BAR), standing(tally))
+        yield table
+    else:
+        yield standing(tally)
+    yield Text(times)
+
+
+def standing(tally: Tally) -> Text:
+    """Return how many matches are done, running, waiting and failed."""
+    text = Text(f"{len(tally.done):,} of {counted(len(tally.jobs), 'match')} done")
+    if tally.running:
+        text.append(f", {len(tally.running)} running", "cyan")
+    if tally.waiting:
+        text.append(f", {tally.waiting:,} waiting", "dim")
+    text.append(f", {tally.failed:,} failed", "red" if tally.failed else "dim")
+    if tally.broken:
+        text.append(f", {tally.broken:,} played again", "yellow")
+    return text
+
+
+def _tracks(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
+    """Yield a table for each track: how far each submission is, and its score so far with the interval."""
+    lines = tuple(tally.lines.values())
+    width = min(name, max(len(line.submission) for line in lines))
+    for track in dict.fromkeys(line.track for line in lines):
+        of_track = [line for line in lines if line.track == track]
+        metric = of_track[0].metric
+        arrow = "↓" if metric.lower_is_better else "↑"
+        yield Text.assemble("\n", (track, "bold"), (f"  {of_what(metric)} {arrow}", "dim"))
+        table = Table.grid(padding=(0, 2))
+        table.add_column(width=width, no_wrap=True)
+        if wide:
+            table.add_column()
+        for columns in (9, 7, 15) if wide else (7, 6):
+            table.add_column(width=columns, justify="right", no_wrap=True)
+        table.add_column(no_wrap=True)
+        for line in of_track:
+            table.add_row(*_cells(line, wide=wide))
+        yield table
+
+
+def _cells(line: Line, *, wide: bool) -> Iterator[RenderableType]:
+    yield Text(line.submission)
+    if wide:
+        yield ProgressBar(line.total, line.done, width=BAR // 2)
+    yield f"{line.done}/{line.total}"
+    yield Text(NOTHING if line.summary is None else number(line.summary.mean, line.metric), "bold")
+    if wide:
+        yield _interval(line)
+    yield _state(line)
+
+
+def of_what(metric: MetricInfo) -> str:
+    """Return a metric's unit and title, to stand after a number."""
+    unit = f"{metric.unit} " if metric.unit and not metric.title.endswith("rate") else ""
+    return f"{unit}{metric.title}"
+
+
+def _interval(line: Line) -> str:
+    if line.summary is None or len(line.scores) == 1:
+        return ""
+    return f"{number(line.summary.low, line.metric)}–{number(line.summary.high, line.metric)}"
+
+
+def _state(line: Line) -> Text:
+    if line.failed:
+        return Text(f"{line.failed} failed", "red")
+    if line.complete:
+        return Text("done", "green")
+    return Text("running", "cyan") if line.running else Text("waiting" if line.done == 0 else "", "dim")
+
+
+def _running(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
+    """Yield the matches that are being played, each with how far it is."""
+    running = sorted(tally.running.values(), key=lambda one: one.since)
+    if not running:
+        return
+    table = Table.grid(padding=(0, 2))
+    longest = max(len(one.job.stem) for one in running[:SHOWN])
+    table.add_column(width=min(2 * NAME if wide else name + FIGURES // 2, longest), no_wrap=True)
+    for one in running[:SHOWN]:
+        table.add_row(*_match(one, wide=wide))
+    yield Text.assemble("\n", ("playing", "bold"), (f"  {tally.speed:,.0f} steps/s", "dim"))
+    yield table
+    if len(running) > SHOWN:
+        yield Text(f"and {len(running) - SHOWN} more", "dim")
+
+
+def _match(one: Running, *, wide: bool) -> Iterator[RenderableType]:
+    spec, frames = one.job.spec, one.beat.frames if one.beat else 0
+    yield Text(one.job.stem)
+    if wide:
+        yield ProgressBar(spec.frame_limit, frames, width=BAR // 2)
+    if one.beat is None:
+        yield Text("starting", "dim")
+    else:
+        yield Text(f"{frames / FRAMES_PER_SECOND:,.0f} of {spec.time_limit:,.0f} s")
+
+
+def duration(seconds: float) -> str:
+    """Return a time as people say it, such as "4 min 05 s"."""
+    whole = max(0, round(seconds))
+    if whole < 60:
+        return f"{whole} s"
+    minutes, rest = divmod(whole, 60)
+    if minutes < 60:
+        return f"{minutes} min {rest:02} s"
+    return f"{minutes // 60} h {minutes % 60:02} min"

@@ -1,0 +1,95 @@
+"""All that looks on while an evaluation runs: the dashboard, the log and the metrics."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from wildscav.console import console
+from wildscav.logs import LogFormat, open_log
+from wildscav.metrics import serving_metrics
+from wildscav_evaluator.matches.jobs import Beat, Broken, Job, JobResult, Told
+from wildscav_evaluator.monitoring.progress import EvaluationProgress
+from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
+from wildscav_evaluator.monitoring.tally import Tally
+
+
+@dataclass(frozen=True)
+class Watching:
+    """How an evaluation is to be watched."""
+
+    log_format: LogFormat | None = None  # none: on the dashboard, or in plain lines
+    metrics_port: int | None = None  # none: no metrics
+
+
+class Watch:
+    """Tells everybody who looks on.
+
+    Args:
+        jobs: All matches.
+        at_once: How many are played at once.
+        title: What is evaluated.
+        how: How it is to be watched.
+    """
+
+    def __init__(self, jobs: Sequence[Job], at_once: int, title: str, how: Watching) -> None:
+        self._how, self._title = how, title
+        self.tally = Tally(jobs, at_once)
+        self._log = open_log(how.log_format)
+        self._progress = EvaluationProgress(console, self.tally, title, quiet=how.log_format is not None)
+
+    @contextmanager
+    def shown(self) -> Iterator[None]:
+        """Show it for as long as the block lasts."""
+        tally = self.tally
+        with serving_metrics(EvaluationMetrics(tally), self._how.metrics_port) as address:
+            if address is not None:
+                console.print(f"metrics   {address}", highlight=False)
+            kept = len(tally.done)
+            self._log.info("evaluation_begins", what=self._title, matches=len(tally.jobs), kept=kept)
+            with self._progress.shown():
+                yield
+            self._log.info("evaluation_ends", matches=len(tally.done), failed=tally.failed)
+
+    def start(self, job: Job) -> None:
+        """A match begins."""
+        self.tally.start(job)
+        self._log.info("match_begins", match=job.stem, waiting=self.tally.waiting)
+
+    def tell(self, job: Job, told: Told) -> None:
+        """A match is so far, or the platform broke it and it is played again."""
+        if isinstance(told, Beat):
+            self.tally.beat(job, told)
+        elif isinstance(told, Broken):
+            self.tally.note_broken(job)
+            self._log.warning("match_broken", match=job.stem, fault="platform", detail=told.reason)
+            self._progress.note_broken(job, told.reason)
+
+    def keep(self, result: JobResult) -> None:
+        """A match was played in an earlier sitting."""
+        self._progress.add(result, self.tally.keep(result))
+
+    def add(self, result: JobResult) -> None:
+        """A match ended."""
+        line = self.tally.add(result)
+        self._write(result)
+        self._progress.add(result, line)
+
+    def _write(self, result: JobResult) -> None:
+        row, timing = result.row, result.timing
+        values: dict[str, Any] = {
+            "match": result.job.stem,
+            "status": row.status,
+            "fault": row.fault,
+            "detail": row.detail,
+            "metrics": row.metrics,
+        }
+        if timing is not None:
+            values |= {
+                "wall": round(timing.wall, 3),
+                "steps": timing.steps,
+                "seats": [seat.model_dump() for seat in timing.seats],
+                "platform_faults": list(timing.platform_faults),
+            }
+        write = self._log.info if row.fault is None else self._log.warning
+        write("match_ends", **values)

@@ -1,0 +1,76 @@
+"""Live progress of an evaluation: a dashboard on a terminal, plain lines elsewhere."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.live import Live
+from rich.text import Text
+
+from wildscav.console import counted
+from wildscav_evaluator.cli.result_tables.ranking import number
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.monitoring.dashboard import dashboard, duration, of_what, standing
+from wildscav_evaluator.monitoring.tally import Line, Tally
+
+EVERY = 30.0  # s between lines where nobody watches
+
+
+class EvaluationProgress:
+    """Shows a tally.
+
+    Args:
+        console: Where.
+        tally: What is shown.
+        title: What is evaluated.
+        quiet: Whether nothing is shown but failures.
+    """
+
+    def __init__(self, console: Console, tally: Tally, title: str = "", *, quiet: bool = False) -> None:
+        self._console, self._tally, self._quiet = console, tally, quiet
+        self._said_at = tally.clock()
+        self._live = Live(
+            get_renderable=lambda: dashboard(tally, title, console.width),
+            console=console,
+            refresh_per_second=4,
+            transient=True,
+        )
+
+    @contextmanager
+    def shown(self) -> Iterator[None]:
+        """Show it for as long as the block lasts. Where nobody watches, lines are printed."""
+        if not self._console.is_terminal or self._quiet:
+            yield
+            return
+        with self._live:
+            yield
+
+    def note_broken(self, job: Job, reason: str) -> None:
+        """Say at once that the platform broke a match, which is played again."""
+        self._say(f"{job.stem}: played again, the platform's fault", reason, "yellow")
+
+    def add(self, result: JobResult, line: Line) -> None:
+        """Say at once what went wrong in a match that ended; where nobody watches, also how far all is."""
+        row = result.row
+        if row.fault is not None:
+            self._say(f"{result.job.stem}: {row.status}, {row.fault}'s fault", row.detail, "red")
+        if result.complaint:
+            self._say("note", result.complaint, "yellow")
+        if self._console.is_terminal or self._quiet:
+            return
+        if line.complete:
+            score = "-"
+            if line.summary is not None:
+                score = f"{number(line.summary.mean, line.metric)} {of_what(line.metric)}"
+            self._say(f"{line.submission} on {line.track}", f"{counted(line.done, 'match')}, {score}")
+        elif self._tally.clock() - self._said_at >= EVERY:
+            left = self._tally.time_left()
+            about = "" if left is None else f", about {duration(left)} left"
+            self._console.print(standing(self._tally).append(about))
+        else:
+            return
+        self._said_at = self._tally.clock()
+
+    def _say(self, what: str, detail: str, style: str = "") -> None:
+        # One text with no options: the table below it is drawn again with the options of this print.
+        self._console.print(Text.assemble((what, style), f": {detail}"))

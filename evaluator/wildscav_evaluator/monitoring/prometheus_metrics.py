@@ -1,0 +1,82 @@
+"""Prometheus metrics of an evaluation, read from its tally whenever somebody asks."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric, SummaryMetricFamily
+from prometheus_client.registry import Collector
+
+from wildscav_evaluator.matches.jobs import JobResult
+from wildscav_evaluator.monitoring.tally import Tally
+
+
+class EvaluationMetrics(Collector):
+    """The metrics of one evaluation.
+
+    Args:
+        tally: What they are read from.
+    """
+
+    def __init__(self, tally: Tally) -> None:
+        self._tally = tally
+
+    def collect(self) -> Iterator[Metric]:
+        """Yield every metric as it is now."""
+        done = tuple(self._tally.done.values())
+        yield from self._matches(done)
+        yield from self._queue()
+        yield from _steps(done)
+        yield GaugeMetricFamily(
+            "wildscav_steps_per_second", "Steps a second of all matches being played.", self._tally.speed
+        )
+
+    def _matches(self, done: tuple[JobResult, ...]) -> Iterator[Metric]:
+        matches = CounterMetricFamily(
+            "wildscav_matches",
+            "Matches that came to an end, earlier sittings included.",
+            labels=("track", "submission", "status"),
+        )
+        keys = [(one.job.track, one.job.submission.name, one.row.status) for one in done]
+        for key, count in Counter(keys).items():
+            matches.add_metric(key, count)
+        yield matches
+        faults = CounterMetricFamily(
+            "wildscav_faults", "Matches in which something went wrong, by whose fault.", labels=("fault",)
+        )
+        for fault in ("agent", "platform"):
+            faults.add_metric((fault,), sum(one.row.fault == fault for one in done))
+        yield faults
+        yield CounterMetricFamily(
+            "wildscav_platform_retries",
+            "Matches played again because the platform broke them.",
+            self._tally.broken,
+        )
+
+    def _queue(self) -> Iterator[Metric]:
+        yield GaugeMetricFamily("wildscav_matches_running", "Matches being played.", len(self._tally.running))
+        yield GaugeMetricFamily(
+            "wildscav_matches_waiting", "Matches that have not begun.", self._tally.waiting
+        )
+
+
+def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
+    steps = CounterMetricFamily("wildscav_steps", "Steps of matches that ended.", labels=("track",))
+    late = CounterMetricFamily("wildscav_late_steps", "Steps without an answer in time.", labels=("track",))
+    latency = SummaryMetricFamily(
+        "wildscav_step_latency_seconds",
+        "From an observation sent to its answer received, of matches that ended.",
+        labels=("track", "submission"),
+    )
+    timings = [one.timing for one in done if one.timing is not None]
+    for track in dict.fromkeys(one.track for one in timings):
+        of_track = [one for one in timings if one.track == track]
+        steps.add_metric((track,), sum(one.steps for one in of_track))
+        late.add_metric((track,), sum(seat.late_steps for one in of_track for seat in one.seats))
+        for submission in dict.fromkeys(one.submission for one in of_track):
+            own = [seat for one in of_track if one.submission == submission for seat in one.seats]
+            latency.add_metric(
+                (track, submission),
+                count_value=sum(seat.steps for seat in own),
+                sum_value=sum(seat.time_used for seat in own),
+            )
+    yield from (steps, late, latency)

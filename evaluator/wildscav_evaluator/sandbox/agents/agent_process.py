@@ -1,0 +1,205 @@
+"""An agent that runs: its process, its log, its wall clock, and its end. The same in every sandbox."""
+
+import asyncio
+import os
+import signal
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from wildscav_evaluator.sandbox.agents import host_python
+from wildscav_evaluator.sandbox.agents.capped_log import CappedLog
+from wildscav_evaluator.sandbox.agents.tracebacks import last_words, overdue_stack
+from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, signal_name
+
+GRACE = 0.5  # s, for an ended agent's output to end; less than a match waits for the agent's last words
+SHORT_OF_MEMORY = "this machine is short of memory: the kernel killed an agent that was within its limit"
+SIGNALLED = 128  # exit codes beyond are signals, by the custom of shells, bubblewrap and containers
+LAST_SIGNAL = 64
+
+# Numerics libraries start a thread a core each; matches run side by side, one a core.
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1"
+)
+
+
+def signal_of(code: int) -> int:
+    """Return the signal that an exit code tells of, 0 if none.
+
+    Args:
+        code: As Python tells it (below 0 is a signal) or as shells and containers pass it on.
+    """
+    if code < 0:
+        return -code
+    return code - SIGNALLED if SIGNALLED < code <= SIGNALLED + LAST_SIGNAL else 0
+
+
+def agent_variables(launch: Launch, address: str) -> dict[str, str]:
+    """Return the environment variables that every agent gets.
+
+    Args:
+        launch: What is started.
+        address: Of the match server, as the agent sees it.
+    """
+    return {
+        **ONE_THREAD,
+        "PYTHONUNBUFFERED": "1",  # so that the log has the last words of an agent that is killed
+        "PYTHONDONTWRITEBYTECODE": "1",  # a submission's folder stays as it was digested
+        "WILDSCAV_ADDRESS": address,
+        "WILDSCAV_TOKEN": launch.token,
+        **({} if launch.start_limit is None else {"WILDSCAV_START_LIMIT": f"{launch.start_limit:g}"}),
+    }
+
+
+def python_command(launch: Launch) -> list[str]:
+    """Return the command that an agent names itself, or that of its class with this machine's Python."""
+    return list(launch.command) or [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
+
+
+class Hold(Protocol):
+    """A sandbox's hold on all that one agent started."""
+
+    def processes(self) -> list[int]:
+        """Return the processes of the agent, as far as they are known."""
+        ...
+
+    async def kill(self) -> None:
+        """Kill every process of the agent. May be called often."""
+        ...
+
+    async def memory_kill(self, code: int) -> MemoryKill:
+        """Return for want of whose memory the kernel killed processes of an agent that ended with a code."""
+        ...
+
+    async def release(self) -> None:
+        """Remove what the sandbox set up for the agent; nothing of it runs any more. May be called twice."""
+        ...
+
+
+class AgentProcess:
+    """One agent's process and all that it started."""
+
+    def __init__(
+        self,
+        process: asyncio.subprocess.Process,
+        output: tuple[asyncio.StreamReader, asyncio.ReadTransport],
+        launch: Launch,
+        hold: Hold,
+    ) -> None:
+        self._process, self._hold = process, hold
+        self._folders = (host_python.CODE, launch.folder)  # what the agent's code is called
+        stream, self._pipe = output
+        self._log = CappedLog(launch.log, launch.limits.output)
+        self._limit = ""  # that ended it
+        self._stopping = False
+        self._copying = asyncio.create_task(self._log.copy(stream))
+        self._clock = asyncio.create_task(self._watch_clock(launch.limits.wall_clock))
+
+    @property
+    def pid(self) -> int:
+        """The number of its process, which is its session's, too."""
+        return self._process.pid
+
+    async def ended(self) -> Ending:
+        """Wait for the process to end. See ``RunningAgent.ended``."""
+        code = await self._process.wait()
+        kill = await self._hold.memory_kill(code)
+        # Whatever it left behind ends with it, and so does its output.
+        await self._hold.kill()
+        await self._finish_log()
+        signalled = signal_of(code)
+        return Ending(
+            exit_code=None if signalled else code,
+            killed_by=signal_name(signalled) if signalled else "",
+            out_of_memory=kill is MemoryKill.OWN and signalled == signal.SIGKILL and not self._limit,
+            limit=self._limit,
+            last_words=last_words(self._log.lines(), self._folders),
+            last_lines=self._log.last_lines(),
+            platform_fault=SHORT_OF_MEMORY if kill is MemoryKill.MACHINES and not self._limit else "",
+        )
+
+    def processes(self) -> list[int]:
+        """Return its processes. See ``RunningAgent.processes``."""
+        return self._hold.processes()
+
+    def overdue(self) -> str:
+        """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
+        return overdue_stack(self._log.lines(), self._folders)
+
+    async def stop(self) -> None:
+        """Kill all of the agent. See ``RunningAgent.stop``."""
+        self._clock.cancel()
+        await self._hold.kill()
+        await self._process.wait()
+        await self._hold.kill()
+        await self._finish_log()
+        await self._hold.release()
+
+    async def _watch_clock(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+        self._limit = "wall clock"
+        await self._hold.kill()
+
+    async def _finish_log(self) -> None:
+        # A child that outlives its parent may hold the pipe open: the log then ends without it.
+        _, late = await asyncio.wait([self._copying], timeout=GRACE)
+        if late:
+            self._copying.cancel()
+            await asyncio.wait([self._copying])
+        self._pipe.close()
+        await asyncio.sleep(0)  # in which it is closed
+
+
+async def start_process(
+    arguments: Sequence[str],
+    launch: Launch,
+    hold: Hold,
+    *,
+    environment: Mapping[str, str],
+    folder: Path,
+    pass_fds: Sequence[int] = (),
+) -> AgentProcess:
+    """Start a process in a session of its own, with its output into the launch's log.
+
+    Args:
+        arguments: The command.
+        launch: What is started.
+        hold: The sandbox's hold on it, made before.
+        environment: All of its variables.
+        folder: Its working directory.
+        pass_fds: Files that stay open for it.
+
+    Raises:
+        OSError: It could not be started; the hold is released.
+    """
+    # A pipe of our own: asyncio's would keep `wait` waiting for every child that holds it open.
+    ours, theirs = os.pipe()
+    output = await _open_stream(ours)
+    try:
+        process = await asyncio.create_subprocess_exec(
+            *arguments,
+            cwd=folder,
+            env=dict(environment),
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=theirs,
+            stderr=asyncio.subprocess.STDOUT,
+            start_new_session=True,
+            pass_fds=pass_fds,
+        )
+    except BaseException:
+        output[1].close()
+        await hold.release()
+        raise
+    finally:
+        os.close(theirs)
+    return AgentProcess(process, output, launch, hold)
+
+
+async def _open_stream(pipe: int) -> tuple[asyncio.StreamReader, asyncio.ReadTransport]:
+    """Return the reading end of a pipe as a stream, and what closes it."""
+    stream = asyncio.StreamReader()
+    transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+        lambda: asyncio.StreamReaderProtocol(stream), os.fdopen(pipe, "rb", buffering=0)
+    )
+    return stream, transport

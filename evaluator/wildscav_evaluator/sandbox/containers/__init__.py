@@ -1,0 +1,1 @@
+"""The sandbox of containers, run by Docker or Podman."""

@@ -1,0 +1,337 @@
+"""The container engine of this machine: Docker or Podman, whichever works."""
+
+import asyncio
+import contextlib
+import functools
+import io
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tarfile
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from wildscav import leftovers
+from wildscav_evaluator.sandbox.base import SandboxError
+
+ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
+CHOICE = "WILDSCAV_ENGINE"  # the variable that names the one to use
+PATIENCE = 120.0  # s for a command that makes, removes or looks up something
+OWNER = "wildscav.owner"  # label of containers: whose they are, as `wildscav.leftovers` names it
+KIND = "container"  # in the lists of owners
+NOT_THERE = re.compile(rb"no such container|no container with", re.IGNORECASE)
+UNDER_WAY = re.compile(rb"removal of container .* is already in progress")
+CREATION_TIME = 20.0  # s that the making of a container may take
+SETTLING = 2.0  # s in which Docker's daemon may still make what a killed command asked it for
+BARE = "localhost/wildscav-bare"  # an image of nothing, for agents that run with this machine's Python
+INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
+LONGEST = 300  # characters of a complaint that are told
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A container engine, and what it needs on this machine."""
+
+    name: str
+    options: tuple[str, ...] = field(default=())
+    all_users: bool = False  # whether containers may run as any user, whom nobody else is
+
+    @property
+    def command(self) -> tuple[str, ...]:
+        """What every command of the engine begins with."""
+        return (self.name, *self.options)
+
+    async def run(self, *arguments: str, environment: Mapping[str, str] | None = None) -> str:
+        """Run a command of the engine and return what it prints.
+
+        Raises:
+            SandboxError: It failed; says how.
+        """
+        process = await asyncio.create_subprocess_exec(
+            *self.command,
+            *arguments,
+            env=None if environment is None else dict(environment),
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            start_new_session=True,
+        )
+        try:
+            async with asyncio.timeout(PATIENCE):
+                output, complaints = await process.communicate()
+        except TimeoutError:
+            process.kill()
+            raise SandboxError(f"{self.name} {arguments[0]} takes more than {PATIENCE:g} s") from None
+        if process.returncode != 0:
+            raise SandboxError(f"{self.name} {arguments[0]} failed: {last_line(complaints)}")
+        return output.decode("utf-8", "replace").strip()
+
+
+def last_line(output: bytes) -> str:
+    """Return the last line that is not empty, or its beginning."""
+    lines = output.decode("utf-8", "replace").splitlines()
+    line = next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
+    return line if len(line) <= LONGEST else f"{line[:LONGEST]} …"
+
+
+def find_engine() -> Engine:
+    """Return the engine that works on this machine, or the one that WILDSCAV_ENGINE names.
+
+    Raises:
+        SandboxError: None does; says what each lacks.
+    """
+    return _find(*(os.environ.get(name, "") for name in (CHOICE, "DOCKER_HOST", "PATH")))
+
+
+@functools.cache
+def _find(asked: str, docker_host: str, path: str) -> Engine:
+    del path  # where programs are, which tests change
+    if asked and asked not in ENGINES:
+        raise SandboxError(f"{CHOICE} is {asked!r}, must be one of {', '.join(ENGINES)}")
+    complaints = []
+    for name in (asked,) if asked else ENGINES:
+        if shutil.which(name) is None:
+            complaints.append(f"{name} is not installed")
+            continue
+        try:
+            return _podman() if name == "podman" else _docker(docker_host)
+        except SandboxError as error:
+            complaints.append(f"{name}: {error}")
+    raise SandboxError(f"no container engine works here ({'; '.join(complaints)}): {INSTALL}")
+
+
+def _podman() -> Engine:
+    # crun cannot work with control groups of version 1, which runc can.
+    options = ("--runtime", "runc") if old_groups() and shutil.which("runc") else ()
+    engine = Engine("podman", options, all_users=os.getuid() == 0)
+    _ask(engine, "version", "--format", "{{.Version}}")
+    return engine
+
+
+def _docker(host: str) -> Engine:
+    engine = Engine("docker", ("--host", host) if host else ())
+    server = _ask(engine, "version", "--format", "{{json .Server}}")
+    if any("podman" in str(part.get("Name", "")).lower() for part in server.get("Components") or ()):
+        raise SandboxError(
+            "what answers is Podman, which takes no filter of system calls from there: use podman itself"
+        )
+    security = _ask(engine, "info", "--format", "{{json .SecurityOptions}}") or ()
+    return replace(engine, all_users=not any("rootless" in one or "userns" in one for one in security))
+
+
+def _ask(engine: Engine, *arguments: str) -> Any:
+    """Return what an engine answers, read as JSON if it is."""
+    answer = call(engine, *arguments)
+    if answer.returncode != 0:
+        raise SandboxError(last_line(answer.stderr))
+    with contextlib.suppress(ValueError):
+        return json.loads(answer.stdout)
+    return answer.stdout
+
+
+def old_groups() -> bool:
+    """Return whether this machine has control groups of version 1."""
+    return not Path("/sys/fs/cgroup/cgroup.controllers").exists()
+
+
+def call(
+    engine: Engine, *arguments: str, content: bytes | None = None
+) -> "subprocess.CompletedProcess[bytes]":
+    """Run a command of the engine and wait for it.
+
+    Raises:
+        SandboxError: It takes too long.
+    """
+    try:
+        return subprocess.run(
+            [*engine.command, *arguments],
+            input=content,
+            stdin=subprocess.DEVNULL if content is None else None,
+            capture_output=True,
+            check=False,
+            timeout=PATIENCE,
+        )
+    except subprocess.TimeoutExpired:
+        raise SandboxError(f"{engine.name} {arguments[0]} takes more than {PATIENCE:g} s") from None
+
+
+@functools.cache
+def bare_image(engine: Engine, folders: Sequence[str], links: tuple[tuple[str, str], ...]) -> str:
+    """Return an image of empty folders and links, made if it is not there yet.
+
+    Raises:
+        SandboxError: It could not be made.
+    """
+    content = io.BytesIO()
+    with tarfile.open(fileobj=content, mode="w") as archive:
+        for path in folders:
+            entry = tarfile.TarInfo(path.lstrip("/"))
+            entry.type, entry.mode = tarfile.DIRTYPE, 0o1777 if path == "/tmp" else 0o755  # noqa: S108
+            archive.addfile(entry)
+        for path, target in links:
+            entry = tarfile.TarInfo(path.lstrip("/"))
+            entry.type, entry.linkname = tarfile.SYMTYPE, target
+            archive.addfile(entry)
+    name = f"{BARE}:{_digest(content.getvalue())}"
+    if call(engine, "image", "inspect", name).returncode == 0:
+        return name
+    imported = call(engine, "import", "-", name, content=content.getvalue())
+    if imported.returncode != 0:
+        raise SandboxError(f"{engine.name} cannot make an image: {last_line(imported.stderr)}")
+    return name
+
+
+@functools.cache
+def image_command(engine: Engine, image: str) -> tuple[str, ...]:
+    """Return the command that an image runs by itself.
+
+    Raises:
+        SandboxError: It has none, or there is no such image.
+    """
+    settings = image_settings(engine, image)
+    command = (*(settings.get("Entrypoint") or ()), *(settings.get("Cmd") or ()))
+    if not command:
+        raise SandboxError(f"image {image} says nothing to run: it needs an ENTRYPOINT or a CMD")
+    return command
+
+
+def image_settings(engine: Engine, image: str) -> dict[str, Any]:
+    """Return what an image says of how it is to be run.
+
+    Raises:
+        SandboxError: There is no such image.
+    """
+    settings: dict[str, Any] = _ask(engine, "image", "inspect", "--format", "{{json .Config}}", image)
+    return settings
+
+
+def _digest(content: bytes) -> str:
+    import hashlib
+
+    return hashlib.blake2b(content, digest_size=8).hexdigest()
+
+
+def enter_container(engine: Engine, name: str) -> None:
+    """Enter a container in this process's list, before it is made."""
+    leftovers.enter(KIND, _entry(engine, name))
+
+
+def cross_out_container(engine: Engine, name: str) -> None:
+    """Note that a container is gone."""
+    leftovers.cross_out(KIND, _entry(engine, name))
+
+
+def _entry(engine: Engine, name: str) -> str:
+    return json.dumps([engine.name, *engine.options, name])
+
+
+def removal(engine: Engine, name: str) -> tuple[str, ...]:
+    """Return the arguments that remove a container, running or not, with the volumes made for it."""
+    return ("rm", "-f", "-v", *(("-t", "0") if engine.name == "podman" else ()), name)
+
+
+def remove_left_container(entry: str) -> None:
+    """Remove a container that was entered in the list of a dead owner.
+
+    Raises:
+        OSError: It may still be there.
+    """
+    command, *options, name = json.loads(entry)
+    engine = Engine(command, tuple(options))
+    _wait_for_creation(name)
+    now = time.monotonic()
+    settled, end = now + (SETTLING if engine.name == "docker" else 0.0), now + PATIENCE
+    while not _is_removed(engine, name, settled):
+        if time.monotonic() > end:
+            raise OSError(f"{engine.name} does not get {name} removed")
+        time.sleep(0.1)
+
+
+def _is_removed(engine: Engine, name: str, settled: float) -> bool:
+    """Remove a container, and return whether it is gone for good.
+
+    Args:
+        engine: Whose it is.
+        name: The container's.
+        settled: Until when (by the monotonic clock) one that is not there may still come to be.
+
+    Raises:
+        OSError: It cannot be removed.
+    """
+    try:
+        removed = call(engine, *removal(engine, name))
+    except SandboxError as error:
+        raise OSError(str(error)) from None
+    if removed.returncode == 0:
+        # Docker's newer commands do not complain about what is not there.
+        return bool(removed.stdout.strip()) or time.monotonic() >= settled
+    if NOT_THERE.search(removed.stderr):
+        return time.monotonic() >= settled
+    if UNDER_WAY.search(removed.stderr):
+        return False
+    raise OSError(last_line(removed.stderr))
+
+
+def _wait_for_creation(name: str) -> None:
+    """Wait for an engine's command that is still making a container, its starter being dead already."""
+    end = time.monotonic() + CREATION_TIME
+    while _is_created_now(name) and time.monotonic() < end:
+        time.sleep(0.02)
+
+
+def _is_created_now(name: str) -> bool:
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            words = path.read_bytes().split(b"\0")
+            if b"create" in words and name.encode() in words:
+                return True
+    return False
+
+
+leftovers.register(KIND, remove_left_container)
+
+
+def processes_of(identity: str) -> list[int]:
+    """Return the processes of a container on this machine, by the names of their control groups.
+
+    Args:
+        identity: That the engine has given to the container.
+    """
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cgroup"):
+        with contextlib.suppress(OSError):
+            # Podman's monitor of a container is in a group named after it, too.
+            groups = path.read_text("ascii", "replace")
+            if identity in groups and f"conmon-{identity}" not in groups:
+                found.append(int(path.parent.name))
+    return found
+
+
+@functools.cache
+def start_reaper(process: int) -> None:
+    """Have a process wait for the end of this one, and remove what it leaves behind if it was killed.
+
+    Containers belong to the engine: they would outlive a process that was killed until the next command
+    comes. The reaper is in a session of its own and nobody's child, so that it is not killed along.
+
+    Args:
+        process: This one, so that there is one reaper for each.
+    """
+    del process
+    program = "import wildscav_evaluator.sandbox; from wildscav import leftovers; leftovers.sweep()"
+    sweep = [sys.executable, "-c", program]
+    after = f"cat <&3; cd /; [ -e {shlex.quote(str(leftovers.own_folder()))} ] && exec {shlex.join(sweep)}"
+    reading, _ = os.pipe()  # the other end stays open as long as this process lives
+    quiet = [(os.POSIX_SPAWN_OPEN, output, os.devnull, os.O_WRONLY, 0) for output in (1, 2)]
+    files = [(os.POSIX_SPAWN_DUP2, reading, 0), *quiet]
+    command = ["sh", "-c", f"exec 3<&0; ({after}) &"]
+    shell = os.posix_spawn("/bin/sh", command, os.environ, file_actions=files, setsid=True)
+    os.close(reading)
+    os.waitpid(shell, 0)

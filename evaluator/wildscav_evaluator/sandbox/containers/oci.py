@@ -1,0 +1,343 @@
+"""The sandbox of containers, by Docker or Podman.
+
+An agent runs in the image that it was built into, or came as; or, if it is a folder that needs nothing more,
+in an empty image with this machine's Python. Its limits and promises are those of bubblewrap: see
+``docs/security.md``.
+"""
+
+import asyncio
+import contextlib
+import itertools
+import json
+import os
+import resource
+import shutil
+import signal
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from wildscav import leftovers
+from wildscav_evaluator.sandbox.agents import host_python
+from wildscav_evaluator.sandbox.agents.agent_process import (
+    SIGNALLED,
+    AgentProcess,
+    agent_variables,
+    python_command,
+    start_process,
+)
+from wildscav_evaluator.sandbox.agents.readable_copies import readable_copy
+from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, Promise, SandboxError
+from wildscav_evaluator.sandbox.containers.container_engine import (
+    OWNER,
+    Engine,
+    bare_image,
+    cross_out_container,
+    enter_container,
+    find_engine,
+    image_command,
+    image_settings,
+    old_groups,
+    processes_of,
+    removal,
+    start_reaper,
+)
+from wildscav_evaluator.sandbox.containers.wall_clock import (
+    GUARD,
+    guard_files,
+    guarded,
+    podman_options,
+    steering,
+    without,
+)
+from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
+from wildscav_evaluator.sandbox.linux.seccomp import container_profile
+from wildscav_evaluator.sandbox.linux.users import agent_user
+
+INIT = 1  # process of the sandbox itself, which buries the dead
+MOST_PROCESSES = 32_768  # of a user; what engines set for themselves
+ENGINE_FAILED = (
+    125,
+    126,
+    127,
+)  # exit codes of engines whose container did not start; agents may have them, too
+# Asking the engine takes longer than all else of an end, so it is asked where it could tell something new.
+ASKED_ABOUT = (*ENGINE_FAILED, SIGNALLED + signal.SIGKILL)
+LOOK = 2.0  # s between two looks for the processes of a container
+NOT_RUN = "failed to exec pid1"
+NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or is not there
+NEVER = "0001-01-01"  # when a container started that did not
+MOUNT_POINTS = (
+    *("/proc", "/dev", "/sys", "/tmp", "/etc", "/run"),  # noqa: S108
+    *(str(host_python.SOCKET.parent), str(GUARD)),
+    str(host_python.CODE),
+)
+SBIN = Path("/sbin")
+# No writable folders but ours: neither for a read-only root, nor for the volumes of an image.
+PODMAN_ONLY = ("--read-only-tmpfs=false", "--image-volume", "ignore")
+_numbers = itertools.count()
+
+
+class OciSandbox:
+    """Runs an agent in a container."""
+
+    name = "oci"
+    isolated = True
+
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:
+        """Try everything. See ``Sandbox.promises``."""
+        from wildscav_evaluator.sandbox.promises import try_promises
+
+        return try_promises(self, limits)
+
+    async def start(self, launch: Launch) -> "Container":
+        """Start an agent. See ``Sandbox.start``."""
+        engine = await asyncio.to_thread(find_engine)
+        start_reaper(os.getpid())
+        hold = ContainerHold(engine, f"wildscav-{leftovers.owner()}-{next(_numbers)}")
+        hold.command = launch.command[0] if launch.command else ""
+        try:
+            environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
+            arguments = await asyncio.to_thread(_create_command, launch, hold)
+            hold.identity = await engine.run(*arguments, environment=environment)
+            process = await start_process(
+                [*engine.command, "start", "--attach", hold.container],
+                launch,
+                hold,
+                environment=os.environ,
+                folder=Path("/"),
+            )
+        except BaseException:
+            await asyncio.shield(hold.release())
+            raise
+        return Container(process, hold)
+
+
+class ContainerHold:
+    """A hold on an agent by its container."""
+
+    def __init__(self, engine: Engine, container: str) -> None:
+        self.engine, self.container = engine, container
+        self.folder = Path(
+            tempfile.mkdtemp(prefix="container-", dir=leftovers.own_folder())
+        )  # for the engine
+        enter_container(engine, container)
+        self.identity = ""  # that the engine has given to the container
+        self.never_started = False
+        self.command = ""  # the program that the submission names, if it does
+        self._removed = False
+        self._found: list[int] = []  # its processes
+        self._looked = -LOOK  # when, by the monotonic clock
+
+    def processes(self) -> list[int]:
+        """Return the processes of the container. See ``Hold.processes``."""
+        if self.identity and time.monotonic() > self._looked + LOOK:
+            self._looked, self._found = time.monotonic(), processes_of(self.identity)
+        return self._found
+
+    async def kill(self) -> None:
+        """Remove the container, and with it every process. See ``Hold.kill``."""
+        if not self._removed:
+            with contextlib.suppress(SandboxError):
+                await self.engine.run(*removal(self.engine, self.container))
+                self._removed = True
+                cross_out_container(self.engine, self.container)
+
+    async def memory_kill(self, code: int) -> MemoryKill:
+        """Return for want of whose memory the kernel killed, as it says or as the engine knows it.
+
+        See ``Hold.memory_kill``.
+        """
+        if code == 0:
+            return MemoryKill.NONE
+        logged = await asyncio.to_thread(logged_kill, self.identity)
+        if logged not in (None, MemoryKill.NONE) or code not in ASKED_ABOUT:
+            return logged or MemoryKill.NONE
+        with contextlib.suppress(SandboxError, ValueError):
+            state = json.loads(
+                await self.engine.run("inspect", "--format", "{{json .State}}", self.container)
+            )
+            self.never_started = str(state.get("StartedAt", NEVER)).startswith(NEVER)
+            # With control groups of version 1, Podman does not notice. What kills an agent is then memory, or
+            # the agent itself: others cannot, and for a limit of ours there is another word.
+            unnoticed = self.engine.name == "podman" and old_groups() and logged is None
+            return MemoryKill.OWN if state.get("OOMKilled") or unnoticed else MemoryKill.NONE
+        return MemoryKill.NONE
+
+    async def release(self) -> None:
+        """Remove what is left. See ``Hold.release``."""
+        await self.kill()
+        await asyncio.to_thread(shutil.rmtree, self.folder, ignore_errors=True)
+
+
+class Container:
+    """One agent's container."""
+
+    def __init__(self, process: AgentProcess, hold: ContainerHold) -> None:
+        self._process, self._hold = process, hold
+
+    async def ended(self) -> Ending:
+        """Wait for the container to end. See ``RunningAgent.ended``."""
+        ending = await self._process.ended()
+        if self._hold.command and NOT_RUN in ending.last_words:  # Podman's init does not say what
+            return replace(ending, last_words=f"cannot run {self._hold.command}: {ending.last_words}")
+        if ending.exit_code in NO_COMMAND and self._hold.command:
+            return ending  # there is no such program in it, says the engine
+        if ending.exit_code in ENGINE_FAILED and self._hold.never_started:
+            engine = self._hold.engine.name
+            return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
+        return ending
+
+    def processes(self) -> list[int]:
+        """Return its processes. See ``RunningAgent.processes``."""
+        return self._process.processes()
+
+    def overdue(self) -> str:
+        """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
+        return self._process.overdue()
+
+    async def stop(self) -> None:
+        """Remove the container. See ``RunningAgent.stop``."""
+        await self._process.stop()
+
+
+def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
+    """Return the arguments that make an agent's container, without starting it."""
+    engine = hold.engine
+    image, command = _image(launch, engine)
+    clock, entry = _with_wall_clock(command, launch, engine)
+    return [
+        *("create", "--name", hold.container, "--label", f"{OWNER}={leftovers.owner()}", "--pull", "never"),
+        *("--network", "none", "--hostname", "agent", "--user", _user(engine), "--no-healthcheck"),
+        *("--cap-drop", "all", "--security-opt", "no-new-privileges"),
+        *("--security-opt", f"seccomp={_profile(launch, hold.folder)}"),
+        *("--log-driver", "none", "--read-only"),
+        *(PODMAN_ONLY if engine.name == "podman" else ()),
+        *clock,
+        *_limits(launch.limits, engine),
+        *_variables(launch),
+        *_mounts(launch, hold),
+        *(("--workdir", str(host_python.CODE)) if launch.image is None else ()),
+        *(image, *entry),
+    ]
+
+
+def _with_wall_clock(command: Sequence[str], launch: Launch, engine: Engine) -> tuple[list[str], list[str]]:
+    """Return the options that keep a container's wall clock, and the command in it.
+
+    Args:
+        command: In the image; none for its own.
+        launch: What is started.
+        engine: Which runs it.
+    """
+    seconds = launch.limits.wall_clock
+    if engine.name == "podman":
+        return podman_options(seconds), list(command)
+    if launch.image is None:
+        first, *others = guarded(command, seconds)
+        return ["--entrypoint", first], others
+    variables = steering(image_settings(engine, launch.image).get("Env") or ())
+    first, *others = guarded(image_command(engine, launch.image), seconds, variables)
+    return [*without(variables), "--entrypoint", first], others
+
+
+def _user(engine: Engine) -> str:
+    # Where there are few users, agents share the one who owns nothing.
+    user = agent_user() if engine.all_users else host_python.NOBODY
+    return f"{user}:{user}"
+
+
+def _profile(launch: Launch, folder: Path) -> Path:
+    path = folder / "seccomp.json"
+    path.write_text(json.dumps(container_profile(locks=launch.image is not None)), "utf-8")
+    return path
+
+
+def _limits(limits: Limits, engine: Engine) -> list[str]:
+    memory, tmp = str(int(limits.memory)), int(limits.tmp_size)
+    hard = resource.getrlimit(resource.RLIMIT_NPROC)[1]
+    processes = MOST_PROCESSES if hard == resource.RLIM_INFINITY else min(MOST_PROCESSES, hard)
+    options = [
+        *("--memory", memory, "--memory-swap", memory, "--pids-limit", str(limits.processes + INIT)),
+        *("--cpus", f"{limits.cpus:.3f}", "--ulimit", "core=0:0"),
+        *("--ulimit", f"nofile={limits.open_files}:{limits.open_files}"),
+        *("--ulimit", f"nproc={processes}:{processes}"),
+    ]
+    # Podman would copy what the image has there, and with it who may write.
+    kind = f"rw,nosuid,nodev,size={tmp},mode=1777" + (",notmpcopyup" if engine.name == "podman" else "")
+    for place in ("/tmp", "/dev/shm"):  # noqa: S108
+        options += ["--tmpfs", f"{place}:{kind}"]
+    return options
+
+
+def _variables(launch: Launch) -> list[str]:
+    """Return the options for an agent's variables. The token is in the engine's own: nobody lists it."""
+    variables = agent_variables(launch, host_python.ADDRESS) | {"HOME": "/tmp"}  # noqa: S108
+    if launch.image is None:
+        variables |= host_python.host_runtime().variables()
+    del variables["WILDSCAV_TOKEN"]
+    named = [word for name, value in variables.items() for word in ("--env", f"{name}={value}")]
+    return [*named, "--env", "WILDSCAV_TOKEN"]
+
+
+def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
+    """Return an agent's image, and the command in it: none for an image's own."""
+    if launch.image is not None:
+        return launch.image, []
+    host = _host_runtime(engine)
+    places = {*MOUNT_POINTS, *(str(there) for there in host.folders if not there.is_file())}
+    folders = tuple(sorted(places | {str(there.parent) for there in host.links} - {"/"}))
+    links = tuple((str(there), target) for there, target in host.links.items())
+    return bare_image(engine, folders, links), python_command(launch)
+
+
+def _host_runtime(engine: Engine) -> host_python.Runtime:
+    """Return this machine's Python, as an engine can mount it."""
+    host = host_python.host_runtime()
+    # Docker puts its init into /sbin, which must not be a link into our /usr then.
+    if engine.name == "docker":
+        folders = {there: here for there, here in host.folders.items() if there != SBIN}
+        links = {there: target for there, target in host.links.items() if there != SBIN}
+        # What Python finds libraries with.
+        return host_python.Runtime(folders, links | {SBIN / "ldconfig": "/usr/sbin/ldconfig"})
+    return host
+
+
+def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:
+    """Return the options for what is mounted: the socket; where no image has them, code and Python."""
+    socket = host_python.socket_path(launch.address)
+    socket.chmod(0o666)  # the folder that it is in keeps others from it
+    mounts = {host_python.SOCKET: socket}
+    if hold.engine.name == "docker":
+        mounts |= guard_files() if launch.image is None else _copied_guard(hold.folder)
+    if launch.image is None:
+        folder = launch.folder
+        if not host_python.everybody_reads(folder):
+            folder = readable_copy(folder, hold.folder)
+        mounts = {**_host_runtime(hold.engine).folders, host_python.CODE: folder, **mounts}
+    return [
+        word
+        for there, here in mounts.items()
+        for word in ("--mount", f"type=bind,source={_plain(here)},destination={_plain(there)},readonly")
+    ]
+
+
+def _copied_guard(folder: Path) -> dict[Path, Path]:
+    """Copy the files of the guard for one container: an agent that may lock files shares none."""
+    copies = folder / "guard"
+    copies.mkdir()
+    return {there: Path(shutil.copy(here, copies / there.name)) for there, here in guard_files().items()}
+
+
+def _plain(path: Path) -> str:
+    """Return a path as options of mounts take it.
+
+    Raises:
+        SandboxError: They cannot.
+    """
+    if any(character in str(path) for character in ',"\n'):
+        raise SandboxError(f"{path}: containers cannot mount a path with commas, quotes or line breaks")
+    return str(path)

@@ -1,0 +1,106 @@
+"""The wall clock of a container, kept even if everything outside of the container is killed.
+
+Podman has an option for it, which its monitor of the container keeps. Docker has none: there the first
+process of the container is ``timeout`` of this machine's coreutils, started by this machine's own loader,
+since an image may have neither. The kernel keeps the first process of a namespace from signals of the others,
+so that no agent can stop it; when it ends, the kernel kills all the others. Variables of an image that steer
+the loader, such as LD_PRELOAD, would put the image's code in its place: the guard runs without them, and a
+program of this machine gives them back to the command.
+"""
+
+import functools
+import math
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from wildscav_evaluator.sandbox.agents.host_python import SOCKET
+from wildscav_evaluator.sandbox.base import SandboxError
+
+LATER = 5.0  # s after our own wall clock, which can tell what happened
+GUARD = SOCKET.parent / "guard"  # where its programs are in a container
+INIT_PLACES = ("/usr/libexec/docker", "/usr/local/bin", "/usr/bin")  # of Docker's init, beside the PATH
+LIBRARY = re.compile(r"(/\S+) \(0x")  # in what ldd prints
+# Variables by which the loader and the C library are told to take code or data from elsewhere.
+STEERING = re.compile(r"(LD|LC|MALLOC)_\w*|GCONV_PATH|GLIBC_TUNABLES|LANG(UAGE)?|LOCPATH|NLSPATH")
+
+
+def podman_options(seconds: float) -> list[str]:
+    """Return the options that end a container of Podman after a time, s."""
+    return ["--init", "--timeout", str(math.ceil(seconds + LATER))]
+
+
+def guard_files() -> Mapping[Path, Path]:
+    """Return the files that a guarded container of Docker needs: where they are there, and where here.
+
+    Raises:
+        SandboxError: This machine does not have them.
+    """
+    timeout, env, init = shutil.which("timeout"), shutil.which("env"), _find_init()
+    if timeout is None or env is None or init is None:
+        missing = "docker-init (package tini)" if init is None else "timeout or env (package coreutils)"
+        raise SandboxError(f"the wall clock cannot be kept in a container of Docker: there is no {missing}")
+    programs = {"timeout": Path(timeout), "env": Path(env), "init": init}
+    libraries = _libraries(timeout) | _libraries(env)
+    if not any(map(_is_loader, libraries)):
+        raise SandboxError(
+            f"the wall clock cannot be kept in a container of Docker: ldd finds no loader of {timeout}"
+        )
+    files = programs | libraries
+    return {GUARD / name: path.resolve() for name, path in files.items()}
+
+
+def steering(variables: Sequence[str]) -> list[str]:
+    """Return those of an image's variables ("NAME=value") that the guard must not run with."""
+    return [variable for variable in variables if STEERING.fullmatch(variable.partition("=")[0])]
+
+
+def without(variables: Sequence[str]) -> list[str]:
+    """Return the options that make variables ("NAME=value") empty for the first process of a container."""
+    return [word for variable in variables for word in ("--env", f"{variable.partition('=')[0]}=")]
+
+
+def guarded(command: Sequence[str], seconds: float, variables: Sequence[str] = ()) -> list[str]:
+    """Return a command as Docker runs it for a time at most, s, every orphan being buried.
+
+    Args:
+        command: The agent's.
+        seconds: How long it may run.
+        variables: That the command has and the guard does not ("NAME=value").
+    """
+    loader = next(path for path in guard_files() if _is_loader(path.name))
+    run = [str(loader), "--library-path", str(GUARD)]
+    return [
+        *(*run, str(GUARD / "timeout"), "--signal=KILL", str(math.ceil(seconds + LATER))),
+        *(str(GUARD / "init"), "-s", "--"),
+        *((*run, str(GUARD / "env"), *variables) if variables else ()),
+        *command,
+    ]
+
+
+def _is_loader(name: str) -> bool:
+    return name.startswith("ld-")
+
+
+@functools.cache
+def _libraries(program: str) -> dict[str, Path]:
+    """Return the shared libraries of a program, with its loader, by name; none where that is not known."""
+    try:
+        listed = subprocess.run(
+            ["ldd", program],  # noqa: S607 - wherever the system has it
+            capture_output=True,
+            text=True,
+            check=False,
+        ).stdout
+    except OSError:  # there is no ldd
+        return {}
+    return {Path(path).name: Path(path) for path in LIBRARY.findall(listed)}
+
+
+@functools.cache
+def _find_init() -> Path | None:
+    path = shutil.which("docker-init")
+    found = [Path(path)] if path else [Path(place, "docker-init") for place in INIT_PLACES]
+    return next((init for init in found if init.is_file()), None)

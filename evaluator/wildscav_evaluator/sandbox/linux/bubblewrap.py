@@ -1,0 +1,196 @@
+"""The sandbox of bubblewrap: namespaces of its own, a filter of system calls, and a control group.
+
+An agent sees this machine's Python and its own code, both read-only, an own ``/tmp`` in memory, and one unix
+socket. It runs as a user that owns nothing. See ``docs/security.md``.
+"""
+
+import asyncio
+import os
+import shutil
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from wildscav import leftovers
+from wildscav_evaluator.sandbox.agents import host_python
+from wildscav_evaluator.sandbox.agents.agent_process import (
+    AgentProcess,
+    agent_variables,
+    python_command,
+    start_process,
+)
+from wildscav_evaluator.sandbox.agents.readable_copies import readable_copy
+from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
+from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, find_version
+from wildscav_evaluator.sandbox.linux.seccomp import bpf_filter
+from wildscav_evaluator.sandbox.linux.users import agent_user
+
+# Enters the control group, limits open files, and becomes bubblewrap.
+ENTER = """
+while [ "$1" != -- ]; do echo 0 > "$1" || exit 125; shift; done; shift
+ulimit -c 0 && ulimit -n "$1" || exit 125; shift
+exec "$@"
+"""
+
+
+class BubblewrapSandbox:
+    """Runs an agent in bubblewrap."""
+
+    name = "bubblewrap"
+    isolated = True
+
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:
+        """Try everything. See ``Sandbox.promises``."""
+        from wildscav_evaluator.sandbox.promises import try_promises
+
+        return try_promises(self, limits)
+
+    async def start(self, launch: Launch) -> AgentProcess:
+        """Start an agent. See ``Sandbox.start``."""
+        if launch.image is not None:
+            raise SandboxError(f"image {launch.image} needs --sandbox oci: bubblewrap runs folders only")
+        if shutil.which("bwrap") is None:
+            raise SandboxError("there is no bubblewrap: install it (package bubblewrap)")
+        hold = GroupHold(AgentGroup(find_version(), launch.limits))
+        agent = None
+        try:
+            hold.stage(launch.folder)
+            agent = await _start(launch, hold)
+            await _await_start(agent, hold)
+        except BaseException:
+            await (hold.release() if agent is None else agent.stop())
+            raise
+        return agent
+
+
+async def _start(launch: Launch, hold: "GroupHold") -> AgentProcess:
+    """Start bubblewrap, without waiting for what comes of it."""
+    filter_fd = os.memfd_create("seccomp")
+    hold.status, status = os.pipe()
+    try:
+        os.write(filter_fd, bpf_filter())
+        os.lseek(filter_fd, 0, os.SEEK_SET)
+        variables = host_python.host_runtime().variables() | agent_variables(launch, host_python.ADDRESS)
+        return await start_process(
+            _command(launch, hold, filter_fd, status),
+            launch,
+            hold,
+            environment=variables,
+            folder=Path("/"),
+            pass_fds=(filter_fd, status),
+        )
+    finally:
+        os.close(filter_fd)
+        os.close(status)
+
+
+class GroupHold:
+    """A hold on an agent by its control group."""
+
+    def __init__(self, group: AgentGroup) -> None:
+        self.group = group
+        self.folder = Path()  # of the code, as the agent's user can read it
+        self.status: int | None = None  # where bubblewrap tells how it gets on; open as long as it may
+        self._copy: Path | None = None
+
+    def stage(self, folder: Path) -> None:
+        """Take a submission's folder, or a copy of it if the agent's user could not read it."""
+        if os.getuid() == 0 and not host_python.everybody_reads(folder):
+            self._copy = Path(tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder()))
+            folder = readable_copy(folder, self._copy)
+        self.folder = folder
+
+    def processes(self) -> list[int]:
+        """Return the processes of the group. See ``Hold.processes``."""
+        return self.group.members()
+
+    async def kill(self) -> None:
+        """Kill the group. See ``Hold.kill``."""
+        await asyncio.to_thread(self.group.kill)
+
+    async def memory_kill(self, code: int) -> MemoryKill:  # noqa: ARG002
+        """Return for want of whose memory the kernel killed. See ``Hold.memory_kill``."""
+        return self.group.memory_kill()
+
+    async def release(self) -> None:
+        """Remove the group, and the copy of the code. See ``Hold.release``."""
+        await asyncio.to_thread(self.group.remove)
+        if self.status is not None:
+            os.close(self.status)
+            self.status = None
+        if self._copy is not None:
+            shutil.rmtree(self._copy, ignore_errors=True)
+
+
+async def _await_start(agent: AgentProcess, hold: GroupHold) -> None:
+    """Wait until bubblewrap has become the agent.
+
+    Raises:
+        SandboxError: It could not.
+    """
+    if hold.status is not None and b'"child-pid"' in await asyncio.to_thread(os.read, hold.status, 4096):
+        return
+    ending = await agent.ended()
+    raise SandboxError(f"bubblewrap could not start: {ending.last_words or ending}")
+
+
+def _command(launch: Launch, hold: GroupHold, filter_fd: int, status_fd: int) -> list[str]:
+    """Return the whole command that starts an agent."""
+    limits = launch.limits
+    as_user, drop = _user()
+    return [
+        *("/bin/sh", "-c", ENTER, "sh", *map(str, hold.group.entrances), "--", str(limits.open_files)),
+        *("bwrap", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts"),
+        "--unshare-cgroup-try",
+        *("--die-with-parent", "--new-session", "--hostname", "agent", *as_user),
+        *("--seccomp", str(filter_fd), "--json-status-fd", str(status_fd)),
+        *_mounts(launch, hold.folder, int(limits.tmp_size)),
+        *("--chdir", str(host_python.CODE), "--", *drop, *python_command(launch)),
+    ]
+
+
+def _mounts(launch: Launch, folder: Path, tmp_size: int) -> list[str]:
+    """Return what is where. Whatever can be written to is in memory, and sized."""
+    host = host_python.host_runtime()
+    mounts = []
+    for parent in _parents([*host.folders, host_python.CODE, host_python.SOCKET]):
+        mounts += ["--perms", "0755", "--dir", str(parent)]
+    for there, here in host.folders.items():
+        mounts += ["--ro-bind", str(here), str(there)]
+    for there, target in host.links.items():
+        mounts += ["--symlink", target, str(there)]
+    socket = host_python.socket_path(launch.address)
+    if os.getuid() == 0:
+        socket.chmod(0o666)  # the folder that it is in keeps others from it
+    return [
+        *("--proc", "/proc", "--dev", "/dev"),
+        # Before the rest: the host's Python may be in a folder below it.
+        *("--perms", "1777", "--size", str(tmp_size), "--tmpfs", "/tmp"),  # noqa: S108
+        *mounts,
+        *("--perms", "1777", "--size", str(tmp_size), "--tmpfs", "/dev/shm"),  # noqa: S108
+        *("--ro-bind", str(folder), str(host_python.CODE)),
+        *("--ro-bind", str(socket), str(host_python.SOCKET)),
+        *("--remount-ro", "/dev", "--remount-ro", "/"),
+    ]
+
+
+def _parents(targets: Sequence[Path]) -> list[Path]:
+    """Return the folders above some targets, in the order to make them; bubblewrap's own would be closed."""
+    parents = {parent for target in targets for parent in target.parents if parent != Path("/")}
+    return sorted(parent for parent in parents if not any(parent.is_relative_to(path) for path in targets))
+
+
+def _user() -> tuple[list[str], list[str]]:
+    """Return bubblewrap's options, and a command before the agent's, that make it a user who owns nothing.
+
+    Root can give each agent a number of its own, so that agents do not share what the kernel counts by user.
+    Others can only have it appear as nobody, in a user namespace.
+    """
+    if os.getuid() != 0:
+        return ["--unshare-user", "--uid", str(host_python.NOBODY), "--gid", str(host_python.NOBODY)], []
+    user = str(agent_user())
+    capabilities = ("CAP_SETUID", "CAP_SETGID", "CAP_SETPCAP")
+    options = ["--cap-drop", "ALL", *(word for name in capabilities for word in ("--cap-add", name))]
+    drop = ["setpriv", "--reuid", user, "--regid", user, "--clear-groups"]
+    return options, [*drop, "--bounding-set", "-all", "--inh-caps", "-all"]

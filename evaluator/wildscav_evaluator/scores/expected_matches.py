@@ -1,0 +1,108 @@
+"""What an evaluation played, as its output folder tells: its suite, its seed, and so its matches."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav_engine.record import RecordError, read_record
+from wildscav_engine.spec import MatchSpec
+from wildscav_evaluator.evaluation import match_count, matches
+from wildscav_evaluator.output.folder import SUITE_FILE
+from wildscav_evaluator.output.results import RESULTS_FILE, Results, read_results
+from wildscav_evaluator.scores.rescore import parse_name, record_paths
+from wildscav_evaluator.suites.seeds import OPENED_FILE, SuiteSeed, read_secret
+from wildscav_evaluator.suites.suite import SUITES, Suite
+from wildscav_evaluator.suites.suite_file import read_suite
+
+
+def expected_matches(out: Path, told: Results) -> Mapping[str, Sequence[MatchSpec]] | None:
+    """Return the matches of the suite that was played, by track; none while its seed is hidden.
+
+    Raises:
+        UserError: The suite's own file, or the opened secret, is not that of the results.
+    """
+    suite = played_suite(out, told)
+    seed = told.seed
+    if told.commitment is not None:
+        opened = opened_secret(out, told)
+        seed = None if opened is None else opened.value
+    if seed is None:
+        return None
+    played = [track for track in told.tracks if track in suite.courses]
+    return {track: matches(suite, track, seed, told.rounds) for track in played}
+
+
+def match_counts(out: Path, told: Results) -> Mapping[str, int]:
+    """Return how many matches the suite has on each of its tracks, which does not depend on its seed.
+
+    Raises:
+        UserError: The suite's own file is not that of the results, or there are too many.
+    """
+    suite = played_suite(out, told)
+    return {name: match_count(suite, name, told.rounds) for name in suite.courses}
+
+
+def played_suite(out: Path, told: Results) -> Suite:
+    """Return the suite of an evaluation, an organizer's own by the copy of its file.
+
+    Raises:
+        UserError: The copy is missing or is another.
+    """
+    if told.suite in SUITES:
+        return SUITES[told.suite]
+    suite = read_suite(out / SUITE_FILE)
+    if suite.label != told.suite:
+        raise UserError(f"{out / SUITE_FILE} is suite {suite.label}, but {told.suite} was played")
+    return suite
+
+
+def opened_secret(out: Path, told: Results) -> SuiteSeed | None:
+    """Return the seed of an evaluation whose secret was opened; none if it was not yet.
+
+    Raises:
+        UserError: The secret is not the one that was committed to.
+    """
+    path = out / OPENED_FILE
+    if not path.exists():
+        return None
+    seed = read_secret(path)
+    if seed.commitment != told.commitment:
+        raise UserError(f"{path} is not the secret of the commitment {told.commitment}")
+    return seed
+
+
+def check_opened(out: Path, commitment: str) -> int:
+    """Check that an evaluation played the matches of the secret that was committed to.
+
+    Args:
+        out: The output folder.
+        commitment: As it was published.
+
+    Returns:
+        How many records there are.
+
+    Raises:
+        UserError: It did not, or its secret was not opened.
+    """
+    told = read_results(out / RESULTS_FILE)
+    if told.commitment != commitment:
+        played = "on a public seed" if told.commitment is None else f"with the commitment {told.commitment}"
+        raise UserError(f"{out} was evaluated {played}, not with {commitment}")
+    expected = expected_matches(out, told)
+    if expected is None:
+        raise UserError(f"the secret of {out} is not opened yet: `wildscav secret open FILE {out}` does it")
+    paths = record_paths(out)
+    for path in paths:
+        if not _is_expected(path, expected):
+            raise UserError(f"{path} is not of a match that follows from the secret")
+    return len(paths)
+
+
+def _is_expected(path: Path, expected: Mapping[str, Sequence[MatchSpec]]) -> bool:
+    name = parse_name(path)
+    if name is None or name.match >= len(expected.get(name.track, ())):
+        return False
+    try:
+        return read_record(path).spec == expected[name.track][name.match]
+    except RecordError as error:
+        raise UserError(str(error)) from error

@@ -1,0 +1,97 @@
+"""What the suites ask on each track: how everything of a match but its map and seed is drawn."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from wildscav_engine.rng import Dice
+from wildscav_engine.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_evaluator.seats import battle_seats
+
+Choice = TypeVar("Choice")
+
+
+def choose(dice: Dice, choices: tuple[Choice, ...]) -> Choice:
+    """Return one of the choices, all equally likely."""
+    return choices[dice.integer(0, len(choices) - 1)]
+
+
+def navigation(time_limit: float) -> Callable[[Dice], MatchSpec]:
+    """Start and target are random outdoor places of the map; nothing else is drawn."""
+    return lambda _: MatchSpec(track="navigation", time_limit=time_limit)
+
+
+def gathering(
+    time_limit: float, offset: float, radii: tuple[float, ...], spacings: tuple[float, ...]
+) -> Callable[[Dice], MatchSpec]:
+    """One wave around a place near the middle of the map.
+
+    Args:
+        time_limit: Seconds of game time.
+        offset: The centre's x and z are each -offset, 0 or offset metres.
+        radii: Metres; standard deviations of the heat map.
+        spacings: Metres, of the outdoor grid.
+    """
+
+    def draw(dice: Dice) -> MatchSpec:
+        offsets = (-offset, 0.0, offset)
+        wave = SupplyWave(
+            center=(choose(dice, offsets), choose(dice, offsets)),
+            radius=choose(dice, radii),
+            outdoor_richness=choose(dice, (10.0, 20.0, 30.0)),
+            indoor_richness=choose(dice, (50.0, 70.0, 90.0)),
+        )
+        supplies = SupplyConfig(waves=(wave,), spacing=choose(dice, spacings))
+        return MatchSpec(track="gathering", time_limit=time_limit, supplies=supplies)
+
+    return draw
+
+
+def battle(
+    time_limit: float, robots: int, radius: float, refresh_time: float, refresh_radii: tuple[float, ...]
+) -> Callable[[Dice], MatchSpec]:
+    """One submission against robots, with one refresh around a random indoor place.
+
+    Args:
+        time_limit: Seconds of game time.
+        robots: Opponents.
+        radius: Metres; standard deviation of the first heat map, around the middle of the map.
+        refresh_time: Seconds into the match.
+        refresh_radii: Metres; standard deviations of the second heat map.
+    """
+
+    def draw(dice: Dice) -> MatchSpec:
+        outdoor, indoor = choose(dice, (10.0, 20.0, 30.0)), choose(dice, (70.0, 80.0, 90.0))
+        first = SupplyWave(center=(0.0, 0.0), radius=radius, outdoor_richness=outdoor, indoor_richness=indoor)
+        refresh = SupplyWave(
+            time=refresh_time,
+            center=None,
+            radius=choose(dice, refresh_radii),
+            outdoor_richness=outdoor,
+            indoor_richness=indoor,
+        )
+        supplies = SupplyConfig(waves=(first, refresh), spacing=5.0)
+        seats = battle_seats(dice, robots)
+        return MatchSpec(track="battle", time_limit=time_limit, seats=seats, supplies=supplies)
+
+    return draw
+
+
+def capture(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+    """A hidden target, looked for by one submission and seekers, as one team.
+
+    Args:
+        time_limit: Seconds of game time.
+        robots: Teammates.
+    """
+    seats = (SUBMISSION, *("seeker",) * robots)
+    return lambda _: MatchSpec(track="capture", time_limit=time_limit, seats=seats)
+
+
+def royale(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+    """One submission against robots, each alone; supplies and safe zone are the track's own.
+
+    Args:
+        time_limit: Seconds of game time.
+        robots: Opponents.
+    """
+    return lambda dice: MatchSpec(track="royale", time_limit=time_limit, seats=battle_seats(dice, robots))

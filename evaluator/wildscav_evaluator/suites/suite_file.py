@@ -1,0 +1,264 @@
+"""An organizer's own suite: a TOML file that says which maps and matches a suite draws.
+
+All that a ``MapConfig`` and a ``MatchSpec`` can say, it can: fields that are the same in every map or match,
+and lists of values of which each draws one.
+"""
+
+import tomllib
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Self, TypeVar
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
+
+from wildscav.configs import LARGEST, read_config
+from wildscav.errors import UserError, describe
+from wildscav_engine.files import read_limited
+from wildscav_engine.maps import MapError
+from wildscav_engine.maps.catalogue import map_spec
+from wildscav_engine.record import RecordError, check_recordable
+from wildscav_engine.rng import Dice
+from wildscav_engine.spec import SUBMISSION, MapConfig, MatchSpec, Spec, one_line
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.seats import shuffled
+from wildscav_evaluator.suites.match_drawing import choose
+from wildscav_evaluator.suites.suite import MOST_MATCHES, SUITES, Course, Suite
+
+SUFFIX = ".toml"
+SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that its file may not give
+
+AnySpec = TypeVar("AnySpec", bound=Spec)
+Count = Annotated[int, Field(ge=1, le=10_000)]
+Maps = Annotated[
+    Annotated[Count, Tag("count")]
+    | Annotated[list[int], Field(min_length=1, max_length=10_000), Tag("numbers")],
+    Discriminator(lambda given: "numbers" if isinstance(given, list) else "count"),
+]
+Fields = dict[str, Any]
+Choices = dict[str, Annotated[list[Any], Field(min_length=1)]]  # by the field's path, with dots
+
+
+class Part(BaseModel):
+    """Base of everything in the file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class MapPart(Part):
+    """What maps are drawn."""
+
+    fields: Fields = {}
+    choose: Choices = {}
+
+
+class TrackPart(Part):
+    """What is played on one track."""
+
+    maps: Maps  # how many to draw, or the numbers of known ones
+    episodes: Count = 1  # on each map
+    shuffle: bool = True  # whether the seats are dealt anew for each match
+    match: Fields = {}
+    choose: Choices = {}
+    limits: Limits = DEFAULT_LIMITS  # of agents
+
+    @model_validator(mode="after")
+    def _has_an_end(self) -> Self:
+        maps = len(self.maps) if isinstance(self.maps, list) else self.maps
+        if maps * self.episodes > MOST_MATCHES:
+            raise ValueError(
+                f"{maps} maps with {self.episodes} episodes are more than {MOST_MATCHES:,} matches"
+            )
+        return self
+
+    @field_validator("match", "choose")
+    @classmethod
+    def _leaves_the_rest(cls, fields: Fields) -> Fields:
+        for name in fields:
+            if name.partition(".")[0] in SET_BY_SUITE:
+                raise ValueError(f"{name} is set by the suite itself")
+        return fields
+
+
+class SuiteFile(Part):
+    """An organizer's suite."""
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{1,39}$")]
+    title: str = ""
+    map: MapPart = MapPart()
+    tracks: Annotated[dict[str, TrackPart], Field(min_length=1)]
+
+    @field_validator("name")
+    @classmethod
+    def _is_new(cls, name: str) -> str:
+        if name in SUITES:
+            raise ValueError(f"{name!r} is a suite of Wildscav: choose another name")
+        return name
+
+    @field_validator("tracks")
+    @classmethod
+    def _tracks_exist(cls, tracks: dict[str, TrackPart]) -> dict[str, TrackPart]:
+        for name in tracks:
+            if name not in TRACKS:
+                raise ValueError(f"there is no track {name!r}; the tracks are {', '.join(TRACKS)}")
+        return tracks
+
+
+def find_suite(name: str) -> Suite:
+    """Return the suite of a name, or of a TOML file.
+
+    Raises:
+        UserError: There is none, or the file is not as it must be.
+    """
+    if name in SUITES:
+        return SUITES[name]
+    if not name.endswith(SUFFIX):
+        raise UserError(
+            f"there is no suite {name!r}; the suites are {', '.join(SUITES)}, or name a file {name}{SUFFIX}",
+            2,
+        )
+    return read_suite(Path(name))
+
+
+def read_suite(path: Path) -> Suite:
+    """Read an organizer's own suite and check all that it may draw.
+
+    Raises:
+        UserError: The file cannot be read, or one line that says which field is wrong, and how.
+    """
+    try:
+        source = read_config(path, f"{__name__}:try_suite")
+    except OSError as error:
+        raise UserError(f"the suite {describe(error)}", 2) from error
+    return _parsed(path, source)
+
+
+def try_suite(path: str) -> None:
+    """Read a suite's file in the process that calls it.
+
+    Raises:
+        UserError: It is not as it must be.
+        OSError: It cannot be read.
+    """
+    _parsed(Path(path), read_limited(Path(path), LARGEST))
+
+
+def _parsed(path: Path, source: bytes) -> Suite:
+    try:
+        content = tomllib.loads(source.decode())
+    except RecursionError:
+        raise UserError(f"{path} is not valid TOML: it is nested too deeply", 2) from None
+    except ValueError as error:  # of TOML, of UTF-8, or a number with thousands of digits
+        raise UserError(f"{path} is not valid TOML: {error}", 2) from error
+    try:
+        return _suite(SuiteFile.model_validate(_grouped(content)), source)
+    except ValidationError as error:
+        raise UserError(f"{path}: {one_line(error)}", 2) from error
+    except RecursionError:
+        raise UserError(f"{path}: a value in it is nested too deeply", 2) from None
+    except (ValueError, MapError) as error:
+        raise UserError(f"{path}: {error}", 2) from error
+
+
+def _grouped(content: Fields) -> Fields:
+    """Return a file's content with the fields of the map beside its choices, as tracks have them."""
+    fields = content.get("map")
+    if not isinstance(fields, dict):
+        return content
+    plain = {name: value for name, value in fields.items() if name != "choose"}
+    return {**content, "map": {"fields": plain, "choose": fields.get("choose", {})}}
+
+
+def _suite(file: SuiteFile, source: bytes) -> Suite:
+    config = _drawer(MapConfig, file.map.fields, file.map.choose, "map")
+    courses = {name: _course(name, file.tracks[name]) for name in TRACKS if name in file.tracks}
+    limits = {track: part.limits for track, part in file.tracks.items()}
+    return Suite(file.name, file.title, config, courses, source, limits)
+
+
+def _course(track: str, part: TrackPart) -> Course:
+    draw_fields = _drawer(MatchSpec, {"track": track, **part.match}, part.choose, f"tracks.{track}")
+
+    def draw(dice: Dice) -> MatchSpec:
+        spec = draw_fields(dice)
+        return spec.model_copy(update={"seats": shuffled(dice, spec.seats)}) if part.shuffle else spec
+
+    known = tuple(map_spec(number) for number in part.maps) if isinstance(part.maps, list) else ()
+    count = len(known) if isinstance(part.maps, list) else part.maps
+    return Course(count, part.episodes, draw, known)
+
+
+def _drawer(
+    kind: type[AnySpec], fields: Fields, choices: Mapping[str, list[Any]], where: str
+) -> Callable[[Dice], AnySpec]:
+    """Return what draws specs of some kind, after a look at every value that it may draw.
+
+    Raises:
+        ValueError: A field or a value is not allowed.
+    """
+    first = {path: values[0] for path, values in choices.items()}
+    for path, values in {"": [None], **choices}.items():
+        for value in values:
+            _made(kind, fields, {**first, path: value} if path else first, where)
+
+    def draw(dice: Dice) -> AnySpec:
+        return _made(
+            kind, fields, {path: choose(dice, tuple(values)) for path, values in choices.items()}, where
+        )
+
+    return draw
+
+
+def _made(kind: type[AnySpec], fields: Fields, chosen: Fields, where: str) -> AnySpec:
+    whole = deepcopy(fields)
+    for path, value in chosen.items():
+        _put(whole, path, value, where)
+    try:
+        spec = kind.model_validate(whole)
+    except ValidationError as error:
+        raise ValueError(f"{where}: {one_line(error)}{_allowed(kind, error)}") from error
+    if isinstance(spec, MatchSpec) and SUBMISSION not in spec.seats:
+        raise ValueError(f"{where}: no seat is filled by {SUBMISSION!r}")
+    if isinstance(spec, MatchSpec):
+        try:
+            check_recordable(spec)
+        except RecordError as error:
+            raise ValueError(f"{where}: {error}") from error
+    return spec
+
+
+def _allowed(kind: type[AnySpec], error: ValidationError) -> str:
+    """Return which fields there are, if one was given that there is not."""
+    if not any(fault["type"] == "extra_forbidden" and len(fault["loc"]) == 1 for fault in error.errors()):
+        return ""
+    return f"; its fields are {', '.join(name for name in kind.model_fields if name not in SET_BY_SUITE)}"
+
+
+def _put(fields: Fields, path: str, value: Any, where: str) -> None:
+    """Set a field by its path, such as ``supplies.waves.0.radius``.
+
+    Raises:
+        ValueError: There is no such place.
+    """
+    names = path.split(".")
+    last = names[-1]
+    place: Any = fields
+    try:
+        for name, following in pairwise(names):
+            # In a list that is not given, nothing is found.
+            missing: Any = [] if following.isdecimal() else {}
+            place = place[int(name)] if isinstance(place, list) else place.setdefault(name, missing)
+        place[int(last) if isinstance(place, list) else last] = value
+    except (IndexError, ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"{where}.choose: there is no {path!r} among the fields that are given") from error

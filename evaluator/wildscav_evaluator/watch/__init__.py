@@ -1,1 +1,0 @@
-"""What looks on while an evaluation runs: dashboard, log and metrics."""

@@ -1,0 +1,112 @@
+"""`wildscav replay-agent`: only an agent that acts as recorded is borne out by its record."""
+
+import asyncio
+import shutil
+from pathlib import Path
+
+import pytest
+from tests.evaluator.players import Command, Submit
+
+from wildscav.errors import UserError
+from wildscav_engine.record import write_record
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_evaluator.cli.sessions.replay_agent import run_again
+from wildscav_evaluator.matches.play import Seating, play_match
+
+pytestmark = pytest.mark.usefixtures("compiled")
+
+MAP = MapSpec(config=MapConfig(size=40, houses=0), seed=1)
+CIRCLER = """
+    def reset(self, info):
+        self.turn = info.seed % 7
+
+    def act(self, observation):
+        return Action(walk_direction=observation.step * 10.0 + self.turn, walk_speed=6.0)
+"""
+# The same up to its eighth step.
+TURNCOAT = """
+    def reset(self, info):
+        self.turn = info.seed % 7
+
+    def act(self, observation):
+        speed = 6.0 if observation.step < 7 else 2.5
+        return Action(walk_direction=observation.step * 10.0 + self.turn, walk_speed=speed)
+"""
+# Looks at what it sees: agrees in all steps only if it sees what was there in the match recorded.
+OBSERVER = """
+    def act(self, observation):
+        return Action(walk_direction=observation.position[0] * 50.0, walk_speed=5.0)
+"""
+
+
+def recorded(path: Path, *submissions: object, logs: Path) -> Path:
+    """Play a battle of some submissions with a robot, and keep its record."""
+    seats = ("submission",) * len(submissions) + ("fighter",)
+    spec = MatchSpec(track="battle", map=MAP, seats=seats, time_limit=2.0)
+    places = tuple(logs / f"{number}.log" for number in range(len(submissions)))
+    seating = Seating(spec, submissions, places)  # type: ignore[arg-type]
+    logs.mkdir(exist_ok=True)
+    played = asyncio.run(play_match(seating))
+    write_record(path, played.match, seating.names)
+    return path
+
+
+def test_an_agent_that_acts_as_recorded_is_borne_out(
+    submit: Submit, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also beside another submission, whose seat plays what is recorded of it."""
+    circler, observer = (
+        submit("circler", CIRCLER, tracks='["battle"]'),
+        submit("observer", OBSERVER, tracks='["battle"]'),
+    )
+    path = recorded(tmp_path / "match.wsr", circler, observer, logs=tmp_path / "logs")
+
+    for submission, seat in ((circler, 0), (observer, 1)):
+        run_again(path, submission, seats=[], logs=tmp_path / "again", sandbox="process")
+        said = capsys.readouterr().out
+        assert f"seat {seat} ({submission.name}): all 20 steps as recorded" in said
+
+
+def test_another_agent_is_found_out_at_its_first_other_step(
+    submit: Submit, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    circler, turncoat = (
+        submit("circler", CIRCLER, tracks='["battle"]'),
+        submit("turncoat", TURNCOAT, tracks='["battle"]'),
+    )
+    path = recorded(tmp_path / "match.wsr", circler, logs=tmp_path / "logs")
+
+    with pytest.raises(UserError) as refused:
+        run_again(path, turncoat, seats=[0], logs=tmp_path / "again", sandbox="process")
+
+    assert refused.value.exit_code == 1
+    assert str(refused.value) == (
+        "seat 0 (circler) acts otherwise than recorded in 13 of 20 steps, first in step 8: walk_speed 6 "
+        "recorded, 2.5 now"
+    )
+    assert "may differ though it is the same" in capsys.readouterr().out
+
+
+def test_a_seat_must_be_one_of_the_submission(submit: Submit, tmp_path: Path) -> None:
+    circler, other = (
+        submit("circler", CIRCLER, tracks='["battle"]'),
+        submit("other", CIRCLER, tracks='["battle"]'),
+    )
+    path = recorded(tmp_path / "match.wsr", circler, logs=tmp_path / "logs")
+
+    with pytest.raises(UserError, match=r"no seat in .* is that of 'other': the seats .* are 0 \(circler\)"):
+        run_again(path, other, seats=[], logs=tmp_path / "again", sandbox="process")
+    with pytest.raises(UserError, match=r"--seat is 1: the seats of submissions in .* are 0 \(circler\)"):
+        run_again(path, circler, seats=[1], logs=tmp_path / "again", sandbox="process")
+
+
+def test_what_is_no_record_is_one_clear_line(submit: Submit, wildscav: Command, tmp_path: Path) -> None:
+    circler = submit("circler", CIRCLER, tracks='["battle"]')
+    path = tmp_path / "match.wsr"
+    shutil.copy(circler.folder / "agent.py", path)
+
+    done = wildscav("replay-agent", path, circler.folder, "--sandbox", "process", cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"wildscav: {path}: ")
+    assert len(done.stderr.splitlines()) == 1

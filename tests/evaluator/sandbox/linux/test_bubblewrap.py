@@ -1,0 +1,86 @@
+"""Bubblewrap refuses to start where it cannot keep its promises, and leaves nothing behind when it does."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sandbox.world import LIMITS, listening
+
+from wildscav import leftovers
+from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
+from wildscav_evaluator.sandbox.linux import cgroup
+from wildscav_evaluator.submissions.submission import Submission
+
+Submit = Callable[..., Submission]
+
+
+@pytest.fixture(autouse=True)
+def _there() -> None:
+    if missing("bubblewrap"):
+        pytest.skip(missing("bubblewrap"))
+
+
+def start(submission: Submission, folder: Path, **options: object) -> None:
+    async def start_and_stop() -> None:
+        await (await SANDBOXES["bubblewrap"].start(launch)).stop()
+
+    with listening(folder / "match.sock") as address:
+        launch = Launch(submission.folder, "agent:Player", address, "token", folder / "log", **options)  # type: ignore[arg-type]
+        asyncio.run(start_and_stop())
+
+
+def test_without_control_groups_nothing_starts(
+    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mountinfo").write_text("")
+    monkeypatch.setattr(cgroup, "MOUNTS", tmp_path / "mountinfo")
+
+    with pytest.raises(SandboxError, match="no limits on memory, processes and CPU: no control groups"):
+        start(submit("plain"), tmp_path)
+
+
+def test_a_limit_that_the_kernel_does_not_take_is_named(submit: Submit, tmp_path: Path) -> None:
+    limits = LIMITS.model_copy(update={"cpus": 1e9})
+
+    with pytest.raises(SandboxError, match=r"a limit cannot be kept: .*cpu.* does not take"):
+        start(submit("plain"), tmp_path, limits=limits)
+    assert_no_groups()
+
+
+def test_without_bubblewrap_it_says_what_to_install(
+    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    with pytest.raises(SandboxError, match=r"install it \(package bubblewrap\)"):
+        start(submit("plain"), tmp_path)
+
+
+def test_a_start_that_fails_is_no_fault_of_the_agent_and_leaves_nothing(
+    submit: Submit, tmp_path: Path
+) -> None:
+    limits = LIMITS.model_copy(update={"open_files": 10**9})  # beyond what the kernel has
+
+    with pytest.raises(SandboxError, match="bubblewrap could not start"):
+        start(submit("plain"), tmp_path, limits=limits)
+    assert_no_groups()
+
+
+def test_the_root_is_nobodys_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Users of containers often have none, and agents have a root of their own."""
+    monkeypatch.setenv("HOME", "/")
+
+    broken = [promise for promise in SANDBOXES["bubblewrap"].promises(LIMITS) if not promise.kept]
+
+    assert broken == []
+
+
+def test_an_image_is_for_containers(submit: Submit, tmp_path: Path) -> None:
+    with pytest.raises(SandboxError, match="needs --sandbox oci"):
+        start(submit("plain"), tmp_path, image="somebody/agent")
+
+
+def assert_no_groups() -> None:
+    assert list(Path("/sys/fs/cgroup").glob(f"**/{cgroup.PREFIX}{leftovers.owner()}-*")) == []
