@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.actions import FIELDS, MAX_WALK_SPEED, Field
 from wildscav_engine.envs.config import EnvConfig
 from wildscav_engine.kernel import kernel
+from wildscav_engine.sensors.base import Column
 from wildscav_engine.trig import arctangent
 
 Rows = NDArray[np.float32]  # (N, FIELDS), written
@@ -35,6 +36,18 @@ LOOKS = (-20.0, -5.0, 0.0, 5.0, 20.0)  # degrees a step
 _DIRECTION, _SPEED = int(Field.WALK_DIRECTION), int(Field.WALK_SPEED)
 _TURN, _LOOK, _JUMP = int(Field.TURN), int(Field.LOOK), int(Field.JUMP)
 FINE = -1
+
+# The unit of each field, and what it does.
+MEANINGS: dict[Field, tuple[str, str]] = {
+    Field.WALK_DIRECTION: ("degrees", "direction to walk in: 0 is north, 90 is east"),
+    Field.WALK_SPEED: ("m/s", "speed to walk at"),
+    Field.TURN: ("degrees a frame", "added to the yaw in each frame of the step; positive turns right"),
+    Field.LOOK: ("degrees a frame", "added to the pitch in each frame of the step; positive looks down"),
+    Field.JUMP: ("0 or 1", "jump, as soon as the agent stands on something"),
+    Field.PICK_UP: ("0 or 1", "pick up the supply boxes within reach"),
+    Field.SHOOT: ("0 or 1", "shoot along the view"),
+    Field.RELOAD: ("0 or 1", "reload the weapon from the spare ammunition"),
+}
 
 
 class ActionError(ValueError):
@@ -54,6 +67,11 @@ class ActionMode(ABC):
     @abstractmethod
     def space(self) -> Space[Any]:
         """A new space of one learner's actions."""
+
+    @property
+    @abstractmethod
+    def columns(self) -> tuple[Column, ...]:
+        """What each number of an action is, in the order of the space."""
 
     @abstractmethod
     def describe(self) -> dict[str, Any]:
@@ -79,6 +97,13 @@ class ActionMode(ABC):
     def _flag_names(self) -> list[str]:
         return [field.name.lower() for field in self.fields if field > Field.LOOK]
 
+    def _flag_columns(self, unit: str, low: float, what: str) -> tuple[Column, ...]:
+        """Return the columns of the fields that are yes or no; ``what`` says which numbers are yes."""
+        flags = [field for field in self.fields if field > Field.LOOK]
+        return tuple(
+            Column(field.name.lower(), unit, low, 1.0, f"{what}: {MEANINGS[field][1]}") for field in flags
+        )
+
     def mask(self, alive: bool) -> Any:  # noqa: ARG002
         """Return what may be sampled, as ``Space.sample`` takes it; None where nothing can be masked.
 
@@ -98,6 +123,15 @@ class DictMode(ActionMode):
     def space(self) -> Dict:
         """A Dict by the names of the fields, in lower case."""
         return Dict({field.name.lower(): _space_of(field) for field in self.fields})
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The fields, sorted by name, as Gymnasium sorts them."""
+        fields = sorted(self.fields, key=lambda field: field.name)
+        return tuple(
+            Column(field.name.lower(), MEANINGS[field][0], *_bounds(field), MEANINGS[field][1])
+            for field in fields
+        )
 
     def describe(self) -> dict[str, Any]:
         """Return the names of the fields."""
@@ -152,6 +186,12 @@ def _space_of(field: Field) -> Space[Any]:
     return Box(low, high, (), np.float32)
 
 
+def _bounds(field: Field) -> tuple[float, float]:
+    """Return the least and the greatest value of a field of a dict."""
+    choices = _choices(field)
+    return (0.0, choices - 1.0) if choices else _range(field)
+
+
 def _range(field: Field) -> tuple[float, float]:
     if field == Field.WALK_DIRECTION:
         return 0.0, 360.0
@@ -195,6 +235,17 @@ class BoxMode(ActionMode):
         """(k,) in [-1, 1]: walk east, walk north, turn, look, jump and whatever else."""
         return Box(-1.0, 1.0, (len(self.fields),), np.float32)
 
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The numbers, in order."""
+        return (
+            Column("walk east", "", -1.0, 1.0, f"with walk north: a length of 1 is {MAX_WALK_SPEED:g} m/s"),
+            Column("walk north", "", -1.0, 1.0, f"with walk east: a length of 1 is {MAX_WALK_SPEED:g} m/s"),
+            Column("turn", "", -1.0, 1.0, f"1 turns right by {TURN_STEP:g}° in the step"),
+            Column("look", "", -1.0, 1.0, f"1 looks down by {LOOK_STEP:g}° in the step"),
+            *self._flag_columns("", -1.0, "above 0"),
+        )
+
     def describe(self) -> dict[str, Any]:
         """Return what 1 stands for: m/s, and degrees a frame; and the names of what is yes or no."""
         return {
@@ -237,7 +288,7 @@ class BaselineMode(ActionMode):
 
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
         super().__init__(fields, frames_per_action)
-        picks_up = Field.PICK_UP in self.fields
+        self._picks_up = picks_up = Field.PICK_UP in self.fields
         directions = np.arange(DIRECTIONS) * 45.0 if picks_up else np.arange(4) * 90.0
         speeds = (3.0, 6.0, 9.0) if picks_up else (3.0, 6.0)
         rows = []
@@ -254,6 +305,12 @@ class BaselineMode(ActionMode):
     def space(self) -> Discrete:
         """One of 8 choices, or of 48 where there is something to pick up."""
         return Discrete(len(self.table))
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The one choice."""
+        chosen = "direction and speed, and whether to pick up" if self._picks_up else "direction and speed"
+        return (Column("choice", "", 0.0, len(self.table) - 1.0, f"walk: {chosen}, by the list of choices"),)
 
     def describe(self) -> dict[str, Any]:
         """Return the table of action rows."""
@@ -282,6 +339,10 @@ def _look_up(choices: NDArray[np.int64], table: NDArray[np.float32], rows: Rows)
     return True
 
 
+def _listed(numbers: Sequence[float]) -> str:
+    return ", ".join(f"{number:g}" for number in numbers[:-1]) + f" or {numbers[-1]:g}"
+
+
 class MultiDiscreteMode(ActionMode):
     """A few choices a field."""
 
@@ -297,6 +358,19 @@ class MultiDiscreteMode(ActionMode):
     def space(self) -> MultiDiscrete:
         """Walk (stand, or 8 directions clockwise from the view), speed, turn, look, jump and what else."""
         return MultiDiscrete(self.sizes)
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The choices, in order."""
+        speeds, turns, looks = (_listed(numbers) for numbers in (WALK_SPEEDS, TURNS, LOOKS))
+        walk = "0 stands still; 1 to 8 walk 0, 45, … 315° clockwise from the view"
+        return (
+            Column("walk", "", 0.0, len(WALKS) - 1.0, walk),
+            Column("speed", "", 0.0, len(WALK_SPEEDS) - 1.0, f"walk at {speeds} m/s"),
+            Column("turn", "", 0.0, len(TURNS) - 1.0, f"turn by {turns}° in the step; positive is right"),
+            Column("look", "", 0.0, len(LOOKS) - 1.0, f"look by {looks}° in the step; positive is down"),
+            *self._flag_columns("", 0.0, "1"),
+        )
 
     def describe(self) -> dict[str, Any]:
         """Return the choices: degrees clockwise from the view (None: stand), m/s, and degrees a frame."""

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
 
 from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.envs.actions import MODES, ActionError, action_mode
@@ -115,3 +116,25 @@ def test_masks_are_of_the_form_that_spaces_sample_by(mode: str) -> None:
         assert space.contains(space.sample(chosen.mask(alive)))
     if mode == "baseline":
         assert {int(space.sample(chosen.mask(False))) for _ in range(20)} == {0}
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("track", ["navigation", "gathering", "battle"])
+def test_the_columns_of_an_action_are_those_of_its_space(track: str, mode: str) -> None:
+    chosen = action_mode(EnvConfig(track=track, action_mode=mode))
+    columns, space = chosen.columns, chosen.space
+    low = np.array([column.low for column in columns])
+    high = np.array([column.high for column in columns])
+    if isinstance(space, Dict):
+        assert [column.name for column in columns] == list(space.spaces)
+        for column, field in zip(columns, space.spaces.values(), strict=True):
+            least, most = (0, field.n - 1) if isinstance(field, Discrete) else (field.low, field.high)
+            assert (column.low, column.high) == (least, most), column
+    elif isinstance(space, Box):
+        assert (low == space.low).all()
+        assert (high == space.high).all()
+    else:
+        sizes = space.nvec if isinstance(space, MultiDiscrete) else np.array([space.n])
+        assert (low == 0).all()
+        assert (high == sizes - 1).all()
+    assert all(column.meaning for column in columns)
