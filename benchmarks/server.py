@@ -21,13 +21,13 @@ import grpc
 import typer
 from report import Figure, JsonFile, publish
 
+from wildscav.grpc_settings import EXPERIMENTS, VARIABLE
 from wildscav.proto.match_pb2 import GetMatchRequest, HostMatchRequest, ServerMessage
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server import Clock, HostedMatch, MatchServer
-from wildscav.server.senses import Senses
-from wildscav.server.shared import SharedServer
-from wildscav.server.warm import warm
-from wildscav.transport import EXPERIMENTS, VARIABLE
+from wildscav.server.hosting.observations import Senses
+from wildscav.server.hosting.warm_up import warm
+from wildscav.server.workers.shared_server import SharedServer
 from wildscav.wire.matches import decode_seat_address
 from wildscav.wire.observations import encode_observation
 from wildscav_engine.actions import Field, no_actions

@@ -7,9 +7,9 @@ import typer
 from rich.table import Table
 
 from wildscav.cli.json_option import AsJson
-from wildscav.console import console, print_json
 from wildscav.errors import UserError
-from wildscav.suggestions import did_you_mean
+from wildscav.terminal.console import console, print_json
+from wildscav.terminal.suggestions import did_you_mean
 
 if TYPE_CHECKING:
     from wildscav_evaluator.output.results import MetricInfo, Summary

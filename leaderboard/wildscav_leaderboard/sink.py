@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from wildscav.console import counted
+from wildscav.terminal.console import counted
 from wildscav_evaluator.output import results
 from wildscav_leaderboard.database import check_writable, writing
 from wildscav_leaderboard.models import Evaluation, MatchResult, Score, Submission

@@ -1,7 +1,6 @@
 """What an agent needs: ``from wildscav import Agent, Action, MatchInfo, Observation, run``."""
 
-from wildscav.errors import WildscavError
-from wildscav.sdk.agent import (
+from wildscav.agent import (
     Action,
     Agent,
     MatchInfo,
@@ -11,8 +10,9 @@ from wildscav.sdk.agent import (
     Vector,
     VisibleAgent,
 )
+from wildscav.errors import WildscavError
+from wildscav.grpc_settings import tune
 from wildscav.sdk.run import run
-from wildscav.transport import tune
 
 __version__ = "0.1.0"
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav.suggestions import did_you_mean
+from wildscav.terminal.suggestions import did_you_mean
 
 NAMES = ("random", "homing", "hunter")
 PREFIX = "baseline:"

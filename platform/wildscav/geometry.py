@@ -6,7 +6,7 @@ positive downwards. Positions are (x, y, z) in m.
 
 import math
 
-from wildscav.sdk.agent import Vector
+from wildscav.agent import Vector
 
 EYE_HEIGHT = 1.5  # m, of the camera and the muzzle above the soles
 BODY_HEIGHT = 1.78  # m

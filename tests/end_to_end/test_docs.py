@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from wildscav.cli import map as map_commands
+from wildscav.cli.maps import map as map_commands
 from wildscav_engine.maps.catalogue import BENCHMARK, SIZES
 from wildscav_engine.spec import MapConfig
 

@@ -14,7 +14,7 @@ import pytest
 import typer
 from annotated_types import Ge, Gt, Le
 from tests.builders import box, flat_world, make_match, place
-from tests.platform.seats import ended, host, serving, small_spec, start_agent
+from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.cli.main import app
 from wildscav.server import Clock, MatchServer, SeatStatus

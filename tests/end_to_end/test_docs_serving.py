@@ -11,8 +11,8 @@ import pytest
 from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.test_docs import blocks
 
-from wildscav.server.meters import ServerMeters
-from wildscav.server.warm import warm
+from wildscav.server.hosting.warm_up import warm
+from wildscav.server.server_metrics import ServerMeters
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "serving.md"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.engine.envs.common import OPEN
-from tests.platform.policy.matches import observed, play_env
+from tests.platform.helpers.policy_matches import observed, play_env
 from typer.testing import CliRunner
 
 from wildscav.cli.main import app

@@ -13,11 +13,11 @@ import pytest
 from tests.end_to_end.test_docs_serving import free_ports
 from tests.evaluator.sandbox.conftest import missing
 from tests.evaluator.submissions.python_image import python_image
-from tests.platform.seats import small_spec
+from tests.platform.helpers.seats import small_spec
 
-from wildscav import leftovers
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
+from wildscav.system import leftovers
 from wildscav.wire.matches import decode_seat_address
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode

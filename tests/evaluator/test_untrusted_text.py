@@ -11,10 +11,10 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from rich.console import RenderableType
 from tests.evaluator.results_by_hand import evaluation_of, results_of
-from tests.platform.plain_text import is_plain
+from tests.platform.helpers.plain_text import is_plain
 
 from wildscav.cli import verify
-from wildscav.console import PlainConsole
+from wildscav.terminal.console import PlainConsole
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.result_tables.ranking import track_table

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import rfc8785
 from pydantic import Field
 
-from wildscav.console import ascii_json
+from wildscav.terminal.console import ascii_json
 from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.json_files import Part
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, Summary

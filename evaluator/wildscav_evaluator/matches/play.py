@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from wildscav import leftovers
-from wildscav.console import counted
 from wildscav.errors import SensorError, UserError, WildscavError, describe
 from wildscav.server import (
     Clock,
@@ -23,6 +21,8 @@ from wildscav.server import (
     SeatReport,
     SeatStatus,
 )
+from wildscav.system import leftovers
+from wildscav.terminal.console import counted
 from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.spec import MatchSpec
 from wildscav_evaluator.matches.agents import MatchAgents, status_of

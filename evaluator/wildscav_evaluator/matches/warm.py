@@ -17,8 +17,8 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
     Args:
         sensors: What will be read in matches, for each submission.
     """
-    from wildscav.server.senses import Senses
-    from wildscav.server.warm import warm_map
+    from wildscav.server.hosting.observations import Senses
+    from wildscav.server.hosting.warm_up import warm_map
     from wildscav_engine.actions import Field, no_actions
     from wildscav_engine.maps.mesh import solids_mesh
     from wildscav_engine.match import Match

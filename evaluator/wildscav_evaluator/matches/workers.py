@@ -19,8 +19,8 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
-from wildscav import leftovers
-from wildscav.processes import be_worker, starting_workers
+from wildscav.system import leftovers
+from wildscav.system.worker_processes import be_worker, starting_workers
 from wildscav_evaluator.matches.jobs import Broken, Job, JobResult, Told, after_death, run_job
 from wildscav_evaluator.matches.warm import Wanted, warm
 from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog

@@ -5,9 +5,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from wildscav.console import console
-from wildscav.logs import LogFormat, open_log
-from wildscav.metrics import serving_metrics
+from wildscav.monitoring.logs import LogFormat, open_log
+from wildscav.monitoring.metrics import serving_metrics
+from wildscav.terminal.console import console
 from wildscav_evaluator.matches.jobs import Beat, Broken, Job, JobResult, Told
 from wildscav_evaluator.monitoring.progress import EvaluationProgress
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics

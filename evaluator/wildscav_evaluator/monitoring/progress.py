@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from wildscav.console import counted
+from wildscav.terminal.console import counted
 from wildscav_evaluator.cli.result_tables.ranking import number
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.monitoring.dashboard import dashboard, duration, of_what, standing

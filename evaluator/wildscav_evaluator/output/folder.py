@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wildscav.errors import UserError, describe
-from wildscav.folders import check_folder
+from wildscav.system.output_folders import check_folder
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS

@@ -11,9 +11,9 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from wildscav.console import ascii_json
 from wildscav.errors import UserError
-from wildscav.limited import LimitExceededError, call_limited
+from wildscav.system.limited_process import LimitExceededError, call_limited
+from wildscav.terminal.console import ascii_json
 from wildscav_engine.files import read_limited, write_whole
 from wildscav_engine.spec import one_line
 

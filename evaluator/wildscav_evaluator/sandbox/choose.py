@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wildscav import __version__, leftovers
+from wildscav import __version__
+from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox.base import Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits

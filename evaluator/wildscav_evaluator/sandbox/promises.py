@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents.capped_log import CUT
 from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits

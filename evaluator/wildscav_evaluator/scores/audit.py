@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from wildscav.console import printable
 from wildscav.errors import UserError
+from wildscav.terminal.console import printable
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.ledger.entries import Ended

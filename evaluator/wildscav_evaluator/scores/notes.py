@@ -6,7 +6,7 @@ well set them.
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from wildscav.console import counted
+from wildscav.terminal.console import counted
 from wildscav.wire.actions import MAX_WALK_SPEED
 from wildscav_evaluator.output.results import Evaluation, MatchTiming
 

@@ -13,9 +13,9 @@ from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import NamedTuple
 
-from wildscav.console import printable
 from wildscav.errors import UserError, describe
-from wildscav.processes import be_worker, starting_workers
+from wildscav.system.worker_processes import be_worker, starting_workers
+from wildscav.terminal.console import printable
 from wildscav_engine.record import RECORD_VERSION, SUFFIX, Record, RecordError, read_record, verify_record
 from wildscav_engine.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS

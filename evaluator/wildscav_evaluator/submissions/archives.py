@@ -21,7 +21,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO
 
 from wildscav.errors import UserError
-from wildscav.limited import LimitExceededError, call_limited
+from wildscav.system.limited_process import LimitExceededError, call_limited
 from wildscav_evaluator.cache import cache_folder
 
 SUFFIXES = (".zip", ".tar.gz", ".tgz")

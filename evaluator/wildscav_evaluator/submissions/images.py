@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import wildscav
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox.agents.readable_copies import make_readable
 from wildscav_evaluator.sandbox.base import SandboxError

@@ -22,8 +22,8 @@ from pydantic import (
     model_validator,
 )
 
-from wildscav.configs import LARGEST, read_config
 from wildscav.errors import UserError, describe
+from wildscav.system.config_files import LARGEST, read_config
 from wildscav_engine.files import read_limited
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec

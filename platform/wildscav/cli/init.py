@@ -80,7 +80,7 @@ def init(
 def _say_what_is_next(folder: Path, name: str) -> None:
     from rich.text import Text
 
-    from wildscav.console import console
+    from wildscav.terminal.console import console
 
     console.print(Text.assemble((str(folder), "bold"), " holds a new agent, ", (name, "bold"), ". Next:"))
     quoted = shlex.quote(str(folder))

@@ -38,10 +38,10 @@ def install(
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from wildscav.console import console, counted, error_console
     from wildscav.legacy.install import install_engine, install_maps, missing_maps
-    from wildscav.preparing import preparing
-    from wildscav.server.warm import warm
+    from wildscav.server.hosting.warm_up import warm
+    from wildscav.terminal.console import console, counted, error_console
+    from wildscav.terminal.engine_progress import preparing
     from wildscav_engine.threads import cores
 
     ids = read_ids(maps)

@@ -18,7 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from wildscav import __version__
 from wildscav.errors import UserError, WildscavError, describe
-from wildscav.suggestions import did_you_mean
+from wildscav.terminal.suggestions import did_you_mean
 
 GROUP = "wildscav.commands"
 OWN = {
@@ -26,8 +26,8 @@ OWN = {
     "verify": "wildscav.cli.verify:verify",
     "replay": "wildscav.cli.replay:replay",
     "serve": "wildscav.cli.serve:serve",
-    "map": "wildscav.cli.map:app",
-    "look": "wildscav.cli.look:app",
+    "map": "wildscav.cli.maps.map:app",
+    "look": "wildscav.cli.maps.look:app",
     "legacy": "wildscav.cli.legacy:app",
 }
 # The groups of help, and in them the order: what a newcomer needs first.
@@ -184,7 +184,7 @@ def main() -> None:
 
 
 def _fail(message: str, exit_code: int) -> None:
-    from wildscav.console import printable
+    from wildscav.terminal.console import printable
 
     typer.echo(f"wildscav: {printable(' '.join(message.split()))}", err=True)
     sys.exit(exit_code)

@@ -102,7 +102,7 @@ def _rendered(
     record: Path, played: "Record", output: Path | None, follow: int | None, images: bool, *, web: bool
 ) -> bytes:
     """Render a record that may not be written over."""
-    from wildscav.console import error_console
+    from wildscav.terminal.console import error_console
     from wildscav_engine.record import RecordError
     from wildscav_engine.view import ViewError, rendered
 
@@ -124,7 +124,7 @@ def _rendered(
 
 def _write(path: Path, content: bytes) -> None:
     """Write the file whole, and say how to open it."""
-    from wildscav.console import command, console
+    from wildscav.terminal.console import command, console
     from wildscav_engine.files import write_whole
 
     write_whole(path, content)
@@ -137,7 +137,7 @@ def _write(path: Path, content: bytes) -> None:
 
 def _serve(content: bytes, name: str, host: str | None, port: int | None) -> None:
     """Serve a replay until Ctrl-C."""
-    from wildscav.console import console, error_console
+    from wildscav.terminal.console import console, error_console
     from wildscav_engine.view import ViewError
     from wildscav_engine.view.web import LOOPBACK, ReplayServer
 

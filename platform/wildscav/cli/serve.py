@@ -10,8 +10,8 @@ import typer
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
-    from wildscav.logs import LogFormat
-    from wildscav.server.tls import Certificate
+    from wildscav.monitoring.logs import LogFormat
+    from wildscav.server.endpoints.tls import Certificate
 
 SHORTEST_TOKEN = 16  # characters
 MOST_WORKERS = 64
@@ -90,7 +90,7 @@ def serve(
 
 
 def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -> "Certificate | None":
-    from wildscav.server.tls import Certificate
+    from wildscav.server.endpoints.tls import Certificate
 
     if chain is None and key is None:
         if client_ca is not None:
@@ -113,7 +113,7 @@ def _read_token(path: Path) -> str:
 
 
 async def _serve(how: Serving, workers: int) -> None:
-    from wildscav.logs import open_log
+    from wildscav.monitoring.logs import open_log
 
     open_log(how.log_format).info("preparing_engine", workers=workers)  # it may take a minute or two
     stopped = asyncio.Event()
@@ -125,12 +125,12 @@ async def _serve(how: Serving, workers: int) -> None:
 
 async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     """Serve in this process."""
-    from wildscav.console import console
-    from wildscav.logs import open_log
-    from wildscav.metrics import serving_metrics
-    from wildscav.preparing import preparing
+    from wildscav.monitoring.logs import open_log
+    from wildscav.monitoring.metrics import serving_metrics
     from wildscav.server import Door, MatchServer
-    from wildscav.server.warm import warm
+    from wildscav.server.hosting.warm_up import warm
+    from wildscav.terminal.console import console
+    from wildscav.terminal.engine_progress import preparing
 
     door = Door(tls=how.certificate.context() if how.certificate else None, insecure=how.insecure)
     server = MatchServer(arena=True, organizer_token=how.token, door=door, log=open_log(how.log_format))
@@ -148,9 +148,9 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
 
 async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> None:
     """Serve with several processes."""
-    from wildscav.console import console
-    from wildscav.preparing import preparing
-    from wildscav.server.shared import SharedServer
+    from wildscav.server.workers.shared_server import SharedServer
+    from wildscav.terminal.console import console
+    from wildscav.terminal.engine_progress import preparing
 
     server = SharedServer(
         workers,
@@ -176,7 +176,7 @@ async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> Non
 
 
 def _say_listening(addresses: list[str]) -> None:
-    from wildscav.console import console
+    from wildscav.terminal.console import console
 
     for address in addresses:
         console.print(f"listening on {address}", highlight=False)

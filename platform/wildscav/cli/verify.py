@@ -52,7 +52,7 @@ def verify(
     of the seats are not part of that. A record in an evaluation's folder must also be the one that the
     folder's ledger names; with --key, the organizer must have signed that ledger.
     """
-    from wildscav.console import console, counted, error_console, print_json
+    from wildscav.terminal.console import console, counted, error_console, print_json
 
     checks = _checks(key)
     findings: list[Finding] = []
@@ -79,8 +79,8 @@ def _table(findings: list[Finding]) -> "Table":
     """Return a line for each record, named without the folder that all are in."""
     from rich.text import Text
 
-    from wildscav.console import printable
-    from wildscav.tables import FittingTable
+    from wildscav.terminal.console import printable
+    from wildscav.terminal.tables import FittingTable
 
     common = os.path.commonpath([one.path.absolute().parent for one in findings])
     table = FittingTable()
@@ -113,7 +113,7 @@ def _checks(key: str | None) -> list[RecordCheck]:
 
 def _check(path: Path, checks: "Sequence[RecordCheck]", key: str | None) -> Finding:
     """Play a record again. Whatever is wrong with it, the others are still to be checked."""
-    from wildscav.console import printable
+    from wildscav.terminal.console import printable
     from wildscav_engine import ENGINE_VERSION
     from wildscav_engine.maps import GENERATOR_VERSION
     from wildscav_engine.record import RecordError, read_record, verify_record

@@ -9,7 +9,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from wildscav.legacy.maps import is_written, write_map
-from wildscav.processes import be_worker, starting_workers
+from wildscav.system.worker_processes import be_worker, starting_workers
 
 PROGRAM = "fps.x86_64"
 # A shell script that starts Python with itself: paths of interpreters may be too long for a first line.

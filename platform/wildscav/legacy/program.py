@@ -104,7 +104,7 @@ def end(status: int, why: str = "", waiting: int | None = None) -> NoReturn:
 
 
 def _load_engine() -> None:
-    from wildscav.server.warm import warm
+    from wildscav.server.hosting.warm_up import warm
 
     began = time.perf_counter()
     warm(())

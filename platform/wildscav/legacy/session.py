@@ -6,7 +6,6 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wildscav.console import counted
 from wildscav.errors import describe
 from wildscav.legacy.actions import read_actions
 from wildscav.legacy.channel import Client
@@ -14,6 +13,7 @@ from wildscav.legacy.commander_pb2 import GameState, GMCommand, Reply
 from wildscav.legacy.episode import Episode, RefusedEpisodeError, read_episode
 from wildscav.legacy.places import settle_places
 from wildscav.legacy.requests import START, Requests
+from wildscav.terminal.console import counted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -82,7 +82,7 @@ class Session:
 
     def _match_of(self, episode: Episode) -> "Match":
         """Return the match of an episode, and everything ready for it: that may take long."""
-        from wildscav.server.warm import warm
+        from wildscav.server.hosting.warm_up import warm
 
         with self._client.watched():
             warm(())

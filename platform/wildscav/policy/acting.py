@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wildscav.agent import Action
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.trig import arctangent
-from wildscav.sdk.agent import Action
 
 FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")
 

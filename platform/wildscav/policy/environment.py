@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
+from wildscav.agent import Action, MatchInfo, Observation
 from wildscav.policy.acting import action_mode
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.observing import Events, Observer
 from wildscav.policy.stacking import Stack, Stacked
-from wildscav.sdk.agent import Action, MatchInfo, Observation
 
 FORMAT = 1
 

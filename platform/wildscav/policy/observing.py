@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav.agent import MatchInfo, Observation
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.trig import cosine, sine
-from wildscav.sdk.agent import MatchInfo, Observation
 
 Readings = dict[str, NDArray[Any]]  # by the names of groups and sensors
 Values = tuple[float, ...]

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from wildscav.agent import Action, Agent, MatchInfo, Observation
 from wildscav.policy.choosing import chooser_of
 from wildscav.policy.environment import Environment
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.networks import Choose, load_network
-from wildscav.sdk.agent import Action, Agent, MatchInfo, Observation
 
 FILE = "policy.json"
 

@@ -18,11 +18,11 @@ from types import TracebackType
 from typing import Any, NoReturn
 
 import wildscav
+from wildscav.agent import Agent
 from wildscav.errors import RefusedError, ServerUnreachableError, UserError
-from wildscav.sdk.agent import Agent
 from wildscav.sdk.credentials import CA_VARIABLE, CERT_VARIABLE, KEY_VARIABLE
-from wildscav.sdk.overdue import watch_start_up
 from wildscav.sdk.run import run
+from wildscav.sdk.watchdog import watch_start_up
 
 PLAYED, USAGE, AGENT_FAILED, NO_SERVER = 0, 2, 3, 4
 OPTIONS = {"--ca": CA_VARIABLE, "--cert": CERT_VARIABLE, "--key": KEY_VARIABLE}

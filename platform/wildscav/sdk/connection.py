@@ -10,9 +10,9 @@ from typing import Any, Self
 
 import grpc
 
+from wildscav.agent import Action, MatchInfo, Observation
 from wildscav.errors import ServerUnreachableError
 from wildscav.proto.match_pb2 import ClientMessage, MatchOver, ServerMessage
-from wildscav.sdk.agent import Action, MatchInfo, Observation
 from wildscav.sdk.credentials import Credentials, why_not
 from wildscav.wire.actions import encode_action
 from wildscav.wire.errors import decode_error

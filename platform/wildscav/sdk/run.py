@@ -6,9 +6,9 @@ import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+from wildscav.agent import Agent, check_action
 from wildscav.errors import AgentError, UserError
-from wildscav.sdk.agent import Agent, check_action
-from wildscav.sdk.overdue import OverdueWatch, end_watch
+from wildscav.sdk.watchdog import OverdueWatch, end_watch
 
 if TYPE_CHECKING:
     from wildscav.proto.match_pb2 import MatchOver

@@ -1,10 +1,10 @@
 """The match server: many matches at once in one event loop, one stream a seat."""
 
-from wildscav.server.deadlines import Clock
-from wildscav.server.entrance import Door
-from wildscav.server.reports import Fault, MatchOutcome, SeatReport, SeatStatus, ThinkTime, Thought
-from wildscav.server.server import MatchServer
-from wildscav.server.session import HostedMatch, MatchCancelledError
+from wildscav.server.endpoints.endpoint import Door
+from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
+from wildscav.server.hosting.reports import Fault, MatchOutcome, SeatReport, SeatStatus, ThinkTime, Thought
+from wildscav.server.hosting.time_limits import Clock
+from wildscav.server.match_server import MatchServer
 
 __all__ = [
     "Clock",

@@ -4,9 +4,9 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from wildscav.agent import Action
 from wildscav.proto.match_pb2 import Action as ActionMessage
 from wildscav.proto.match_pb2 import ClientMessage
-from wildscav.sdk.agent import Action
 
 # The order of the columns in the engine's action rows; also the names in the protocol and the SDK.
 ACTION_FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")

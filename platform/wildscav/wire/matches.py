@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from wildscav.agent import MatchInfo, SupplyWave, Vector
 from wildscav.proto import PROTOCOL_VERSION
 from wildscav.proto.match_pb2 import (
     ClientMessage,
@@ -16,7 +17,6 @@ from wildscav.proto.match_pb2 import (
 from wildscav.proto.match_pb2 import MatchInfo as MatchInfoMessage
 from wildscav.proto.match_pb2 import SupplyWave as SupplyWaveMessage
 from wildscav.proto.match_pb2 import Vector as VectorMessage
-from wildscav.sdk.agent import MatchInfo, SupplyWave, Vector
 from wildscav.wire.observations import decode_vector
 
 SDK_LIMIT = 100  # characters of a client's name, and of its version

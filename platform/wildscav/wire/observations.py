@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav.agent import Observation, SupplyBox, Vector, VisibleAgent
 from wildscav.proto.match_pb2 import Observation as ObservationMessage
 from wildscav.proto.match_pb2 import SupplyBox as SupplyBoxMessage
 from wildscav.proto.match_pb2 import Tensor
 from wildscav.proto.match_pb2 import Vector as VectorMessage
 from wildscav.proto.match_pb2 import VisibleAgent as VisibleAgentMessage
-from wildscav.sdk.agent import Observation, SupplyBox, Vector, VisibleAgent
 from wildscav.wire.varint import encode_varint
 
 KEY = b"\x12"  # of ServerMessage.observation: field 2, and that its length follows

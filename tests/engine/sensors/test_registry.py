@@ -163,7 +163,7 @@ def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
         import gc
         from numba.core.dispatcher import Dispatcher
         from builders import make_match
-        from wildscav.server.warm import warm
+        from wildscav.server.hosting.warm_up import warm
         from wildscav_engine.sensors import parse_sensor
 
         def kernels():

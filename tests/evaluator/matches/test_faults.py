@@ -27,9 +27,9 @@ SENSOR = "\n[sensors.depth]\nwidth = 4\nheight = 4\n"
 # What fails, and at which call of it. With two seats most things are called twice a step.
 OFTEN = [
     ("wildscav_engine.match:Match.step", 5),
-    ("wildscav.server.lockstep:encode_observation", 5),
-    ("wildscav.server.lockstep:decode_action", 5),
-    ("wildscav.server.service:_read_join", 1),
+    ("wildscav.server.hosting.lockstep:encode_observation", 5),
+    ("wildscav.server.hosting.lockstep:decode_action", 5),
+    ("wildscav.server.endpoints.match_service:_read_join", 1),
 ]
 ALL = [
     *OFTEN,
@@ -39,16 +39,16 @@ ALL = [
             ("wildscav_engine.match:Match.start_info", 1),  # for the first message to a seat
             ("wildscav_engine.match:Match.start_info", 2),
             ("wildscav_engine.match:Match.result", 1),  # for the last one
-            ("wildscav.server.seat:Seat.sense", 5),
-            ("wildscav.server.senses:Senses.take", 5),
-            ("wildscav.server.service:MatchService._place", 2),
-            ("wildscav.server.session:HostedMatch.join", 2),
-            ("wildscav.server.session:HostedMatch.ready", 1),
-            ("wildscav.server.session:HostedMatch.next_observation", 3),
-            ("wildscav.server.session:encode_match_info", 1),
-            ("wildscav.server.session:encode_seat_result", 2),
-            ("wildscav.server.seat:Seat.conduct_message", 1),
-            ("wildscav.server.deadlines:TimeBank.charge", 3),
+            ("wildscav.server.hosting.seat:Seat.sense", 5),
+            ("wildscav.server.hosting.observations:Senses.take", 5),
+            ("wildscav.server.endpoints.match_service:MatchService._place", 2),
+            ("wildscav.server.hosting.hosted_match:HostedMatch.join", 2),
+            ("wildscav.server.hosting.hosted_match:HostedMatch.ready", 1),
+            ("wildscav.server.hosting.hosted_match:HostedMatch.next_observation", 3),
+            ("wildscav.server.hosting.hosted_match:encode_match_info", 1),
+            ("wildscav.server.hosting.hosted_match:encode_seat_result", 2),
+            ("wildscav.server.hosting.seat:Seat.conduct_message", 1),
+            ("wildscav.server.hosting.time_limits:TimeBank.charge", 3),
         )
     ),
 ]
@@ -110,7 +110,7 @@ def test_a_clock_that_fails_while_nobody_answers_does_not_wait_for_ever(
             time.sleep(600)
         return Action()
 """
-    break_at(monkeypatch, "wildscav.server.deadlines:TimeBank.charge", 4)
+    break_at(monkeypatch, "wildscav.server.hosting.time_limits:TimeBank.charge", 4)
 
     played = play(submit("sleepy", sleepy), tmp_path=tmp_path, clock=Clock(step_budget=0.1, time_bank=0.0))
 

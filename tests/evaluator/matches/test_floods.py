@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from tests.evaluator.players import WALKER, Submit
 from tests.evaluator.sandbox.conftest import missing
-from tests.platform import raw
-from tests.platform.siege import memory
+from tests.platform.helpers import raw_http2
+from tests.platform.helpers.attacked_server import memory
 
 from wildscav.server import Clock, SeatStatus
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
@@ -31,13 +31,13 @@ import os, subprocess, sys, threading
 
 from wildscav import Action, Agent
 
-import raw
+import raw_http2
 
 def begin():
     address = os.environ["WILDSCAV_ADDRESS"]
-    subprocess.Popen([sys.executable, raw.__file__, "{kind}", address], stderr=subprocess.DEVNULL)
-    for _ in range(raw.THREADS):
-        threading.Thread(target=raw.flood_for_ever, args=("{kind}", address), daemon=True).start()
+    subprocess.Popen([sys.executable, raw_http2.__file__, "{kind}", address], stderr=subprocess.DEVNULL)
+    for _ in range(raw_http2.THREADS):
+        threading.Thread(target=raw_http2.flood_for_ever, args=("{kind}", address), daemon=True).start()
 
 if {step} is None:
     begin()
@@ -51,8 +51,8 @@ class Player(Agent):
 # Takes its seat by itself, and floods on the seat's own connection and on others.
 SEATED = """
 import os
-import raw
-raw.main("{kind}", os.environ["WILDSCAV_ADDRESS"], os.environ["WILDSCAV_TOKEN"])
+import raw_http2
+raw_http2.main("{kind}", os.environ["WILDSCAV_ADDRESS"], os.environ["WILDSCAV_TOKEN"])
 """
 CODES = {
     "import": FLOODER.replace("{step}", "None"),
@@ -65,7 +65,7 @@ EVERY_DAY = ("bubblewrap", "match", "connect")
 
 def cases() -> list[object]:
     """Every flood during a match, the worst at all times and in all sandboxes; one of them every day."""
-    chosen = {("bubblewrap", "match", kind) for kind in raw.KINDS}
+    chosen = {("bubblewrap", "match", kind) for kind in raw_http2.KINDS}
     chosen |= {(sandbox, when, kind) for sandbox in SANDBOXES for when in CODES for kind in WORST}
     slow = pytest.mark.slow
     return [case if case == EVERY_DAY else pytest.param(*case, marks=slow) for case in sorted(chosen)]
@@ -74,7 +74,7 @@ def cases() -> list[object]:
 def flooder(submit: Submit, when: str, kind: str) -> Submission:
     """Write a submission that floods."""
     submission = submit("flooder", code=CODES[when].replace("{kind}", kind))
-    (submission.folder / "raw.py").write_text(inspect.getsource(raw))
+    (submission.folder / "raw_http2.py").write_text(inspect.getsource(raw_http2))
     return submission
 
 

@@ -184,7 +184,7 @@ def test_a_match_that_cannot_be_set_up_is_not_tried_again(
         tries += 1
         raise MatchSetupError("there is no room on this map")
 
-    monkeypatch.setattr("wildscav.server.server._set_up", refuse)
+    monkeypatch.setattr("wildscav.server.match_server._set_up", refuse)
 
     with pytest.raises(MatchSetupError):
         play(submit("walker", TALKER), tmp_path=tmp_path)

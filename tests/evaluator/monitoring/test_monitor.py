@@ -10,8 +10,8 @@ from prometheus_client.parser import text_string_to_metric_families
 from tests.evaluator.monitoring.test_tally import jobs, played
 
 from wildscav.errors import UserError
-from wildscav.logs import open_log
-from wildscav.metrics import serving_metrics
+from wildscav.monitoring.logs import open_log
+from wildscav.monitoring.metrics import serving_metrics
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.matches.jobs import Beat

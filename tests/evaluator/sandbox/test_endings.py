@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.world import GROUPS, LIMITS, listening, processes_with, tight_group, wait_until
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
 from wildscav_evaluator.sandbox.containers import oci
 from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine, old_groups
@@ -194,7 +194,7 @@ def folders_of(process: int) -> list[Path]:
 STARTER = """
 import asyncio, sys
 from pathlib import Path
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch
 
 async def run():

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.world import FLOOD, LIMITS, Report, attack
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Sandbox
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the attacks are on Linux")

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.world import GROUPS, listening, processes_with, wait_until
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, call, find_engine
 from wildscav_evaluator.submissions.submission import Submission
@@ -29,7 +29,7 @@ import asyncio, sys
 from pathlib import Path
 from wildscav_evaluator.sandbox import SANDBOXES, Launch
 from wildscav_evaluator.sandbox.containers.container_engine import find_engine
-from wildscav import leftovers
+from wildscav.system import leftovers
 
 async def run():
     sandbox = SANDBOXES[sys.argv[1]]
@@ -82,7 +82,7 @@ UNWATCHED = """
 import asyncio, sys
 from pathlib import Path
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, Limits, wall_clock
-from wildscav import leftovers
+from wildscav.system import leftovers
 
 async def run():
     limits = Limits(wall_clock=600.0)

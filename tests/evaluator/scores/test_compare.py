@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.platform.command import Done, command_here
+from tests.platform.helpers.command import Done, command_here
 
 from wildscav_evaluator.cli.sessions.compare import comparison_table, told_apart, verdict_line
 from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Timings

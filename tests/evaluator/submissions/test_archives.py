@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav.limited import PROCESSOR
+from wildscav.system.limited_process import PROCESSOR
 from wildscav_evaluator.submissions import archives
 from wildscav_evaluator.submissions.archives import ArchiveError, unpack
 from wildscav_evaluator.submissions.submission import SubmissionError, load_submission

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.platform.command import Done, command_here
+from tests.platform.helpers.command import Done, command_here
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session

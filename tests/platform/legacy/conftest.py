@@ -4,11 +4,11 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.channel import Client
 from wildscav.legacy.session import Session
-from wildscav.server.warm import warm
+from wildscav.server.hosting.warm_up import warm
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -3,8 +3,8 @@
 from typing import Any
 
 import pytest
-from tests.platform.legacy.commands import command, face_to_face, setup
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.commands import command, face_to_face, setup
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.commander_pb2 import EnemyInfo, GameMode, GMCommand, Observation, Vector3
 

@@ -4,7 +4,7 @@ import contextlib
 import threading
 
 import pytest
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.channel import LARGEST, Client, ClientGoneError, TooLargeError
 from wildscav.legacy.commander_pb2 import GameState, GMCommand

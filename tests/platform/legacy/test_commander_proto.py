@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from tests.platform.legacy.original import SCRIPTS, environment
+from tests.platform.legacy.helpers.original import SCRIPTS, environment
 
 from wildscav.legacy import commander_pb2
 

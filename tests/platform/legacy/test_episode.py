@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from tests.platform.legacy.commands import command, setup, vector
+from tests.platform.legacy.helpers.commands import command, setup, vector
 
 from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, SupplyRefreshData
 from wildscav.legacy.episode import RefusedEpisodeError, read_episode

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from tests.platform.legacy.commands import command, setup, vector
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.commands import command, setup, vector
+from tests.platform.legacy.helpers.competitor import Competitor
 from tests.platform.legacy.test_battle import SHOOT, begin_at_a_box, duel
 
 from wildscav.legacy.commander_pb2 import EventAgent, GameMode, SupplyRefreshData

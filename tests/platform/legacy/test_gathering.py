@@ -3,8 +3,8 @@
 from typing import Any
 
 import pytest
-from tests.platform.legacy.commands import command, setup, vector
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.commands import command, setup, vector
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.commander_pb2 import GameMode, GMCommand, SupplyInfo, SupplyRefreshData
 

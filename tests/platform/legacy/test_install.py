@@ -4,7 +4,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.platform.command import command_here
+from tests.platform.helpers.command import command_here
 
 from wildscav.cli.legacy import DEFAULT_MAPS, read_ids
 from wildscav.errors import UserError

@@ -14,7 +14,7 @@ import trimesh
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
-from tests.platform.legacy.original import environment
+from tests.platform.legacy.helpers.original import environment
 
 from builders import place, seen_now
 from wildscav.legacy.maps import is_written, obj_of, paths_of, write_map

@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from tests.platform.legacy.commands import command, open_way, setup
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.commands import command, open_way, setup
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.commander_pb2 import AgentSetup, GameState
 from wildscav_engine.maps import load_map

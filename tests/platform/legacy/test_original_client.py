@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.platform.legacy.commands import face_to_face, open_way
-from tests.platform.legacy.original import SCRIPTS, environment, free_port, install, logs, play
+from tests.platform.legacy.helpers.commands import face_to_face, open_way
+from tests.platform.legacy.helpers.original import SCRIPTS, environment, free_port, install, logs, play
 
 from wildscav.legacy.install import install_engine
 from wildscav.legacy.maps import obj_of, paths_of

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.platform.legacy.original import free_port, install, run
+from tests.platform.legacy.helpers.original import free_port, install, run
 
 import wildscav
 from wildscav.legacy.episode import FIELDS

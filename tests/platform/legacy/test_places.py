@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.platform.legacy.commands import MAP, command, open_way, setup
+from tests.platform.legacy.helpers.commands import MAP, command, open_way, setup
 
 from wildscav.legacy.episode import Episode, read_episode
 from wildscav.legacy.places import settle_places

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from tests.platform.legacy.commands import command
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.commands import command
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.errors import UserError
 from wildscav.legacy.install import install_engine

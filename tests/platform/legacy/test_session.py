@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.platform.legacy.commands import command
-from tests.platform.legacy.competitor import Competitor
+from tests.platform.legacy.helpers.commands import command
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.channel import Client, TooLargeError
 from wildscav.legacy.commander_pb2 import GameMode, GameState

@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 from tests.engine.envs.common import OPEN, TRACK_NAMES, options
-from tests.platform.policy.matches import assert_same, observed, play_env
+from tests.platform.helpers.policy_matches import assert_same, observed, play_env
 
 from wildscav_engine.envs import SingleEnv, describe
 from wildscav_engine.envs.actions import MODES

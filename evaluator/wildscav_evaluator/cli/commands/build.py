@@ -40,7 +40,7 @@ def build(
     Building runs what those packages bring along, with a network: do it where no secrets are. Matches then
     run the image as it is, with none.
     """
-    from wildscav.console import console
+    from wildscav.terminal.console import console
     from wildscav_evaluator.cli.options.selection import load_named
     from wildscav_evaluator.submissions.images import build_image
 

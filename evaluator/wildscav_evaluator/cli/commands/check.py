@@ -7,7 +7,7 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
-from wildscav.folders import check_folder
+from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 
 

@@ -16,7 +16,7 @@ def doctor(as_json: AsJson = False) -> None:
     """Try every promise of every sandbox on this machine; say which are kept, and what to install."""
     from rich.text import Text
 
-    from wildscav.console import console, print_json
+    from wildscav.terminal.console import console, print_json
     from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 
     whole, sandboxes = [], []

@@ -10,7 +10,7 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
-from wildscav.folders import check_folder
+from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
 

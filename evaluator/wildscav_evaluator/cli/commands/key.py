@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from wildscav.console import console
 from wildscav.errors import UserError
+from wildscav.terminal.console import console
 
 app = typer.Typer(
     help="Organizers' keys: make one to sign evaluations with, and show its public half.",

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from wildscav.folders import check_folder
+from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 
 

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from wildscav.console import command, console, counted
 from wildscav.errors import UserError, describe
+from wildscav.terminal.console import command, console, counted
 
 app = typer.Typer(
     help="Hidden seeds of evaluations: make one, publish its commitment, open it afterwards, check one.",

@@ -31,7 +31,7 @@ def chosen_sandbox(
     """
     from rich.text import Text
 
-    from wildscav.console import console
+    from wildscav.terminal.console import console
     from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
     from wildscav_evaluator.sandbox.choose import choose
     from wildscav_evaluator.submissions.images import with_images

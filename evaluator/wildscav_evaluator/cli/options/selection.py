@@ -4,7 +4,7 @@ from pathlib import Path
 
 from wildscav.baselines import NAMES, baseline_folder, is_baseline
 from wildscav.errors import UserError
-from wildscav.suggestions import did_you_mean
+from wildscav.terminal.suggestions import did_you_mean
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.submissions.images import IMAGE, load_image
 from wildscav_evaluator.submissions.submission import Submission, SubmissionError, load_submission

@@ -63,7 +63,7 @@ def warn_of_open_key(sandbox: str) -> None:
     """Warn that agents can read the key, if nothing keeps them from it."""
     from rich.text import Text
 
-    from wildscav.console import console
+    from wildscav.terminal.console import console
     from wildscav_evaluator.sandbox import SANDBOXES
 
     if not SANDBOXES[sandbox].isolated:

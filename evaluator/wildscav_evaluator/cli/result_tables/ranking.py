@@ -6,7 +6,7 @@ from textwrap import wrap
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.tables import FittingTable
+from wildscav.terminal.tables import FittingTable
 from wildscav_evaluator.output.results import Evaluation, MetricInfo, Results, Summary
 
 HEADING_WIDTH = 8

@@ -5,9 +5,9 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.console import console, counted, print_json
 from wildscav.errors import UserError
-from wildscav.preparing import preparing
+from wildscav.terminal.console import console, counted, print_json
+from wildscav.terminal.engine_progress import preparing
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import run_checks
 from wildscav_evaluator.cli.result_tables.ranking import plain_table

@@ -6,8 +6,8 @@ from dataclasses import replace
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.console import console, counted, print_json
 from wildscav.errors import UserError, describe
+from wildscav.terminal.console import console, counted, print_json
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, number, plain_table, signed
 from wildscav_evaluator.cli.result_tables.timing import conditions
 from wildscav_evaluator.cli.sessions.errors import raise_all

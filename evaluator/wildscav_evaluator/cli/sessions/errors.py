@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from wildscav.console import error_console
 from wildscav.errors import UserError
+from wildscav.terminal.console import error_console
 
 
 def raise_all(complaints: Sequence[str]) -> None:

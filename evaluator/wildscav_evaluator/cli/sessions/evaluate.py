@@ -6,9 +6,9 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.console import command, console, counted, print_json
 from wildscav.errors import UserError, describe
-from wildscav.preparing import preparing
+from wildscav.terminal.console import command, console, counted, print_json
+from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.files import write_whole
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.cli.result_tables.changes import since_table

@@ -12,11 +12,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
-from wildscav import leftovers
-from wildscav.console import command, console, print_json
 from wildscav.errors import UserError, describe
-from wildscav.preparing import preparing
 from wildscav.server import HostedMatch
+from wildscav.system import leftovers
+from wildscav.terminal.console import command, console, print_json
+from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.actions import Field
 from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.console import console, counted, printable
 from wildscav.errors import UserError
-from wildscav.preparing import preparing
+from wildscav.terminal.console import console, counted, printable
+from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_evaluator.cli.sessions.errors import raise_all

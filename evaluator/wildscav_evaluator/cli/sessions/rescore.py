@@ -5,8 +5,8 @@ from pathlib import Path
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from wildscav.console import console, counted, error_console, print_json
 from wildscav.errors import UserError
+from wildscav.terminal.console import console, counted, error_console, print_json
 from wildscav_evaluator.cli.result_tables.ranking import LEGEND, track_table
 from wildscav_evaluator.cli.result_tables.timing import conditions
 from wildscav_evaluator.cli.sessions.errors import raise_all

@@ -1,7 +1,7 @@
 """What the output of an agent says about its failure: Python's tracebacks, read line by line.
 
 Two kinds occur. An exception's traceback names the innermost frame last, and then the exception. The stacks
-that the SDK has printed when an agent's time is up (``wildscav.sdk.overdue``) name the innermost frame first.
+that the SDK prints when an agent's time is up (``wildscav.sdk.watchdog``) name the innermost frame first.
 """
 
 import re

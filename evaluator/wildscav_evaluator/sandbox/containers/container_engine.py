@@ -18,13 +18,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import SandboxError
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
 CHOICE = "WILDSCAV_ENGINE"  # the variable that names the one to use
 PATIENCE = 120.0  # s for a command that makes, removes or looks up something
-OWNER = "wildscav.owner"  # label of containers: whose they are, as `wildscav.leftovers` names it
+OWNER = "wildscav.owner"  # label of containers: whose they are, as `wildscav.system.leftovers` names it
 KIND = "container"  # in the lists of owners
 NOT_THERE = re.compile(rb"no such container|no container with", re.IGNORECASE)
 UNDER_WAY = re.compile(rb"removal of container .* is already in progress")
@@ -325,7 +325,7 @@ def start_reaper(process: int) -> None:
         process: This one, so that there is one reaper for each.
     """
     del process
-    program = "import wildscav_evaluator.sandbox; from wildscav import leftovers; leftovers.sweep()"
+    program = "import wildscav_evaluator.sandbox; from wildscav.system import leftovers; leftovers.sweep()"
     sweep = [sys.executable, "-c", program]
     after = f"cat <&3; cd /; [ -e {shlex.quote(str(leftovers.own_folder()))} ] && exec {shlex.join(sweep)}"
     reading, _ = os.pipe()  # the other end stays open as long as this process lives

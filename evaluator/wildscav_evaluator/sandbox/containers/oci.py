@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.agent_process import (
     SIGNALLED,

@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.agent_process import (
     AgentProcess,

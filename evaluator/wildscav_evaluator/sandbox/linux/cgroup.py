@@ -15,14 +15,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import MemoryKill, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 
 CONTROLLERS = ("cpu", "memory", "pids")
 PERIOD = 100_000  # µs in which an agent gets its share of processor time
 OVERHEAD = 2  # processes of the sandbox itself
-PREFIX = "wildscav-"  # then the owner of the group, as `wildscav.leftovers` names it, and a number
+PREFIX = "wildscav-"  # then the owner of the group, as `wildscav.system.leftovers` names it, and a number
 KIND = "control group"  # in the lists of owners
 AT_ONCE = 1 << 20  # bytes; less is what the kernel kills for if it cannot be had (8 pages)
 KILL_TIME = 10.0  # s

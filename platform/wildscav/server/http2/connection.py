@@ -8,7 +8,7 @@ from typing import Protocol, cast
 from wildscav.server.http2.allowance import HEAVY, Allowance, FloodError, Share, processor_time
 from wildscav.server.http2.calls import STREAMS, Calls, Route
 from wildscav.server.http2.encryption import Encryption
-from wildscav.server.http2.flow import Flow
+from wildscav.server.http2.flow_control import Flow
 from wildscav.server.http2.frames import Code, FrameError, Kind, Setting, write_frame, write_settings
 from wildscav.server.http2.inbound import HEADER_LIMIT, Inbound
 from wildscav.server.http2.stream import WINDOW

@@ -8,10 +8,10 @@ import pytest
 from rich.table import Table
 from tests.evaluator.results_by_hand import RESULTS, evaluation, results_of
 
-from wildscav.cli import map as map_command
 from wildscav.cli import verify
-from wildscav.console import PlainConsole
+from wildscav.cli.maps import map as map_command
 from wildscav.server import SeatReport, SeatStatus
+from wildscav.terminal.console import PlainConsole
 from wildscav_engine.match import Match
 from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict

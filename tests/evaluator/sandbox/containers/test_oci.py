@@ -10,7 +10,7 @@ import pytest
 from tests.evaluator.sandbox.conftest import missing
 from tests.evaluator.sandbox.world import LIMITS, listening, wait_until
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
 from wildscav_evaluator.sandbox.containers import container_engine as engine
 from wildscav_evaluator.submissions.submission import Submission

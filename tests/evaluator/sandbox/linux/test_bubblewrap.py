@@ -8,7 +8,7 @@ import pytest
 from tests.evaluator.sandbox.conftest import missing
 from tests.evaluator.sandbox.world import LIMITS, listening
 
-from wildscav import leftovers
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
 from wildscav_evaluator.sandbox.linux import cgroup
 from wildscav_evaluator.submissions.submission import Submission

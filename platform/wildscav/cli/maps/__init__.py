@@ -1,0 +1,1 @@
+"""The commands about maps: ``wildscav map`` and ``wildscav look``."""

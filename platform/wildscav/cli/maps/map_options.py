@@ -1,0 +1,223 @@
+"""How commands name a map: by its number, or by a config and a seed."""
+
+import functools
+import inspect
+import json
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, NamedTuple, ParamSpec
+
+import typer
+from typer.core import TyperCommand
+
+from wildscav.errors import UserError
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps import GameMap
+
+MOST_IDS = 999
+
+MapId = Annotated[
+    int | None,
+    typer.Argument(help="Number of a map, 1 to 999, such as 014.", metavar="[ID]", show_default=False),
+]
+Seed = Annotated[int | None, typer.Option(help="Make the map of a config and this seed instead.")]
+ConfigFile = Annotated[
+    Path | None,
+    typer.Option("--config", help="JSON or TOML file with the fields of a MapConfig or a MapSpec."),
+]
+Size = Annotated[int | None, typer.Option(help="Metres along each side, 40 to 2000.")]
+Relief = Annotated[float | None, typer.Option(help="0 flat, 1 hills, 2 mountains.")]
+Ruggedness = Annotated[float | None, typer.Option(help="0 downs and plains, 1 ridges and cliffs.")]
+Water = Annotated[float | None, typer.Option(help="Share of the area under lakes, 0 to 0.4.")]
+Houses = Annotated[int | None, typer.Option(help="How many, 0 to 200.")]
+Density = Annotated[str | None, typer.Option(help="low: houses scattered; high: close together.")]
+Storeys = Annotated[str | None, typer.Option(help="Of the houses: a number from 1 to 4, or two, as 1-3.")]
+Vegetation = Annotated[float | None, typer.Option(help="0 bare, 1 dense woods.")]
+
+Options = ParamSpec("Options")
+
+
+class Choice(NamedTuple):
+    """A map, and what to call it."""
+
+    game_map: "GameMap"
+    title: str
+    details: str = ""  # what the options say of it, such as "-size-300-houses-20"
+
+    @property
+    def slug(self) -> str:
+        """What to call it in the names of files: another map has another name."""
+        return self.title.lower().replace(" ", "-") + self.details
+
+
+class MapCommand(TyperCommand):
+    """A command that takes a map; a negative number is an ID out of range, and no unknown option."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the command line.
+
+        Raises:
+            UserError: The ID is a negative number.
+        """
+        given = list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except Exception as error:
+            option = getattr(error, "option_name", "")  # of "no such option", whose class is Typer's own
+            negative = [text for text in given if text.startswith(option) and text[1:].isdigit()]
+            if option[1:].isdigit() and negative:
+                raise UserError(f"ID is {negative[0]}, must be 1 to {MOST_IDS}", exit_code=2) from None
+            raise
+
+
+def takes_a_map(
+    command: Callable[Concatenate[Callable[[], Choice], Options], None],
+) -> Callable[..., None]:
+    """Let a command name a map on its command line.
+
+    Its first argument becomes a function that makes the map, so that it can check all else before.
+    """
+    own = list(inspect.signature(command).parameters.values())[1:]
+    shared = inspect.signature(_choose).parameters
+
+    @functools.wraps(command)
+    def wrapped(**given: Any) -> None:
+        naming = {name: given.pop(name) for name in shared}
+        command(functools.partial(_choose, **naming), **given)  # type: ignore[call-arg]
+
+    map_id, *others = shared.values()
+    parameters = [map_id, *own, *others]
+    wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    wrapped.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    del wrapped.__wrapped__
+    return wrapped
+
+
+def _choose(
+    map_id: MapId = None,
+    seed: Seed = None,
+    config: ConfigFile = None,
+    size: Size = None,
+    relief: Relief = None,
+    ruggedness: Ruggedness = None,
+    water: Water = None,
+    houses: Houses = None,
+    density: Density = None,
+    storeys: Storeys = None,
+    vegetation: Vegetation = None,
+) -> Choice:
+    """Return the map that the command line names.
+
+    Raises:
+        UserError: It names none, or none that can be.
+    """
+    given = {
+        "size": size,
+        "relief": relief,
+        "ruggedness": ruggedness,
+        "water": water,
+        "houses": houses,
+        "density": density,
+        "storeys": None if storeys is None else _read_storeys(storeys),
+        "vegetation": vegetation,
+    }
+    fields = {name: value for name, value in given.items() if value is not None}
+    if (map_id is not None) == (seed is not None or config is not None or bool(fields)):
+        also = "one of them is needed" if map_id is None else "not both"
+        raise UserError(
+            f"a map is named by its ID, or by --seed, --config and the fields of a config: {also}",
+            exit_code=2,
+        )
+    if map_id is not None and not 1 <= map_id <= MOST_IDS:
+        raise UserError(f"ID is {map_id}, must be 1 to {MOST_IDS}", exit_code=2)
+    return _made(map_id, seed, config, fields)
+
+
+def _made(map_id: int | None, seed: int | None, file: Path | None, fields: dict[str, Any]) -> Choice:
+    """Return the map of a number, or else of a config and a seed."""
+    from pydantic import ValidationError
+
+    from wildscav.terminal.console import error_console
+    from wildscav_engine.maps import MapError, generate_map, load_map
+    from wildscav_engine.spec import MapSpec, one_line
+
+    try:
+        with error_console.status("making the map"):
+            if map_id is not None:
+                return Choice(load_map(map_id), f"Map {map_id:03}")
+            spec = MapSpec.model_validate(_spec_fields(seed, file, fields))
+            title = f"Map {file.stem}" if file else f"Seed {spec.seed}"
+            options = fields | ({"seed": seed} if file and seed is not None else {})
+            return Choice(generate_map(spec.config, spec.seed), title, _details(options))
+    except ValidationError as error:
+        raise UserError(_without_config(one_line(error)), exit_code=2) from None
+    except MapError as error:
+        raise UserError(str(error), exit_code=2) from None
+
+
+def _details(options: dict[str, Any]) -> str:
+    """Return options and their values as a part of a file's name."""
+    values = {name: value if isinstance(value, tuple) else (value,) for name, value in options.items()}
+    return "".join(f"-{name}-{'-'.join(map(str, several))}" for name, several in values.items())
+
+
+def _read_storeys(text: str) -> tuple[int, int]:
+    low, _, high = text.partition("-")
+    try:
+        return int(low), int(high or low)
+    except ValueError:
+        raise UserError(
+            f"storeys is {text!r}, must be a number from 1 to 4, or two, as 1-3", exit_code=2
+        ) from None
+
+
+def _without_config(message: str) -> str:
+    """Name fields as the options do, not as they stand in a spec."""
+    return "; ".join(part.removeprefix("config.") for part in message.split("; "))
+
+
+def _spec_fields(seed: int | None, file: Path | None, fields: dict[str, Any]) -> dict[str, Any]:
+    """Return a MapSpec's fields: those of a file, and over them those of the options."""
+    spec: dict[str, Any] = {} if file is None else _read_config(file)
+    if not set(spec) <= {"config", "seed"}:
+        spec = {"config": spec}
+    config = spec.get("config", {})
+    if isinstance(config, dict):
+        spec["config"] = config | fields
+    if seed is not None:
+        spec["seed"] = seed
+    return spec
+
+
+def _read_config(file: Path) -> dict[str, Any]:
+    from wildscav.system.config_files import read_config
+
+    return _parsed_config(file, read_config(file, f"{__name__}:try_config"))
+
+
+def try_config(file: str) -> None:
+    """Read a config in the process that calls it.
+
+    Raises:
+        UserError: It is not as it must be.
+        OSError: It cannot be read.
+    """
+    from wildscav.system.config_files import LARGEST
+    from wildscav_engine.files import read_limited
+
+    _parsed_config(Path(file), read_limited(Path(file), LARGEST))
+
+
+def _parsed_config(file: Path, content: bytes) -> dict[str, Any]:
+    try:
+        text = content.decode()
+        read = tomllib.loads(text) if file.suffix.lower() == ".toml" else json.loads(text)
+    except RecursionError:
+        raise UserError(f"{file}: it is nested too deeply", exit_code=2) from None
+    except ValueError as error:
+        raise UserError(f"{file}: {error}", exit_code=2) from None
+    if not isinstance(read, dict):
+        raise UserError(f"{file} must hold the fields of a MapConfig or a MapSpec", exit_code=2)
+    return read

@@ -1,0 +1,130 @@
+"""The Arena service: the front desk of a shared server."""
+
+import asyncio
+import json
+import secrets
+from collections import OrderedDict
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import grpc
+
+from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
+from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
+from wildscav.server.hosting.reports import MatchOutcome
+from wildscav.server.hosting.time_limits import Clock
+from wildscav.system.leftovers import temporary_folder
+from wildscav.wire.errors import RefusalError
+from wildscav.wire.matches import encode_seat_result
+
+if TYPE_CHECKING:
+    from wildscav.server.match_server import MatchServer
+
+OPEN_LIMIT = 64  # matches at one time
+KEPT_LIMIT = 256  # finished matches that can still be asked for
+
+State = GetMatchResponse.State
+
+
+class ArenaService:
+    """Opens matches for organizers, and hands out their results.
+
+    Args:
+        server: Hosts the matches.
+    """
+
+    def __init__(self, server: "MatchServer") -> None:
+        self._server = server
+        self._open: dict[str, HostedMatch | None] = {}  # None: its map is being made
+        self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()
+        self._keepers: set[asyncio.Task[None]] = set()
+
+    async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
+        """Open a match. See ``routes.Arena``."""
+        from pydantic import ValidationError
+
+        from wildscav_engine.match import MatchSetupError
+        from wildscav_engine.record import RecordError, check_recordable
+        from wildscav_engine.spec import MatchSpec, one_line
+
+        if len(self._open) >= OPEN_LIMIT:
+            raise RefusalError(
+                grpc.StatusCode.RESOURCE_EXHAUSTED, "ARENA_FULL", f"{OPEN_LIMIT} matches are open; try later"
+            )
+        match_id, clock = secrets.token_hex(8), Clock()
+        self._open[match_id] = None
+        try:
+            spec = MatchSpec.model_validate_json(request.spec_json)
+            check_recordable(spec)
+            hosted = await self._server.host(
+                spec,
+                names=tuple(request.names) or tuple(f"seat {seat}" for seat in range(len(spec.seats))),
+                sensors={seat: _options(text) for seat, text in request.sensors_json.items()},
+                clock=clock,
+            )
+        except (ValueError, RecursionError, MatchSetupError, RecordError) as error:
+            del self._open[match_id]
+            message = one_line(error) if isinstance(error, ValidationError) else " ".join(str(error).split())
+            raise RefusalError(grpc.StatusCode.INVALID_ARGUMENT, "SPEC_INVALID", message) from None
+        except BaseException:
+            del self._open[match_id]
+            raise
+        self._open[match_id] = hosted
+        keeper = asyncio.create_task(self._keep(match_id, hosted))
+        self._keepers.add(keeper)
+        keeper.add_done_callback(self._keepers.discard)
+        return HostMatchResponse(
+            match_id=match_id, seat_tokens=hosted.tokens, join_timeout=clock.join_timeout
+        )
+
+    async def _keep(self, match_id: str, hosted: HostedMatch) -> None:
+        """Wait for a match's end and keep what came out of it."""
+        try:
+            response = await asyncio.to_thread(_finished, await hosted.finished(), hosted)
+        except MatchCancelledError as error:
+            response = GetMatchResponse(state=State.STATE_FAILED, error=str(error))
+        except Exception as error:  # noqa: BLE001 - an engine that fails is news for the organizer
+            response = GetMatchResponse(
+                state=State.STATE_FAILED, error=f"the platform failed: {type(error).__name__}: {error}"
+            )
+        del self._open[match_id]
+        self._closed[match_id] = response
+        if len(self._closed) > KEPT_LIMIT:
+            self._closed.popitem(last=False)
+
+    async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
+        """Tell how a match stands. See ``routes.Arena``."""
+        match_id = request.match_id
+        if match_id in self._closed:
+            return self._closed[match_id]
+        hosted = self._open.get(match_id)
+        if hosted is None:
+            raise RefusalError(
+                grpc.StatusCode.NOT_FOUND, "MATCH_UNKNOWN", f"there is no match {match_id!r}, or no more"
+            )
+        state = State.STATE_PLAYING if hosted.playing else State.STATE_JOINING
+        return GetMatchResponse(state=state, steps=hosted.match.step_number)
+
+
+def _options(text: str) -> Mapping[str, Mapping[str, Any]]:
+    options = json.loads(text)
+    if not isinstance(options, dict) or not all(isinstance(value, dict) for value in options.values()):
+        raise ValueError("sensors_json must be an object of sensor names to objects of options")
+    return options
+
+
+def _finished(outcome: MatchOutcome, hosted: HostedMatch) -> GetMatchResponse:
+    from wildscav_engine.record import write_record
+
+    with temporary_folder("record-") as folder:
+        path = folder / "match.wsr"
+        write_record(path, outcome.match, hosted.names)
+        record = path.read_bytes()
+    result = outcome.match.result()
+    return GetMatchResponse(
+        state=State.STATE_FINISHED,
+        steps=result.steps,
+        results=[encode_seat_result(seat.model_dump(), hosted.names[seat.seat]) for seat in result.seats],
+        conduct={number: seat.conduct_message() for number, seat in hosted.seats.items()},
+        record=record,
+    )

@@ -1,0 +1,113 @@
+"""An entrance of a match server: one address, with a listener of its own.
+
+A seat can thus be tied to one address, and nobody who crowds one keeps others from joining at another.
+"""
+
+import contextlib
+import ssl
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav.server.endpoints.addresses import UNIX, bind, is_public, with_port
+from wildscav.server.endpoints.match_service import MatchService, Place
+from wildscav.server.endpoints.routes import PLAY, Health
+from wildscav.server.http2.calls import Route
+from wildscav.server.http2.listener import Listener
+from wildscav.wire.errors import RefusalError
+
+CONNECTIONS = 2000  # to one address at one time
+
+
+@dataclass(frozen=True)
+class Door:
+    """How an address is guarded."""
+
+    connections: int = CONNECTIONS  # open at one time: then a stranger's has to go
+    visits: int | None = None  # connections that may come in all; then the address is closed
+    tls: ssl.SSLContext | None = field(default=None, compare=False)  # of ports; unix sockets need none
+    insecure: bool = False  # whether other machines may come without TLS
+
+    def check_address(self, address: str) -> None:
+        """Let a server listen at an address.
+
+        Raises:
+            UserError: What is said there could be read on the way.
+        """
+        if self.tls is None and not self.insecure and is_public(address):
+            raise UserError(
+                f"{address} can be reached from other machines, and tokens would cross the network in clear: "
+                "name a certificate (--tls-cert, --tls-key), or say --insecure if you trust the network",
+                exit_code=2,
+            )
+
+
+class Entrance:
+    """Listens on one address, once it is started.
+
+    Args:
+        address: Free to be taken; port 0 takes any.
+        door: How it is guarded.
+        places: What each token stands for.
+        refused: Told of every refusal.
+        broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
+        flooded: Told of the address of one seat that its agent flooded, and of what it did.
+        more: What else is served there.
+
+    Raises:
+        AddressInUseError: The address cannot be had.
+        UserError: It is malformed.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        door: Door,
+        places: Mapping[str, Place],
+        refused: Callable[[RefusalError], None],
+        broke: Callable[[str, Exception], None],
+        flooded: Callable[[str, str], None],
+        more: Mapping[str, Route],
+    ) -> None:
+        sockets = bind(address)
+        name = sockets[0].getsockname()
+        self.address = address if address.startswith(UNIX) else with_port(address, name[1])
+        self._path = Path(name) if address.startswith(UNIX) else None
+        self._inode = self._path.stat().st_ino if self._path else 0
+        self._service = MatchService(places, refused, broke, self.address)
+        self._health = Health()
+        self._listener = Listener(
+            sockets,
+            {PLAY: Route(self._service.play), **self._health.routes(), **more},
+            connections=door.connections,
+            visits=door.visits,
+            crowded=lambda reason: flooded(self.address, reason),
+            tls=None if self._path else door.tls,
+        )
+
+    @property
+    def strangers(self) -> int:
+        """How many streams have not said which seat they are."""
+        return len(self._service.strangers)
+
+    def start(self) -> None:
+        """Let streams come in."""
+        self._listener.start()
+        self._health.serving = True
+
+    def announce_end(self) -> None:
+        """Tell whoever asks that the server is about to stop."""
+        self._health.serving = False
+
+    async def stop(self, grace: float) -> None:
+        """Close all connections.
+
+        Args:
+            grace: s that open calls have to end by themselves.
+        """
+        await self._listener.stop(grace)
+        if self._path is not None:
+            with contextlib.suppress(OSError):
+                if self._path.stat().st_ino == self._inode:  # and nobody else's by now
+                    self._path.unlink()

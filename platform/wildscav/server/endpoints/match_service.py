@@ -1,0 +1,204 @@
+"""The Match service: one call of ``Play`` is one seat's stream.
+
+It takes and gives bytes: what comes from outside is measured before it is parsed.
+"""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import grpc
+from google.protobuf.message import DecodeError
+
+from wildscav.proto import PROTOCOL_VERSION
+from wildscav.proto.match_pb2 import Action, ClientMessage, Join
+from wildscav.server.endpoints.pending_streams import Strangers
+from wildscav.server.hosting.hosted_match import HostedMatch
+from wildscav.server.hosting.reports import SeatStatus
+from wildscav.server.hosting.seat import Seat
+from wildscav.server.http2.stream import Stream, StreamLostError
+from wildscav.wire.errors import ProtocolRefusalError, RefusalError
+
+JOIN_TIME = 10.0  # s that a new stream has to say who it is
+REFUSAL_DELAY = 0.2  # s until a stranger hears that it is refused: who tries again and again, tries slowly
+STREAM_ENDED = "its stream ended"
+STALE_LIMIT = 16  # old answers that a seat may send in one step
+
+
+class Place(NamedTuple):
+    """What a token stands for."""
+
+    match: HostedMatch
+    seat: Seat
+    address: str | None = None  # the only one over which it can be taken; any if none
+
+
+class MatchService:
+    """Serves the seats of all matches of a server, for those who come in over one address.
+
+    Args:
+        places: What each token stands for; the server adds and removes.
+        refused: Told of every refusal.
+        broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
+        address: The address.
+    """
+
+    def __init__(
+        self,
+        places: Mapping[str, Place],
+        refused: Callable[[RefusalError], None],
+        broke: Callable[[str, Exception], None],
+        address: str,
+    ) -> None:
+        self._places, self._refused, self._broke, self._address = places, refused, broke, address
+        self.strangers = Strangers()
+
+    async def play(self, stream: Stream) -> None:
+        """Serve one seat from joining to the end of its match."""
+        try:
+            place, join = await self._welcome(stream)
+            await _take_and_serve(place, stream, join)
+        except RefusalError as refusal:
+            self._refused(refusal)
+            raise
+        except asyncio.CancelledError:
+            if stream.refusal is not None:  # nobody is there to hear it, but it is to be known
+                self._refused(stream.refusal)
+            raise
+        except StreamLostError:
+            pass  # nobody is there to hear anything
+        except Exception as error:
+            self._broke(self._address, error)
+            raise _platform_failed() from error
+
+    async def _welcome(self, stream: Stream) -> tuple[Place, Join]:
+        """Find out who has come. Whoever is refused here waits for it."""
+        with self.strangers.counted(_this_task()):
+            try:
+                join = await _read_join(stream)
+                return self._place(join), join
+            except RefusalError:
+                await asyncio.sleep(REFUSAL_DELAY)
+                raise
+
+    def _place(self, join: Join) -> Place:
+        if join.protocol_version != PROTOCOL_VERSION:
+            raise RefusalError(
+                grpc.StatusCode.FAILED_PRECONDITION,
+                "PROTOCOL_VERSION",
+                f"the client speaks protocol version {join.protocol_version}, the server {PROTOCOL_VERSION}",
+            )
+        place = self._places.get(join.token)
+        if place is None:
+            raise RefusalError(
+                grpc.StatusCode.UNAUTHENTICATED, "SEAT_TOKEN_UNKNOWN", "no seat here has this token"
+            )
+        if place.address not in (None, self._address):
+            raise RefusalError(
+                grpc.StatusCode.PERMISSION_DENIED,
+                "SEAT_ELSEWHERE",
+                f"seat {place.seat.number} is not joined over this address: the token is another agent's",
+            )
+        return place
+
+
+def _this_task() -> "asyncio.Task[None]":
+    task = asyncio.current_task()
+    if task is None:
+        raise RuntimeError("a stream is served by a task")
+    return task
+
+
+def _platform_failed() -> RefusalError:
+    return RefusalError(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", "the platform failed")
+
+
+async def _take_and_serve(place: Place, stream: Stream, join: Join) -> None:
+    """Take a seat for this stream, and speak the protocol with it."""
+    try:
+        place.match.join(place.seat, _this_task(), join)
+        stream.trust()
+    except RefusalError:
+        raise
+    except Exception as error:
+        place.match.fail(error)
+        raise _platform_failed() from error
+    await _serve(place, stream)
+
+
+async def _serve(place: Place, stream: Stream) -> None:
+    """Speak the protocol with a seat that has been taken."""
+    match, seat = place.match, place.seat
+    try:
+        await stream.write(match.info_for(seat).SerializeToString())
+        if seat.gets_ready:
+            await _read_ready(stream)
+            match.ready(seat)
+        while (observation := await match.next_observation(seat)) is not None:
+            await stream.write(observation)
+            match.receive(seat, await _read_answer(seat, stream))
+        await stream.write(match.goodbye_to(seat).SerializeToString())
+    except asyncio.CancelledError:
+        refusal = seat.refusal or stream.refusal
+        if refusal is None:  # the connection was lost
+            raise
+        if isinstance(refusal, ProtocolRefusalError):
+            match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
+        raise refusal from None
+    except ProtocolRefusalError as refusal:
+        match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
+        raise
+    except (RefusalError, StreamLostError):
+        raise
+    except Exception as error:
+        match.fail(error)
+        raise _platform_failed() from error
+    finally:
+        # Whatever else ended the stream, cancellation by a lost connection included.
+        match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
+
+
+async def _read_join(stream: Stream) -> Join:
+    """Read the first message, which must be a Join."""
+    try:
+        async with asyncio.timeout(JOIN_TIME):
+            message = await _read(stream)
+    except TimeoutError:
+        raise ProtocolRefusalError("JOIN_TIMEOUT", f"said nothing for {JOIN_TIME:g} s") from None
+    if not message.HasField("join"):
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "the first message must be a Join")
+    return message.join
+
+
+async def _read_ready(stream: Stream) -> None:
+    if not (await _read(stream)).HasField("ready"):
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "after a Join that says so, a Ready must come")
+
+
+async def _read_answer(seat: Seat, stream: Stream) -> Action:
+    """Read the answer to a seat's last observation, dropping older ones."""
+    for _ in range(STALE_LIMIT):
+        message = await _read(stream)
+        if not message.HasField("action"):
+            raise ProtocolRefusalError("PROTOCOL_ERROR", "after joining, every message must be an Action")
+        if message.action.step == seat.asked:
+            return message.action
+        if message.action.step > seat.asked:
+            raise ProtocolRefusalError(
+                "TOO_EARLY", f"answered step {message.action.step} before it was asked"
+            )
+        seat.conduct.dropped_actions += 1
+    raise ProtocolRefusalError("FLOOD", f"sent {STALE_LIMIT} old answers in one step")
+
+
+async def _read(stream: Stream) -> ClientMessage:
+    """Read a message.
+
+    Raises:
+        ProtocolRefusalError: It is too large, or none.
+        StreamLostError: The stream has ended.
+    """
+    try:
+        return ClientMessage.FromString(await stream.read())
+    except DecodeError:
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are no ClientMessage") from None

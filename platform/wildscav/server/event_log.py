@@ -1,0 +1,82 @@
+"""What a server writes into its log: one structured line an event."""
+
+import time
+from typing import TYPE_CHECKING
+
+from wildscav.monitoring.logs import Log
+from wildscav.wire.errors import RefusalError
+
+if TYPE_CHECKING:
+    from wildscav.server.hosting.hosted_match import HostedMatch
+
+PAUSE = 1.0  # s after a refusal in which others of its reason are only counted, so that no flood fills a disk
+
+
+class Diary:
+    """Writes down what happens on a server.
+
+    Args:
+        log: Where to; nowhere if none.
+    """
+
+    def __init__(self, log: Log | None) -> None:
+        self._log = log
+        self._refusals: dict[str, tuple[float, int]] = {}  # by reason: when last written, how many since
+
+    def opened(self, match: "HostedMatch") -> None:
+        """Write that a match can be joined."""
+        if self._log is not None:
+            track = match.match.spec.track
+            self._log.info("match_opened", match=match.id, track=track, seats=len(match.seats))
+
+    def ended(self, match: "HostedMatch", how: str) -> None:
+        """Write how a match ended, and each of its seats.
+
+        Args:
+            match: Which one.
+            how: "finished", "failed" or "cancelled".
+        """
+        if self._log is None:
+            return
+        about = {"match": match.id, "track": match.match.spec.track, "steps": match.match.step_number}
+        if how == "failed":
+            error = repr(match.task.exception())
+            self._log.warning("match_failed", **about, fault="platform", error=error)
+            return
+        if how == "finished":
+            self._seats_ended(match, self._log)
+        self._log.info(f"match_{how}", **about)
+
+    def _seats_ended(self, match: "HostedMatch", log: Log) -> None:
+        for seat in match.seats.values():
+            report = seat.report()
+            write = log.warning if report.status.fault else log.info
+            write(
+                "seat_ended",
+                match=match.id,
+                seat=report.seat,
+                sdk=seat.sdk,
+                status=report.status.value,
+                fault=report.status.fault,
+                detail=report.detail,
+                late_steps=report.late_steps,
+                latency_p99=round(report.think_time.p99, 4),
+                time_bank=round(report.time_bank, 3),
+            )
+
+    def broke(self, address: str, error: Exception) -> None:
+        """Write that something of ours failed with a stream of which nobody knows yet whose it is."""
+        if self._log is not None:
+            self._log.warning("stream_failed", address=address, fault="platform", error=repr(error))
+
+    def refused(self, refusal: RefusalError) -> None:
+        """Write that a stream was refused or put out."""
+        if self._log is None:
+            return
+        now = time.monotonic()
+        written, since = self._refusals.get(refusal.reason, (-PAUSE, 0))
+        if now - written < PAUSE:
+            self._refusals[refusal.reason] = (written, since + 1)
+            return
+        self._refusals[refusal.reason] = (now, 0)
+        self._log.warning("refused", reason=refusal.reason, detail=str(refusal), unwritten=since)

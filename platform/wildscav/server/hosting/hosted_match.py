@@ -1,0 +1,283 @@
+"""One hosted match, from the first seat that is taken to the last message."""
+
+import asyncio
+import contextlib
+import secrets
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import grpc
+
+from wildscav.errors import WildscavError
+from wildscav.proto.match_pb2 import Action, Join, MatchOver, ServerMessage
+from wildscav.server.hosting.lockstep import LAG, Lockstep
+from wildscav.server.hosting.observations import match_info
+from wildscav.server.hosting.reports import MatchOutcome, SeatStatus
+from wildscav.server.hosting.seat import Seat
+from wildscav.server.hosting.seat_time import SeatTime
+from wildscav.server.hosting.time_limits import Clock
+from wildscav.wire.errors import RefusalError
+from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+
+CLOSING_TIME = 1.0  # s that seats have to take the match's last message
+
+
+class MatchCancelledError(WildscavError):
+    """The match was cancelled before it was over."""
+
+
+class HostedMatch:
+    """A match on a server. Make one with ``MatchServer.host``.
+
+    Args:
+        match: At its start.
+        names: Display name of every seat.
+        seats: Those that agent processes fill.
+        clock: The limits of their time.
+        seat_time: What it is measured by.
+        starting: Whether the time to join begins only once every seat was ``launched``.
+    """
+
+    def __init__(
+        self,
+        match: "Match",
+        names: Sequence[str],
+        seats: Sequence[Seat],
+        clock: Clock,
+        seat_time: SeatTime,
+        *,
+        starting: bool = False,
+    ) -> None:
+        self.match = match
+        self.id = secrets.token_hex(8)  # in logs
+        self.names = tuple(names)
+        self._seats = {seat.number: seat for seat in seats}
+        self._clock = clock
+        self._lockstep = Lockstep(match, seats, clock, seat_time)
+        self._launched = dict.fromkeys(() if starting else self._seats, time.perf_counter())  # when, s
+        self._all_launched = asyncio.Event()
+        if len(self._launched) == len(self._seats):
+            self._all_launched.set()
+        self._joined = asyncio.Event()  # nobody is waited for any more
+        self._playing = False
+        self._goodbyes: dict[int, ServerMessage] = {}
+        self._task = asyncio.create_task(self._run(), name="match")
+
+    # What the host of the match sees.
+
+    @property
+    def tokens(self) -> dict[int, str]:
+        """The secret token of every submission seat."""
+        return {number: seat.token for number, seat in self._seats.items()}
+
+    @property
+    def seats(self) -> dict[int, Seat]:
+        """The submission seats."""
+        return self._seats
+
+    @property
+    def clock(self) -> Clock:
+        """The limits of the seats' time in this match."""
+        return self._clock
+
+    @property
+    def playing(self) -> bool:
+        """Whether the wait for seats is over."""
+        return self._playing
+
+    @property
+    def task(self) -> asyncio.Task[MatchOutcome]:
+        """Plays the match."""
+        return self._task
+
+    def launched(self, seat: int) -> None:
+        """Say that a seat's agent has been started: from now on its time to start up runs."""
+        self._launched[seat] = time.perf_counter()
+        if len(self._launched) == len(self._seats):
+            self._all_launched.set()
+
+    def give_up(self, seat: int, reason: str, status: SeatStatus = SeatStatus.CRASHED) -> None:
+        """Play a seat with no action from now on: its launcher knows that nobody is there any more.
+
+        Does nothing if the seat is gone already or the match is over.
+        """
+        given_up = self._seats[seat]
+        if not given_up.gone and not self.match.over:
+            self.leave(given_up, status, reason)
+            given_up.dismiss(
+                RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", f"given up: {reason}")
+            )
+
+    def cancel(self) -> None:
+        """End the match at once, without a result."""
+        self._task.cancel()
+
+    async def finished(self) -> MatchOutcome:
+        """Wait until the match is over.
+
+        Raises:
+            MatchCancelledError: It was cancelled.
+        """
+        await asyncio.wait([self._task])
+        if self._task.cancelled():
+            raise MatchCancelledError("the match was cancelled")
+        return self._task.result()
+
+    # What the seats' streams do.
+
+    def join(self, seat: Seat, stream: asyncio.Task[None], join: Join) -> None:
+        """Take a seat for a stream.
+
+        Args:
+            seat: Which one.
+            stream: Serves its connection.
+            join: What it said.
+
+        Raises:
+            RefusalError: The seat is not to be had.
+        """
+        if seat.gone:
+            raise RefusalError(
+                grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", f"seat {seat.number} is closed"
+            )
+        if seat.stream is not None:
+            raise RefusalError(grpc.StatusCode.ALREADY_EXISTS, "SEAT_TAKEN", f"seat {seat.number} is taken")
+        seat.stream, seat.gets_ready = stream, join.gets_ready
+        seat.sdk = decode_sdk(join)
+        if not join.gets_ready:
+            self.ready(seat)
+
+    def info_for(self, seat: Seat) -> ServerMessage:
+        """Return the first message to a seat."""
+        return encode_match_info(match_info(self.match, seat.number, self._clock))
+
+    def ready(self, seat: Seat) -> None:
+        """Wait no longer for a seat to get ready."""
+        now = time.perf_counter()
+        # Who is quick may be ready before its launcher says that it was started.
+        seat.ready, seat.start_up = True, now - self._launched.get(seat.number, now)
+        self._check_joined()
+
+    def fail(self, error: Exception) -> None:
+        """Give the match up: the platform failed."""
+        self._lockstep.fail(error)
+        self._all_launched.set()
+        self._joined.set()
+
+    async def next_observation(self, seat: Seat) -> bytes | None:
+        """Wait for what a seat that owes no answer is to be sent next; None: the match is over."""
+        while seat.number not in self._goodbyes:
+            observation = self._lockstep.observation_for(seat)
+            if observation is not None:
+                return observation
+            await seat.its_turn()
+        return None
+
+    def goodbye_to(self, seat: Seat) -> ServerMessage:
+        """Return the last message to a seat, the match being over."""
+        return self._goodbyes[seat.number]
+
+    def receive(self, seat: Seat, message: Action) -> None:
+        """Take a seat's answer to its last observation."""
+        self._lockstep.receive(seat, message)
+
+    def leave(self, seat: Seat, status: SeatStatus, detail: str) -> None:
+        """Play a seat with no action from now on. Does nothing if it is gone already or the match is over."""
+        if seat.gone or self.match.over:
+            return
+        seat.gone = True
+        seat.mark(status, detail)
+        self._check_joined()
+        self._lockstep.go_on_without(seat)
+
+    # The match itself.
+
+    async def _run(self) -> MatchOutcome:
+        try:
+            await self._wait_for_seats()
+            return await self._play()
+        except asyncio.CancelledError:
+            self._dismiss_all(grpc.StatusCode.ABORTED, "MATCH_CANCELLED", "the match was cancelled")
+            raise
+        except Exception as error:
+            self._dismiss_all(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", f"the platform failed: {error}")
+            raise
+        finally:
+            self._lockstep.stop()
+
+    def _dismiss_all(self, code: grpc.StatusCode, reason: str, message: str) -> None:
+        for seat in self._seats.values():
+            if seat.present:
+                seat.dismiss(RefusalError(code, reason, message))
+
+    async def _wait_for_seats(self) -> None:
+        self._check_joined()
+        # What a launcher takes to start them all is not the agents' time. Should it fail, it will cancel.
+        await self._all_launched.wait()
+        loop = asyncio.get_running_loop()
+        due = loop.time() + self._clock.join_timeout
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout_at(due):
+                await self._joined.wait()
+        if not self._joined.is_set() and loop.time() - due > LAG:
+            # The server was busy, and a Join may lie unread: the seats get that time back.
+            await asyncio.sleep(loop.time() - due)
+        self._playing = True
+        for seat in self._seats.values():
+            if not seat.ready:
+                self._shut_out(seat)
+
+    def _shut_out(self, seat: Seat) -> None:
+        """Close a seat whose time to start up is over."""
+        missed = "join" if seat.stream is None else "get ready"
+        reason = f"did not {missed} within {self._clock.join_timeout:g} s"
+        self.leave(seat, SeatStatus.NEVER_JOINED, reason)
+        seat.dismiss(RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", reason))
+
+    def _check_joined(self) -> None:
+        if all(seat.gone or seat.ready for seat in self._seats.values()):
+            self._joined.set()
+
+    async def _play(self) -> MatchOutcome:
+        """Play all steps and say goodbye."""
+        started = time.perf_counter()
+        await self._lockstep.play()
+        seconds = time.perf_counter() - started
+        await self._say_goodbye()
+        reports = {number: seat.report() for number, seat in self._seats.items()}
+        return MatchOutcome(self.match, reports, seconds)
+
+    async def _say_goodbye(self) -> None:
+        """Tell every seat that is still there how the match ended, and wait until it has heard."""
+        result = self.match.result()
+        for number, seat in self._seats.items():
+            if seat.present:
+                self._mark_finished(seat)
+            conduct = seat.conduct_message()
+            own = encode_seat_result(result.seats[number].model_dump(), self.names[number])
+            over = MatchOver(result=own, steps=result.steps, frames=result.frames, conduct=conduct)
+            self._goodbyes[number] = ServerMessage(match_over=over)
+            seat.call()
+        streams = {seat.stream for seat in self._seats.values() if seat.stream is not None and seat.present}
+        if streams:
+            _, unheard = await asyncio.wait(streams, timeout=CLOSING_TIME)
+            for stream in unheard:
+                stream.cancel()
+
+    def _mark_finished(self, seat: Seat) -> None:
+        own, steps = seat.conduct.steps_played, self.match.step_number
+        if seat.bank.used_up:
+            seat.mark(
+                SeatStatus.TIMED_OUT,
+                f"its time bank was used up, and step {seat.late[0]} was the first without its answer: "
+                f"{own} of {steps} steps were played with an answer of its own",
+            )
+        elif seat.conduct.late_steps:
+            seat.mark(
+                SeatStatus.FINISHED,
+                f"the match had no more time to wait: {own} of {steps} steps were played with its answer",
+            )

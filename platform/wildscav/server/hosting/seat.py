@@ -1,0 +1,132 @@
+"""One submission seat of a hosted match: its rights, its bell and its conduct."""
+
+import asyncio
+from array import array
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from wildscav.errors import SensorError
+from wildscav.proto.match_pb2 import SeatConduct
+from wildscav.server.hosting.reports import Conduct, SeatReport, SeatStatus, ThinkTime, Thought
+from wildscav.server.hosting.time_limits import TimeBank
+from wildscav.wire.errors import RefusalError
+from wildscav.wire.matches import encode_conduct
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+    from wildscav_engine.sensors import Sensor
+
+
+class Seat:
+    """A seat that an agent process fills.
+
+    Args:
+        number: Of the seat in its match.
+        token: The secret that takes it.
+        bank: Its time.
+        sensors: What its observations carry besides, by name.
+    """
+
+    def __init__(self, number: int, token: str, bank: TimeBank, sensors: dict[str, "Sensor"]) -> None:
+        self.number = number
+        self.token = token
+        self.bank = bank
+        self.sensors = sensors
+        self.stream: asyncio.Task[Any] | None = None  # serves its connection
+        self.refusal: RefusalError | None = None  # why its stream was ended
+        self.sdk = ""  # what its client calls itself
+        self.gets_ready = False  # whether it says itself when it is set up
+        self.ready = False  # whether it is
+        self.start_up: float | None = None  # s that it took to be
+        self.gone = False  # plays no action for the rest of the match
+        self.asked = -1  # step of the last observation that it was handed
+        self.asked_at = 0.0  # when its time for that step began: when it was sent, less what its sensors took
+        self.sensing = 0.0  # s that reading its sensors took for that step
+        self.conduct = Conduct()
+        self.late: list[int] = []  # the steps that were played without its answer
+        self.thoughts: list[Thought] = []  # the answers that took longer than the budget
+        self.thinks_since: float | None = None  # by the loop's clock; none if it owes no answer
+        self.times = array("d")  # s, of each step
+        self.called = False  # whether its stream is about to fetch an observation
+        self._waiter: asyncio.Future[None] | None = None  # done when it is called
+
+    @property
+    def present(self) -> bool:
+        """Whether it has joined and not gone."""
+        return self.stream is not None and not self.gone
+
+    async def its_turn(self) -> None:
+        """Wait until there is something to be sent to it."""
+        self._waiter = asyncio.get_running_loop().create_future()
+        try:
+            await self._waiter
+        finally:
+            self._waiter = None
+
+    def call(self) -> None:
+        """Say that there is something to be sent to it; does nothing if it owes an answer."""
+        if self._waiter is not None and not self._waiter.done():
+            self.called = True
+            self._waiter.set_result(None)
+
+    def dismiss(self, refusal: RefusalError) -> None:
+        """End the seat's stream, if it has one, whatever it is doing."""
+        if self.stream is not None and self.refusal is None:
+            self.refusal = refusal
+            self.stream.cancel()
+
+    def sense(self, match: "Match") -> dict[str, NDArray[Any]]:
+        """Read the seat's sensors."""
+        return {name: sensor.read(match, [self.number])[0] for name, sensor in self.sensors.items()}
+
+    def mark(self, status: SeatStatus, detail: str) -> None:
+        """Say how the seat's part in the match ended, and why."""
+        self.conduct.status = status
+        self.conduct.detail = detail
+
+    def conduct_message(self) -> SeatConduct:
+        """Return its conduct so far as a message."""
+        time = ThinkTime.of(self.times)
+        return encode_conduct(
+            {
+                "fault": self.conduct.status.fault or "",
+                "time_used": time.total,
+                "latency_p50": time.p50,
+                "latency_p99": time.p99,
+                "latency_max": time.max,
+                "time_bank": self.bank.left,
+                **asdict(self.conduct),
+            }
+        )
+
+    def report(self) -> SeatReport:
+        """Return its conduct so far."""
+        return SeatReport(
+            seat=self.number,
+            think_time=ThinkTime.of(self.times),
+            time_bank=self.bank.left,
+            start_up=self.start_up,
+            late=tuple(self.late),
+            thoughts=tuple(self.thoughts),
+            **asdict(self.conduct),
+        )
+
+
+def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, "Sensor"]:
+    """Check the sensors that a seat asks for.
+
+    Args:
+        wanted: The options of each sensor by its name.
+
+    Raises:
+        SensorError: There is no such sensor, or it has no such option.
+    """
+    from wildscav_engine.sensors import parse_sensors
+
+    try:
+        return parse_sensors(wanted)
+    except ValueError as error:
+        raise SensorError(str(error)) from None

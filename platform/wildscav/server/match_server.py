@@ -1,0 +1,213 @@
+"""The match server: its addresses, its matches, and what it serves."""
+
+import asyncio
+import contextlib
+import resource
+import secrets
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from wildscav.monitoring.logs import Log
+from wildscav.server.arena_service import ArenaService
+from wildscav.server.endpoints.endpoint import Door, Entrance
+from wildscav.server.endpoints.match_service import Place
+from wildscav.server.endpoints.organizer import Organizer
+from wildscav.server.endpoints.routes import arena_routes
+from wildscav.server.event_log import Diary
+from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
+from wildscav.server.hosting.reports import SeatStatus
+from wildscav.server.hosting.seat import Seat, parse_sensors
+from wildscav.server.hosting.seat_time import SeatTime
+from wildscav.server.hosting.time_limits import Clock, TimeBank
+from wildscav.server.hosting.warm_up import warm
+from wildscav.server.server_metrics import ServerMeters
+from wildscav.wire.errors import ProtocolRefusalError, RefusalError
+
+if TYPE_CHECKING:
+    from wildscav_engine.match import Match
+    from wildscav_engine.sensors import Sensor
+    from wildscav_engine.spec import MatchSpec
+
+DEFAULT_DOOR = Door()
+
+
+class MatchServer:
+    """Hosts many matches at once in one event loop. Make it inside the loop that it is to run in.
+
+    Args:
+        arena: Whether matches can be opened over the wire, too.
+        organizer_token: The secret that the arena asks for; needed on addresses that others can reach.
+        door: How each address is guarded.
+        log: Where to write what happens; nowhere if none.
+    """
+
+    def __init__(
+        self,
+        *,
+        arena: bool = False,
+        organizer_token: str | None = None,
+        door: Door = DEFAULT_DOOR,
+        log: Log | None = None,
+    ) -> None:
+        self._places: dict[str, Place] = {}
+        self._matches: set[HostedMatch] = set()
+        self._entrances: list[Entrance] = []
+        self._door, self._time = door, SeatTime()
+        self._organizer = Organizer(organizer_token)
+        self._arena = arena_routes(ArenaService(self), self._organizer) if arena else {}
+        self.meters = ServerMeters(
+            lambda: self._matches, lambda: sum(one.strangers for one in self._entrances)
+        )
+        self._diary = Diary(log)
+
+    async def start(self, addresses: Sequence[str], *, arena: bool = True) -> list[str]:
+        """Listen; may be called again for more.
+
+        Args:
+            addresses: ``unix:/path`` or ``host:port``; port 0 takes a free one.
+            arena: Whether the server's arena, if it has one, can be reached there.
+
+        Returns:
+            The same, with the ports taken: what ``WILDSCAV_ADDRESS`` may be.
+
+        Raises:
+            AddressInUseError: An address cannot be had.
+            UserError: An address is malformed, or an arena without a token would be open to others.
+        """
+        more = self._arena if arena else {}
+        for address in addresses:
+            if more:
+                self._organizer.check_address(address)
+            self._door.check_address(address)
+        allow_many_files()
+        new = []
+        for address in addresses:
+            new.append(
+                Entrance(address, self._door, self._places, self._refused, self._broke, self._flooded, more)
+            )
+            self._entrances.append(new[-1])
+        for entrance in new:
+            entrance.start()
+        return [entrance.address for entrance in new]
+
+    async def host(
+        self,
+        spec: "MatchSpec",
+        *,
+        names: Sequence[str],
+        sensors: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
+        clock: Clock | None = None,
+        addresses: Mapping[int, str] | None = None,
+        starting: bool = False,
+        make: "Callable[[MatchSpec], Match] | None" = None,
+    ) -> HostedMatch:
+        """Open a match; its submission seats can be joined from now on.
+
+        Args:
+            spec: The match.
+            names: Display name of every seat.
+            sensors: For each seat, the sensors it wants with their options.
+            clock: The limits of the seats' time.
+            addresses: Of seats that can be joined over one address alone, which ``start`` returned; at any
+                other, their tokens are of no use.
+            starting: Whether agents are yet to be started, by whoever hosts the match: the time to join then
+                begins once each seat was ``launched``, and not now.
+            make: Makes the match from its spec, if it is to be of another kind than ``Match`` itself.
+
+        Raises:
+            MatchSetupError: The spec cannot be played.
+            SensorError: A sensor does not exist, or does not have an option.
+            ValueError: Another number of names than seats, sensors or an address for a seat that there is
+                not, or an address that nobody listens on.
+        """
+        from wildscav_engine.spec import SUBMISSION
+
+        numbers = [number for number, filled_by in enumerate(spec.seats) if filled_by == SUBMISSION]
+        if len(names) != len(spec.seats):
+            raise ValueError(f"{len(names)} names for {len(spec.seats)} seats")
+        if wrong := set(sensors or {}) - set(numbers):
+            raise ValueError(f"sensors for seat {min(wrong)}, which no submission fills")
+        own = self._own_addresses(addresses or {}, numbers)
+        clock = (clock or Clock()).fitted(spec)
+        seats = []
+        for number in numbers:
+            wanted = parse_sensors((sensors or {}).get(number, {}))
+            seats.append(Seat(number, secrets.token_urlsafe(24), TimeBank(clock), wanted))
+        # In a thread, so that other matches play on while the map is made.
+        match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats], make)
+        hosted = HostedMatch(match, names, seats, clock, self._time, starting=starting)
+        self._matches.add(hosted)
+        self._places.update({seat.token: Place(hosted, seat, own.get(seat.number)) for seat in seats})
+        hosted.task.add_done_callback(lambda _: self._forget(hosted))
+        self._diary.opened(hosted)
+        return hosted
+
+    def _own_addresses(self, addresses: Mapping[int, str], numbers: Sequence[int]) -> Mapping[int, str]:
+        """Check that seats can be joined over the addresses that are to be theirs."""
+        if wrong := set(addresses) - set(numbers):
+            raise ValueError(f"an address for seat {min(wrong)}, which no submission fills")
+        if unknown := set(addresses.values()) - {entrance.address for entrance in self._entrances}:
+            raise ValueError(f"this server does not listen on {min(unknown)}")
+        return addresses
+
+    def _refused(self, refusal: RefusalError) -> None:
+        self.meters.refused(refusal.reason)
+        self._diary.refused(refusal)
+
+    def _broke(self, address: str, error: Exception) -> None:
+        """Give up the matches that have a seat at an address where something of ours failed."""
+        self._diary.broke(address, error)
+        for match in {place.match for place in self._places.values() if place.address == address}:
+            match.fail(error)
+
+    def _flooded(self, address: str, reason: str) -> None:
+        """Put the seats out that are joined at an address which their agent has flooded."""
+        self._refused(ProtocolRefusalError("FLOOD", reason))
+        for place in tuple(self._places.values()):
+            if place.address == address:
+                place.match.give_up(place.seat.number, reason, SeatStatus.PROTOCOL_ERROR)
+
+    def _forget(self, hosted: HostedMatch) -> None:
+        self._matches.discard(hosted)
+        how = "cancelled" if hosted.task.cancelled() else "failed" if hosted.task.exception() else "finished"
+        self.meters.ended(hosted, how)
+        self._diary.ended(hosted, how)
+        for token in hosted.tokens.values():
+            self._places.pop(token, None)
+
+    async def stop(self, grace: float = 1.0) -> None:
+        """Cancel the matches that are not over, and close all connections.
+
+        Args:
+            grace: s that open calls have to end by themselves.
+        """
+        for entrance in self._entrances:
+            entrance.announce_end()
+        for hosted in tuple(self._matches):
+            hosted.cancel()
+            with contextlib.suppress(MatchCancelledError):
+                await hosted.finished()
+        await asyncio.gather(*(entrance.stop(grace) for entrance in self._entrances))
+
+
+def allow_many_files() -> None:
+    """Raise the limit of open files as far as it goes: each connection is one."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != hard:
+        with contextlib.suppress(OSError, ValueError):
+            resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+
+
+def _set_up(
+    spec: "MatchSpec",
+    sensors: Iterable[Mapping[str, "Sensor"]],
+    make: "Callable[[MatchSpec], Match] | None",
+) -> "Match":
+    from wildscav_engine.match import Match
+
+    wanted = [sensor for of_seat in sensors for sensor in of_seat.values()]
+    warm(wanted)
+    match = (make or Match)(spec)
+    for sensor in wanted:
+        sensor.prepare(match.game_map)
+    return match

@@ -1,0 +1,96 @@
+"""The front desk of a shared server: it opens matches at the workers and asks them how they stand."""
+
+from collections.abc import Awaitable, Sequence
+from itertools import count
+from typing import TypeVar
+
+import grpc
+
+from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
+from wildscav.server.workers.supervisor import Worker, WorkerLostError
+from wildscav.wire.errors import RefusalError, reason_of
+from wildscav.wire.matches import encode_seat_address
+
+Answer = TypeVar("Answer")
+State = GetMatchResponse.State
+
+
+class FrontDesk:
+    """Serves organizers at one address.
+
+    A match's id is ``WORKER.GENERATION-ID``: it says who plays it, and whether that process is there yet.
+
+    Args:
+        workers: Take turns.
+        place: Which one of a worker's addresses goes with this one.
+    """
+
+    def __init__(self, workers: Sequence[Worker], place: int) -> None:
+        self._workers, self._place = workers, place
+        self._turns = count()
+
+    async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
+        """Open a match at the worker whose turn it is, or at the next one that has room."""
+        return await _refused(self._host(request))
+
+    async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
+        """Tell how a match stands. See ``routes.Arena``."""
+        return await _refused(self._get(request.match_id))
+
+    async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
+        full: Exception | None = None
+        for _ in self._workers:
+            worker = self._workers[next(self._turns) % len(self._workers)]
+            try:
+                hosted: HostMatchResponse = await worker.arena.HostMatch(request)
+            except (WorkerLostError, grpc.aio.AioRpcError) as error:
+                if not _is_elsewhere_possible(error):
+                    raise
+                full = error
+                continue
+            hosted.match_id = f"{worker.number}.{worker.generation}-{hosted.match_id}"
+            hosted.seat_address = encode_seat_address(worker.seats[self._place])
+            return hosted
+        raise RefusalError(
+            grpc.StatusCode.RESOURCE_EXHAUSTED,
+            "ARENA_FULL",
+            f"no worker takes a match; try later ({full})",
+        )
+
+    async def _get(self, match_id: str) -> GetMatchResponse:
+        unknown = RefusalError(
+            grpc.StatusCode.NOT_FOUND, "MATCH_UNKNOWN", f"there is no match {match_id!r}, or no more"
+        )
+        who, _, own = match_id.partition("-")
+        number, _, generation = who.partition(".")
+        workers = {str(worker.number): worker for worker in self._workers}
+        worker = workers.get(number)
+        if worker is None or not generation.isdecimal() or int(generation) > worker.generation:
+            raise unknown
+        try:
+            if int(generation) == worker.generation:
+                answer: GetMatchResponse = await worker.arena.GetMatch(GetMatchRequest(match_id=own))
+                return answer
+        except WorkerLostError:
+            pass
+        except grpc.aio.AioRpcError as error:
+            if error.code() != grpc.StatusCode.UNAVAILABLE:
+                raise
+        return GetMatchResponse(
+            state=State.STATE_FAILED, error=f"the platform failed: worker {number} ended in the middle of it"
+        )
+
+
+async def _refused(call: Awaitable[Answer]) -> Answer:
+    """Wait for a worker's answer; what it refuses is refused in its words."""
+    try:
+        return await call
+    except grpc.aio.AioRpcError as error:
+        raise RefusalError(error.code(), reason_of(error), error.details() or "the worker refused") from error
+
+
+def _is_elsewhere_possible(error: Exception) -> bool:
+    """Return whether another worker might take a match that one did not."""
+    if isinstance(error, grpc.aio.AioRpcError):
+        return error.code() == grpc.StatusCode.UNAVAILABLE or reason_of(error) == "ARENA_FULL"
+    return True

@@ -1,0 +1,152 @@
+"""The workers of a shared server, as their server sees them: started, watched, started again, and stopped."""
+
+import asyncio
+import contextlib
+import json
+import sys
+from collections.abc import Sequence
+
+import grpc
+
+from wildscav.errors import UserError, WildscavError
+from wildscav.monitoring.logs import Log
+from wildscav.proto.match_pb2_grpc import ArenaStub
+from wildscav.server.workers.worker import Orders, Ready
+
+PAUSE = 1.0  # s until a worker that ended is started again
+BEGINNING = 600.0  # s that a worker has to get ready: it may have to compile
+END = 10.0  # s that a worker has to stop by itself
+ANSWER_LIMIT = -1  # bytes: records come as large as they are
+
+
+class WorkerLostError(WildscavError):
+    """The worker that a call was for has ended."""
+
+
+class Worker:
+    """One worker process, started again whenever it ends.
+
+    Args:
+        orders: What it is to do.
+        log: Where to write that it ended.
+    """
+
+    def __init__(self, orders: Orders, log: Log) -> None:
+        self.number = orders.number  # from 1
+        self.generation = 0  # how many processes it has had
+        self.seats: Sequence[str] = ()  # addresses at which seats of its matches are joined
+        self.metrics: str | None = None  # where its metrics are served
+        self._orders, self._log = orders, log
+        self._process: asyncio.subprocess.Process | None = None
+        self._channel: grpc.aio.Channel | None = None
+        self._keeper: asyncio.Task[None] | None = None
+
+    async def start(self) -> None:
+        """Start its process, and go on starting it.
+
+        Raises:
+            UserError: It cannot do what it is to.
+        """
+        await self._start_process()
+        self._keeper = asyncio.create_task(self._keep())
+
+    async def _start_process(self) -> None:
+        self._process = process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "wildscav.server.workers.worker"),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+        )
+        try:
+            ready = await self._give_orders(process)
+        except BaseException:
+            await _kill(process)
+            raise
+        self.seats, self.metrics = ready.seats, ready.metrics
+        self._orders = self._orders._replace(seats=ready.seats)  # the same again, if it must be
+        self.generation += 1
+        self._channel = grpc.aio.insecure_channel(
+            self._orders.arena, options=[("grpc.max_receive_message_length", ANSWER_LIMIT)]
+        )
+
+    async def _give_orders(self, process: asyncio.subprocess.Process) -> Ready:
+        """Tell a process what it is to do, and return its answer.
+
+        Raises:
+            UserError: It cannot do that, or gives no answer that can be understood.
+        """
+        if process.stdin is None or process.stdout is None:
+            raise RuntimeError("a worker has pipes")
+        process.stdin.write(json.dumps(self._orders._asdict()).encode() + b"\n")
+        line = b""
+        try:
+            async with asyncio.timeout(BEGINNING):
+                line = await process.stdout.readline()
+                if not line:
+                    raise UserError(
+                        f"worker {self.number} did not start: it ended with {await process.wait()}"
+                    )
+            ready = Ready(**json.loads(line))
+        except TimeoutError:
+            raise UserError(f"worker {self.number} did not start within {BEGINNING:g} s") from None
+        except (ValueError, TypeError):
+            said = line[:100].decode(errors="replace").strip()
+            raise UserError(f"worker {self.number} did not start: it said {said!r}") from None
+        if ready.error:
+            raise UserError(ready.error, ready.exit_code)
+        return ready
+
+    async def _keep(self) -> None:
+        """Start its process again and again."""
+        while self._process is not None:
+            code = await self._process.wait()
+            self._log.warning("worker_ended", worker=self.number, exit_code=code, fault="platform")
+            await asyncio.sleep(PAUSE)
+            await self._close()
+            while not await self._is_started_again():  # noqa: ASYNC110 - it is tried, not waited for
+                await asyncio.sleep(PAUSE)
+
+    async def _is_started_again(self) -> bool:
+        try:
+            await self._start_process()
+        except (UserError, OSError) as error:  # it is tried again: what is short now may be there later
+            self._log.warning("worker_did_not_start", worker=self.number, error=str(error))
+            return False
+        return True
+
+    @property
+    def arena(self) -> ArenaStub:
+        """What its matches are opened and asked for with.
+
+        Raises:
+            WorkerLostError: Its process has ended and no new one is ready.
+        """
+        if self._channel is None or self._process is None or self._process.returncode is not None:
+            raise WorkerLostError(f"worker {self.number} is being started again")
+        return ArenaStub(self._channel)
+
+    async def stop(self) -> None:
+        """End its process; its matches are cancelled."""
+        if self._keeper is not None:
+            self._keeper.cancel()
+        await self._close()
+        process = self._process
+        if process is None or process.returncode is not None:
+            return
+        if process.stdin is not None:
+            process.stdin.close()
+        try:
+            async with asyncio.timeout(END):
+                await process.wait()
+        except TimeoutError:
+            await _kill(process)
+
+    async def _close(self) -> None:
+        if self._channel is not None:
+            await self._channel.close()
+            self._channel = None
+
+
+async def _kill(process: asyncio.subprocess.Process) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        process.kill()
+    await process.wait()

@@ -1,0 +1,86 @@
+"""A worker of a shared server: a process with an event loop and matches of its own.
+
+``supervisor`` starts it as ``python -m wildscav.server.workers.worker``. Its orders are one line of JSON on
+its standard input, its answer is one on its standard output, and it ends when its input does: at the latest
+with whoever started it.
+"""
+
+import asyncio
+import json
+import signal
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from wildscav.errors import AddressInUseError, UserError
+from wildscav.monitoring.logs import open_log
+from wildscav.monitoring.metrics import serving_metrics
+from wildscav.server.endpoints.endpoint import Door
+from wildscav.server.endpoints.tls import Certificate
+from wildscav.server.hosting.warm_up import warm
+from wildscav.server.match_server import MatchServer
+
+if TYPE_CHECKING:
+    from wildscav.monitoring.logs import LogFormat
+
+
+class Orders(NamedTuple):
+    """What a worker is to do."""
+
+    seats: Sequence[str]  # addresses to listen on for seats
+    arena: str  # the address at which it is given matches
+    number: int  # in log lines
+    certificate: Sequence[Any] | None = None  # of its ports, as in ``Certificate``
+    insecure: bool = False  # whether other machines may come without it
+    log_format: "LogFormat | None" = None
+    metrics_port: int | None = None
+
+
+class Ready(NamedTuple):
+    """A worker's answer."""
+
+    seats: Sequence[str] = ()  # the addresses taken
+    metrics: str | None = None  # where they are served
+    error: str = ""  # why it cannot do what it is to; it has ended then
+    exit_code: int = 1
+
+
+async def _work(orders: Orders) -> None:
+    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    loop.add_signal_handler(signal.SIGTERM, stopped.set)
+    loop.add_reader(sys.stdin.fileno(), stopped.set)  # there is nothing more to read but its end
+    try:
+        tls = Certificate(*orders.certificate).context() if orders.certificate else None
+    except UserError as error:
+        _answer(Ready(error=str(error), exit_code=error.exit_code))
+        return
+    log = open_log(orders.log_format, worker=orders.number)
+    server = MatchServer(arena=True, door=Door(tls=tls, insecure=orders.insecure), log=log)
+    try:
+        taken = await server.start(orders.seats, arena=False)
+        await server.start([orders.arena])
+        await asyncio.to_thread(warm)
+        with serving_metrics(server.meters, orders.metrics_port) as metrics:
+            _answer(Ready(taken, metrics))
+            await stopped.wait()
+    except AddressInUseError as error:
+        _answer(Ready(error=str(error)))
+    except UserError as error:
+        _answer(Ready(error=str(error), exit_code=error.exit_code))
+    await server.stop()
+
+
+def _answer(ready: Ready) -> None:
+    print(json.dumps(ready._asdict()), flush=True)  # noqa: T201 - its standard output is for this
+
+
+def main() -> None:
+    """Read the orders and carry them out."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes; who started this one ends it
+    orders: dict[str, Any] = json.loads(sys.stdin.readline())
+    asyncio.run(_work(Orders(**orders)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+"""Work on files of strangers in a process of its own, with limits on the time and memory that they cost.
+
+    python -m wildscav.system.limited_process module:function < arguments.json
+
+is what ``call_limited`` runs; arguments and result are values that JSON has.
+"""
+
+import contextlib
+import importlib
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from wildscav.errors import UserError, describe
+from wildscav.system.worker_processes import end_with_parent
+
+MEMORY = 224 << 20  # bytes, beyond what Python takes with the function's module imported
+PROCESSOR = 6  # s of processor time
+PATIENCE = 120.0  # s by the clock: a busy machine gives a process only a part of its time
+TOO_LONG = f"it takes more than {PROCESSOR} s of processor time"
+
+
+class LimitExceededError(UserError):
+    """A file would take more time or memory to read than it may."""
+
+
+def call_limited(function: str, *arguments: Any, memory: int = MEMORY) -> Any:
+    """Call a function in a limited process, and return its result.
+
+    Args:
+        function: As "module:function".
+        arguments: Of the function.
+        memory: Bytes that it may take, beyond what Python does.
+
+    Raises:
+        LimitExceededError: It took more than it may; a few words that say what.
+        UserError: The function raised one, or anything else.
+    """
+    command = [sys.executable, "-m", "wildscav.system.limited_process", function, str(memory)]
+    try:
+        done = subprocess.run(
+            command, input=json.dumps(arguments).encode(), capture_output=True, timeout=PATIENCE, check=False
+        )
+    except subprocess.TimeoutExpired:
+        raise LimitExceededError(f"it takes more than {PATIENCE:g} s") from None
+    try:
+        answer = json.loads(done.stdout)
+    except ValueError:
+        # It was ended before it could answer: by the limit of its time, or by a system without memory.
+        late = done.returncode == -signal.SIGXCPU
+        raise LimitExceededError(TOO_LONG if late else _too_much(memory)) from None
+    if "result" in answer:
+        return answer["result"]
+    error = LimitExceededError if answer["limit"] else UserError
+    raise error(answer["error"], exit_code=answer.get("exit_code", 1))
+
+
+def _too_much(memory: int) -> str:
+    return f"it takes more than {memory >> 20} MiB of memory"
+
+
+def main(function: str, memory: int) -> None:
+    """Call a function with the arguments on stdin, and write its result or what went wrong to stdout."""
+    end_with_parent(os.getppid())
+    module, _, name = function.partition(":")
+    called = getattr(importlib.import_module(module), name)
+    arguments = json.loads(sys.stdin.buffer.read())
+    _limit(memory)
+    try:
+        answer = {"result": called(*arguments)}
+    except MemoryError:
+        answer = {"error": _too_much(memory), "limit": True}
+    except RecursionError:
+        answer = {"error": "it is nested too deeply", "limit": True}
+    except UserError as error:
+        answer = {"error": str(error), "limit": False, "exit_code": error.exit_code}
+    except OSError as error:
+        answer = {"error": describe(error), "limit": False}
+    except Exception as error:  # noqa: BLE001 - whatever a library makes of a damaged file
+        answer = {"error": " ".join(f"{type(error).__name__}: {error}".split())[:500], "limit": False}
+    sys.stdout.write(json.dumps(answer))
+    sys.stdout.flush()
+    os._exit(0)  # what the limits have broken need not be put in order
+
+
+def _limit(memory: int) -> None:
+    """Set the limits of this process: what it has and used up already does not count."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    seconds = int(used.ru_utime + used.ru_stime) + PROCESSOR
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 2))
+    with contextlib.suppress(OSError, ValueError):
+        pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
+        most = pages * resource.getpagesize() + memory
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int(sys.argv[2]))

@@ -1,0 +1,281 @@
+"""The command line as people know it from other programs: help, completion, suggestions, tables that fit."""
+
+import io
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from wildscav.cli import main
+from wildscav.cli.main import Commands
+from wildscav.terminal.console import PlainConsole
+from wildscav.terminal.suggestions import did_you_mean
+from wildscav.terminal.tables import FittingTable
+
+WILDSCAV = str(Path(sys.executable).parent / "wildscav")
+
+
+def everything(command: object, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Every command, as it is typed."""
+    yield path
+    for name in getattr(command, "commands", None) or (main.FIRST if not path else ()):
+        found = command.get_command(None, name)  # type: ignore[attr-defined]
+        if found is not None:
+            yield from everything(found, (*path, name))
+
+
+ROOT = typer.main.get_command(main.app)
+EVERYTHING = sorted(set(everything(ROOT)))
+
+
+def run(*arguments: object, **options: object) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(  # type: ignore[call-overload, no-any-return]
+        [WILDSCAV, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
+    )
+
+
+def test_every_command_is_in_a_group_of_the_help_and_has_a_line_there() -> None:
+    assert isinstance(ROOT, Commands)
+    for name in ROOT.list_commands(None):
+        command = ROOT.get_command(None, name)
+        assert command.rich_help_panel in main.PANELS, name
+        assert command.name == name
+        assert len(command.get_short_help_str()) > 20, name
+
+
+@pytest.mark.parametrize("arguments", EVERYTHING, ids=" ".join)
+def test_every_command_knows_h(arguments: tuple[str, ...]) -> None:
+    done = CliRunner().invoke(main.app, [*arguments, "-h"], prog_name="wildscav")
+    assert done.exit_code == 0, done.output
+    assert f"Usage: {' '.join(['wildscav', *arguments])}" in done.output
+    if arguments:
+        assert "completion" not in done.output, "completion belongs to the main command"
+
+
+def test_a_command_whose_extra_is_missing_says_which_one() -> None:
+    def broken() -> None:
+        raise ModuleNotFoundError("No module named 'scipy'", name="scipy")
+
+    missing = ModuleNotFoundError("No module named 'scipy'", name="scipy")
+    assert "pip install 'wildscav[maps]'" in str(main._remedy(missing))
+    # As if a command of the evaluator had imported it.
+    code = compile("def call(f): f()", "evaluate.py", "exec")
+    for package, extra in (("wildscav_evaluator.cli", "evaluator"), ("wildscav_leaderboard", "leaderboard")):
+        names: dict[str, object] = {"__name__": package}
+        exec(code, names)  # noqa: S102
+        with pytest.raises(ModuleNotFoundError) as caught:
+            names["call"](broken)  # type: ignore[operator]
+        assert f"pip install 'wildscav[{extra}]'" in str(main._remedy(caught.value))
+    shown = main._unavailable("play", missing).__doc__
+    assert shown is not None
+    assert r"wildscav\[maps]" in shown, "help reads markup, which would swallow the brackets"
+
+
+def complete(line: str) -> set[str]:
+    words = line.split(" ")
+    asked = {"_WILDSCAV_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
+    return set(run(env={**os.environ, **asked}).stdout.split())
+
+
+def test_a_shell_completes_commands_options_and_values() -> None:
+    assert complete("wildscav ev") == {"evaluate"}
+    assert complete("wildscav secret o") == {"open"}
+    assert {"--suite", "--sandbox"} <= complete("wildscav evaluate --s")
+    assert complete("wildscav evaluate --sandbox b") == {"bubblewrap"}
+
+
+@pytest.mark.parametrize(
+    ("line", "offers"),
+    [("wildscav ev", "evaluate"), ("wildscav look --sen", "--sensor"), ("wildscav secret o", "open")],
+)
+def test_zsh_completes_too(line: str, offers: str) -> None:
+    asked = {"_WILDSCAV_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": line}
+    said = run(env={**os.environ, **asked}).stdout
+    assert said.startswith("_arguments ")
+    assert said.count('":"') == 1
+    assert f'"{offers}":' in said
+
+
+def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
+    done = run("--show-completion", env={**os.environ, "HOME": str(tmp_path), "SHELL": "/bin/bash"})
+    if done.returncode:  # the shell is found out from the process that called
+        done = run(env={**os.environ, "_WILDSCAV_COMPLETE": "source_bash"})
+    assert "_WILDSCAV_COMPLETE=complete_" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["evalaute"], "No such command 'evalaute' (did you mean 'evaluate'?)"),
+        (["secret", "ope"], "Did you mean 'open'?"),
+        (["verify", "--jsno", "x"], "--json"),
+        (["play", "homng"], "submission homng does not exist (did you mean 'homing'?)"),
+        (["play", "homing", "--track", "navigaton"], "(did you mean 'navigation'?)"),
+        (
+            ["play", "homing", "--replay", "x.mp4"],
+            "--replay is x.mp4: a replay is a Rerun recording",
+        ),
+        (["init", "new", "--from", "hoving"], "there is no baseline 'hoving' (did you mean 'homing'?)"),
+        (["play", "homing", "--sandbox", "bublewrap"], "'oci', 'bubblewrap', 'process'"),
+    ],
+)
+def test_what_is_mistyped_gets_a_suggestion(tmp_path: Path, arguments: list[str], says: str) -> None:
+    done = run(*arguments, cwd=tmp_path, env={**os.environ, "COLUMNS": "200"})
+    assert done.returncode == 2
+    assert says in " ".join(done.stderr.split())
+    assert list(tmp_path.iterdir()) == []
+
+
+# One wrong value, or more, for every command. What is in braces is there; nothing else is.
+WRONG = [
+    "init {file}",
+    "init new --name A/B",
+    "init new --from-policy {file}",
+    "init new --from homing --from-policy {file}",
+    "play {nothing}",
+    "play {file}",
+    "play {broken}",
+    "play image:",
+    "play homing --time-limit nan",
+    "play homing --size 41",
+    "play homing --logs {file}",
+    "play homing --logs {file}/logs",
+    "check {empty}",
+    "check homing --logs {file}",
+    "build {broken}",
+    "evaluate {nothing}",
+    "evaluate homing --suite {file}",
+    "evaluate homing --seed -1",
+    "evaluate homing --sign {file}",
+    "evaluate homing --secret {empty}",
+    "evaluate homing --out {file}",
+    "evaluate homing --out {file}/out",
+    "evaluate homing homing",
+    "compare homing {empty}",
+    "leaderboard --db {file}",
+    "replay {binary}",
+    "replay {empty}",
+    "replay {binary} --output x.mp4",
+    "replay-agent {binary} homing",
+    "replay-agent {nothing} homing --logs {file}",
+    "verify {binary}",
+    "verify {empty}",
+    "rescore {empty}",
+    "rescore {file}",
+    "secret new {file}",
+    "secret commitment {file}",
+    "secret open {file} {empty}",
+    "secret check {empty} abc",
+    "key new {file}",
+    "key new {nothing}/key",
+    "key public {binary}",
+    "serve --listen nonsense",
+    "serve --listen unix:/dev/null/socket",
+    "serve --tls-cert {file} --tls-key {file}",
+    "serve --tls-cert {file}",
+    "doctor {file}",
+    "map info -5",
+    "map info {file}",
+    "map info --config {binary}",
+    "map show 101 --output {file}",
+    "map export 101 --output {file}",
+    "map export 101 --output {file}/folder",
+    "map import {file}",
+    "map import {binary}",
+    "look -5",
+    "look 101 --position nan,0",
+    "look --config {binary}",
+    "legacy install {file}",
+    "legacy install new --maps 5-1",
+]
+
+
+@pytest.fixture
+def kit(tmp_path: Path) -> dict[str, str]:
+    """Names of what is in a folder, and of what is not."""
+    for folder in ("empty", "broken"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "file.txt").write_text("A file. ")
+    (tmp_path / "binary.bin").write_bytes(bytes(range(256)))
+    (tmp_path / "broken" / "submission.toml").write_text("name = = 3")
+    return {
+        "nothing": "nothing",
+        "file": "file.txt",
+        "binary": "binary.bin",
+        "empty": "empty",
+        "broken": "broken",
+    }
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_what_is_wrong_is_said_without_a_traceback_and_leaves_nothing_behind(
+    tmp_path: Path,
+    kit: dict[str, str],
+    line: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["wildscav", *line.format(**kit).split()])
+    before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
+    with pytest.raises(SystemExit) as ended:
+        main.main()
+    said = capsys.readouterr().err
+    assert ended.value.code in (1, 2)
+    assert "Traceback" not in said
+    assert said.startswith(("wildscav: ", "Usage: "))
+    assert said.startswith("Usage") or said.count("\n") == 1
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before
+
+
+def test_every_command_is_given_something_wrong() -> None:
+    tried = {" ".join(arguments) for arguments in EVERYTHING} - {"", "map", "key", "secret", "legacy"}
+    assert tried == {name for name in tried if any(line.startswith(f"{name} ") for line in WRONG)}
+
+
+@pytest.mark.parametrize(
+    ("word", "question"),
+    [
+        ("nav", " (did you mean 'navigation'?)"),
+        ("batle", " (did you mean 'battle'?)"),
+        ("xyzzy", ""),
+        ("", ""),
+    ],
+)
+def test_only_what_is_near_is_suggested(word: str, question: str) -> None:
+    assert did_you_mean(word, ["navigation", "battle"]) == question
+
+
+def test_init_quotes_what_it_suggests_and_copies_a_baseline(tmp_path: Path) -> None:
+    done = run("init", "My Agent", "--from", "homing", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for command in ("play", "check", "evaluate"):
+        assert f"  wildscav {command} 'My Agent'  # " in done.stdout
+    assert 'name = "my-agent"' in (tmp_path / "My Agent" / "submission.toml").read_text()
+    assert (tmp_path / "My Agent" / "steering.py").is_file()
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+@pytest.mark.parametrize("columns", [2, 6, 12])
+def test_no_column_of_a_table_is_lost(width: int, columns: int) -> None:
+    console = PlainConsole(file=io.StringIO(), width=width, color_system=None)
+    table = FittingTable("title")
+    table.add_column("submission", min_width=12)
+    for number in range(columns):
+        table.add_column(f"head\n{number}", justify="right", no_wrap=True)
+    table.add_row("homing 1.0.0", *(f"figure {number}" for number in range(columns)))
+    console.print(table)
+    assert isinstance(console.file, io.StringIO)
+    shown = console.file.getvalue()
+    assert all(len(line) <= width for line in shown.splitlines())
+    for number in range(columns):
+        assert f"figure {number}" in shown
+    assert all(word in shown for word in ("title", "submission", "homing 1.0.0"))
+    # Side by side there is one line a row; one below the other, a line a cell.
+    needed = 12 + sum(len(f" figure {number}") for number in range(columns))
+    assert ("figure 0 figure 1" in " ".join(shown.split())) == (needed <= width)

@@ -1,0 +1,107 @@
+"""``wildscav replay --web``: serves a replay until it is told to stop."""
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from http.client import HTTPConnection
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from tests.platform.helpers.command import Done, command_here
+
+from wildscav_engine.match import Match
+from wildscav_engine.record import write_record
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+
+COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
+END = 120  # s, far more than it takes
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    config = MapConfig(size=60, houses=0)
+    match = Match(
+        MatchSpec(track="navigation", map=MapSpec(config=config, seed=1), seats=("walker",), time_limit=2.0)
+    )
+    match.play_out()
+    path = tmp_path_factory.mktemp("web") / "match.wsr"
+    write_record(path, match, ["walker"])
+    return path
+
+
+@pytest.fixture
+def replay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., Done]:
+    return command_here("replay", tmp_path, monkeypatch, capsys)
+
+
+@contextmanager
+def served(*arguments: object) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    """The command's link, once it serves."""
+    command = [*COMMAND, "replay", *map(str, arguments), "--web"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            found = re.search(r"http://\S+/", process.stdout.readline())
+            assert found, process.stderr and process.stderr.read()
+            yield found.group(), process
+        finally:
+            process.kill()
+
+
+def recording_at(link: str) -> bytes:
+    """What is served as the recording."""
+    with closing(HTTPConnection(urlsplit(link).netloc)) as connection:
+        connection.request("GET", "/replay.rrd")
+        return connection.getresponse().read()
+
+
+def test_a_record_is_rendered_and_served_until_ctrl_c(record: Path) -> None:
+    with served(record) as (link, process):
+        assert link.startswith("http://127.0.0.1:")
+        assert recording_at(link).startswith(b"RRF")
+        process.send_signal(signal.SIGINT)
+        assert process.wait(END) == 0
+
+    assert [path.name for path in record.parent.iterdir()] == [record.name]
+
+
+def test_a_rendered_replay_is_served_as_it_is(
+    record: Path, tmp_path: Path, replay: Callable[..., Done]
+) -> None:
+    path = tmp_path / "match.rrd"
+    assert replay(record, "-o", path, "--no-images").returncode == 0
+
+    with served(path, "--host", "localhost") as (link, _):
+        assert recording_at(link) == path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--port", "8000"], "--host and --port say where --web serves: add --web"),
+        (["--web", "--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid, port 0: "),
+    ],
+)
+def test_what_cannot_be_served_is_one_clear_error(
+    record: Path, replay: Callable[..., Done], options: list[str], said: str
+) -> None:
+    done = replay(record, *options)
+
+    assert done.returncode != 0
+    assert said in " ".join(done.stderr.split())
+    assert "Traceback" not in done.stderr
+
+
+def test_options_of_rendering_are_refused_for_a_replay(tmp_path: Path, replay: Callable[..., Done]) -> None:
+    (tmp_path / "match.rrd").write_bytes(b"RRF2")
+
+    done = replay(tmp_path / "match.rrd", "--web", "--follow", "0")
+
+    assert done.returncode == 2
+    assert "--follow needs a record: this is a replay already" in " ".join(done.stderr.split())

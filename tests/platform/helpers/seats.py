@@ -1,0 +1,118 @@
+"""Hosts matches for tests, with agents in real processes or seats played by hand."""
+
+import asyncio
+import os
+import sys
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+import grpc
+
+from wildscav.proto import PROTOCOL_VERSION
+from wildscav.proto.match_pb2 import Action, ClientMessage, Join, ServerMessage
+from wildscav.server import HostedMatch, MatchServer
+from wildscav.server.hosting.warm_up import warm
+from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+
+# Else all channels of a process share one, and the streams of those that leave without reading crowd it.
+OWN_CONNECTION = [("grpc.use_local_subchannel_pool", 1)]
+AGENTS = Path(__file__).parent / "agents"
+Result = TypeVar("Result")
+
+
+def small_spec(track: str = "gathering", seats: int = 1, seconds: float = 2.0, **spec: Any) -> MatchSpec:
+    """A match on a small bare map; ten steps are a second."""
+    small = MapSpec(config=MapConfig(size=40, houses=0, vegetation=0.0), seed=5)
+    filled = spec.pop("filled_by", ("submission",) * seats)
+    return MatchSpec(track=track, map=small, seed=7, seats=filled, time_limit=seconds, **spec)
+
+
+async def host(server: MatchServer, spec: MatchSpec, **options: Any) -> HostedMatch:
+    """Host a match with the names of its seats made up."""
+    return await server.host(spec, names=[f"seat {seat}" for seat in range(len(spec.seats))], **options)
+
+
+def serving(
+    tmp_path: Path,
+    test: Callable[[MatchServer, str], Awaitable[Result]],
+    patience: float = 300.0,
+    **options: Any,
+) -> Result:
+    """Run a test in a loop with a server on a unix socket."""
+
+    async def run() -> Result:
+        server = MatchServer(**options)
+        (address,) = await server.start([f"unix:{tmp_path / 'match.sock'}"])
+        try:
+            async with asyncio.timeout(patience):
+                return await test(server, address)
+        finally:
+            await server.stop()
+
+    warm()  # compiling is not what is tested
+    return asyncio.run(run())
+
+
+async def start_agent(
+    name: str, address: str, token: str, folder: Path = AGENTS
+) -> asyncio.subprocess.Process:
+    """Start an agent in a process of its own."""
+    return await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "wildscav.sdk", name if ":" in name else f"agents:{name}"),
+        cwd=folder,
+        env={**os.environ, "WILDSCAV_ADDRESS": address, "WILDSCAV_TOKEN": token},
+        stderr=asyncio.subprocess.PIPE,
+    )
+
+
+async def ended(agent: asyncio.subprocess.Process) -> tuple[int | None, str]:
+    """Wait for an agent's process; return its exit code and what it said on stderr."""
+    _, errors = await agent.communicate()
+    return agent.returncode, errors.decode()
+
+
+class HandPlayed:
+    """A seat's stream, message by message."""
+
+    def __init__(self, call: Any) -> None:
+        self.call = call
+
+    async def send(self, message: ClientMessage | bytes) -> None:
+        if isinstance(message, ClientMessage):
+            message = message.SerializeToString()
+        await self.call.write(message)
+
+    async def join(self, token: str, version: int = PROTOCOL_VERSION) -> ServerMessage:
+        await self.send(ClientMessage(join=Join(token=token, protocol_version=version)))
+        return await self.read()
+
+    async def read(self) -> ServerMessage:
+        message = await self.call.read()
+        assert isinstance(message, ServerMessage)
+        return message
+
+    async def read_out(self) -> None:
+        """Read to the end of the stream and answer nothing."""
+        while await self.call.read() is not grpc.aio.EOF:
+            pass
+
+    async def act(self, step: int, **fields: Any) -> None:
+        await self.send(ClientMessage(action=Action(step=step, **fields)))
+
+    async def play_out(self, **fields: Any) -> ServerMessage:
+        """Answer every observation in the same way; return the last message."""
+        while (message := await self.read()).HasField("observation"):
+            await self.act(message.observation.step, **fields)
+        return message
+
+
+@asynccontextmanager
+async def connected(address: str) -> AsyncIterator[HandPlayed]:
+    """Open a stream that says nothing yet, on a connection of its own, as other processes have it."""
+    async with grpc.aio.insecure_channel(address, options=OWN_CONNECTION) as channel:
+        play = channel.stream_stream(
+            "/wildscav.match.v1.Match/Play", response_deserializer=ServerMessage.FromString
+        )
+        yield HandPlayed(play())

@@ -1,0 +1,305 @@
+"""What the server refuses, and how it says so."""
+
+import asyncio
+from contextlib import AsyncExitStack
+from pathlib import Path
+
+import grpc
+import pytest
+from grpc_health.v1 import health_pb2, health_pb2_grpc
+from tests.platform.helpers.manual_clock import HandSetLoop, serving_by_hand
+from tests.platform.helpers.seats import HandPlayed, connected, ended, host, serving, small_spec, start_agent
+
+from wildscav.errors import AddressInUseError, SensorError, UserError
+from wildscav.proto.match_pb2 import ClientMessage, Join, Ready
+from wildscav.server import Clock, MatchServer, SeatStatus
+from wildscav.server.endpoints.pending_streams import Strangers
+from wildscav.wire.errors import reason_of
+
+
+async def refused(seat: HandPlayed) -> tuple[grpc.StatusCode, str]:
+    """Read to the end of a stream; return its status and the reason in its details."""
+    with pytest.raises(grpc.aio.AioRpcError) as caught:
+        await seat.read_out()
+    return caught.value.code(), reason_of(caught.value)
+
+
+def test_a_wrong_token(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        agent = await start_agent("Walker", address, "no-such-token")
+        code, errors = await ended(agent)
+        assert code == 4
+        assert "no seat here has this token (SEAT_TOKEN_UNKNOWN)" in errors
+
+    serving(tmp_path, play)
+
+
+def test_a_seat_cannot_be_taken_twice(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        async with connected(address) as first, connected(address) as second:
+            await first.join(hosted.tokens[0])
+            await second.send(join(hosted.tokens[0]))
+            assert await refused(second) == (grpc.StatusCode.ALREADY_EXISTS, "SEAT_TAKEN")
+            assert (await first.play_out()).match_over.conduct.status == SeatStatus.FINISHED
+
+    serving(tmp_path, play)
+
+
+def test_a_seat_with_an_address_of_its_own_is_not_taken_over_another(tmp_path: Path) -> None:
+    async def play(server: MatchServer, shared: str) -> None:
+        first, second = await server.start([f"unix:{tmp_path / name}.sock" for name in ("first", "second")])
+        hosted = await host(server, small_spec(seats=2), addresses={0: first, 1: second})
+        for token, address in ((0, second), (1, first), (1, shared)):
+            async with connected(address) as thief:
+                await thief.send(join(hosted.tokens[token]))
+                assert await refused(thief) == (grpc.StatusCode.PERMISSION_DENIED, "SEAT_ELSEWHERE")
+        async with connected(first) as one, connected(second) as other:
+            await one.join(hosted.tokens[0])
+            await other.join(hosted.tokens[1])
+            await asyncio.gather(one.play_out(), other.play_out())
+        assert {report.status for report in (await hosted.finished()).seats.values()} == {"finished"}
+        anywhere = await host(server, small_spec())
+        async with connected(second) as seat:
+            await seat.join(anywhere.tokens[0])
+            await seat.play_out()
+
+    serving(tmp_path, play)
+
+
+def test_an_address_of_a_seat_must_be_one_of_the_servers(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        with pytest.raises(ValueError, match="an address for seat 1, which no submission fills"):
+            await host(server, small_spec(), addresses={1: address})
+        with pytest.raises(ValueError, match="does not listen on unix:/elsewhere"):
+            await host(server, small_spec(), addresses={0: "unix:/elsewhere"})
+
+    serving(tmp_path, play)
+
+
+def test_another_version_of_the_protocol(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        async with connected(address) as seat:
+            await seat.send(join(hosted.tokens[0], version=2))
+            assert await refused(seat) == (grpc.StatusCode.FAILED_PRECONDITION, "PROTOCOL_VERSION")
+        async with connected(address) as seat:  # the seat is still free
+            await seat.join(hosted.tokens[0])
+            await seat.play_out()
+
+    serving(tmp_path, play)
+
+
+def join(token: str, version: int = 1, gets_ready: bool = False) -> ClientMessage:
+    message = ClientMessage()
+    message.join.gets_ready = gets_ready
+    message.join.token = token
+    message.join.protocol_version = version
+    return message
+
+
+def action(step: int) -> ClientMessage:
+    message = ClientMessage()
+    message.action.step = step
+    return message
+
+
+@pytest.mark.parametrize(
+    ("nonsense", "reason", "detail"),
+    [
+        ([b"\xff\xff\xff"], "PROTOCOL_ERROR", "no ClientMessage"),
+        ([ClientMessage()], "PROTOCOL_ERROR", "must be an Action"),
+        ([join("again")], "PROTOCOL_ERROR", "must be an Action"),
+        ([ClientMessage(ready=Ready())], "PROTOCOL_ERROR", "must be an Action"),
+        ([action(7)], "TOO_EARLY", "before it was asked"),
+        ([action(0)] * 17, "FLOOD", "old answers"),
+        ([b"\0" * 5000], "MESSAGE_TOO_LARGE", "a message of 5,000 bytes; 4,096 are allowed"),
+    ],
+    ids=["garbage", "empty", "second join", "not asked for", "future step", "flood", "large"],
+)
+def test_a_seat_that_talks_nonsense_is_out_and_the_others_play_on(
+    tmp_path: Path, nonsense: list[ClientMessage | bytes], reason: str, detail: str
+) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2))
+        async with connected(address) as bad, connected(address) as good:
+            await bad.join(hosted.tokens[0])
+            await good.join(hosted.tokens[1])
+            await bad.read()
+            for message in nonsense:
+                await bad.send(message)
+            await good.play_out(walk_speed=3.0)
+            code = "RESOURCE_EXHAUSTED" if reason == "MESSAGE_TOO_LARGE" else "INVALID_ARGUMENT"
+            assert await refused(bad) == (grpc.StatusCode[code], reason)
+        outcome = await hosted.finished()
+        assert outcome.seats[0].status == SeatStatus.PROTOCOL_ERROR
+        assert detail in outcome.seats[0].detail
+        assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
+        assert outcome.seconds < 5.0
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.parametrize("first", [b"\xff\xff", action(0)], ids=["garbage", "action"])
+def test_a_stream_begins_with_a_join(tmp_path: Path, first: ClientMessage | bytes) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        async with connected(address) as stranger:
+            await stranger.send(first)
+            assert await refused(stranger) == (grpc.StatusCode.INVALID_ARGUMENT, "PROTOCOL_ERROR")
+
+    serving(tmp_path, play)
+
+
+def test_a_stream_that_says_nothing_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wildscav.server.endpoints.match_service.JOIN_TIME", 0.2)
+
+    async def play(server: MatchServer, address: str) -> None:
+        async with connected(address) as stranger:
+            assert await refused(stranger) == (grpc.StatusCode.INVALID_ARGUMENT, "JOIN_TIMEOUT")
+
+    serving(tmp_path, play)
+
+
+def test_of_too_many_strangers_the_one_who_said_nothing_for_longest_has_to_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Strangers.__init__, "__defaults__", (3,))
+
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        async with AsyncExitStack() as stack:
+            silent = []
+            for _ in range(3):
+                silent.append(await stack.enter_async_context(connected(address)))
+                await asyncio.sleep(0.05)  # so that they come one after the other
+            async with connected(address) as seat:
+                await seat.join(hosted.tokens[0])
+                assert (await seat.play_out()).match_over.conduct.status == SeatStatus.FINISHED
+            assert await refused(silent[0]) == (grpc.StatusCode.RESOURCE_EXHAUSTED, "SERVER_BUSY")
+
+    serving(tmp_path, play)
+
+
+def test_strangers_at_one_address_crowd_nobody_out_at_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Strangers.__init__, "__defaults__", (3,))
+
+    async def play(server: MatchServer, own: str) -> None:
+        (others,) = await server.start([f"unix:{tmp_path / 'others.sock'}"])
+        hosted = await host(server, small_spec())
+        async with AsyncExitStack() as stack, connected(own) as shy:
+            for _ in range(6):
+                await stack.enter_async_context(connected(others))
+            await asyncio.sleep(0.2)
+            await shy.join(hosted.tokens[0])
+            assert (await shy.play_out()).match_over.conduct.status == SeatStatus.FINISHED
+
+    serving(tmp_path, play)
+
+
+def test_who_wants_to_get_ready_first_has_time_for_it_and_no_more(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.75))
+        async with connected(address) as slow, connected(address) as never:
+            for seat, number in ((slow, 0), (never, 1)):
+                await seat.send(join(hosted.tokens[number], gets_ready=True))
+                assert (await seat.read()).HasField("match_info")
+            await clock.pass_time(0.5)  # longer than a step's budget
+            await slow.send(ClientMessage(ready=Ready()))
+            while not hosted.seats[0].ready:  # noqa: ASYNC110
+                await asyncio.sleep(0)
+            await clock.pass_time(0.25)
+            assert (await slow.play_out()).match_over.conduct.status == SeatStatus.FINISHED
+            assert await refused(never) == (grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED")
+        outcome = await hosted.finished()
+        assert outcome.seats[0].time_bank == hosted.clock.time_bank
+        assert (outcome.seats[1].status, outcome.seats[1].detail) == (
+            SeatStatus.NEVER_JOINED,
+            "did not get ready within 0.75 s",
+        )
+
+    serving_by_hand(tmp_path, play)
+
+
+def test_a_huge_message_costs_its_seat_alone(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seats=2))
+        async with connected(address) as bad, connected(address) as good:
+            await bad.join(hosted.tokens[0])
+            await good.join(hosted.tokens[1])
+            await bad.read()
+            await bad.send(b"\0" * 1_000_000)
+            await good.play_out()
+        outcome = await hosted.finished()
+        assert outcome.seats[0].status in {SeatStatus.CRASHED, SeatStatus.PROTOCOL_ERROR}
+        assert outcome.seats[1].steps_played == 20
+        assert outcome.seconds < 5.0
+
+    serving(tmp_path, play)
+
+
+def test_sensors_and_names_are_checked(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        with pytest.raises(SensorError, match="no sensor 'sonar'; the sensors are depth"):
+            await host(server, small_spec(), sensors={0: {"sonar": {}}})
+        with pytest.raises(SensorError, match="width"):
+            await host(server, small_spec(), sensors={0: {"depth": {"width": -1}}})
+        with pytest.raises(ValueError, match="seat 3"):
+            await host(server, small_spec(), sensors={3: {}})
+        with pytest.raises(ValueError, match="2 names for 1 seats"):
+            await server.host(small_spec(), names=["a", "b"])
+
+    serving(tmp_path, play)
+
+
+def test_an_address_in_use_is_an_error(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        other = MatchServer()
+        with pytest.raises(AddressInUseError, match="in use"):
+            await other.start([address])
+        (port,) = await other.start(["127.0.0.1:0"])
+        third = MatchServer()
+        with pytest.raises(AddressInUseError, match="in use"):
+            await third.start([port])
+        await other.stop()
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.parametrize(
+    "address", ["50051", "localhost:x", "unix:/no/such/folder/socket", "unix:/tmp/" + "x" * 120]
+)
+def test_a_malformed_address_is_a_usage_error(tmp_path: Path, address: str) -> None:
+    async def play(server: MatchServer, _: str) -> None:
+        other = MatchServer()
+        with pytest.raises(UserError) as caught:
+            await other.start([address])
+        assert caught.value.exit_code == 2
+
+    serving(tmp_path, play)
+
+
+def test_the_health_service_answers(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        async with grpc.aio.insecure_channel(address) as channel:
+            stub = health_pb2_grpc.HealthStub(channel)
+            for service in ("", "wildscav.match.v1.Match"):
+                answer = await stub.Check(health_pb2.HealthCheckRequest(service=service))
+                assert answer.status == health_pb2.HealthCheckResponse.SERVING
+
+    serving(tmp_path, play)
+
+
+def test_a_seat_that_is_closed_while_its_first_message_is_under_way_hears_why(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec())
+        async with connected(address) as seat:
+            await seat.send(ClientMessage(join=Join(token=hosted.tokens[0], protocol_version=1)))
+            while hosted.seats[0].stream is None:  # noqa: ASYNC110 - then it is about to write
+                await asyncio.sleep(0)
+            hosted.give_up(0, "its process ended")
+            async with asyncio.timeout(5):
+                assert (await refused(seat))[1] == "SEAT_CLOSED"
+
+    serving(tmp_path, play)

@@ -1,0 +1,166 @@
+"""Floods of frames and connections below gRPC: they cost the seat that sends them, and nobody else."""
+
+import asyncio
+import contextlib
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from tests.platform.helpers import raw_http2
+from tests.platform.helpers.attacked_server import memory
+from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
+
+from wildscav.proto.match_pb2 import Action, ClientMessage
+from wildscav.server import Clock, Door, MatchServer, SeatStatus
+
+# So that only a victim that is kept from playing is late, however busy the machine is.
+PATIENT = Clock(step_budget=5.0, join_timeout=60.0, game_time_factor=200.0)
+OWN = Door(connections=16, visits=64)  # as an evaluation has it
+GROWTH = 50e6  # bytes
+SEQUENCES = int(os.environ.get("WILDSCAV_SEQUENCES", "300"))
+EVERY_DAY = {"connect", "ping", "large-continuation"}
+
+
+@contextmanager
+def flooding(*arguments: str) -> Iterator[None]:
+    """Flood a server from another process for as long as the block lasts."""
+    flooder = subprocess.Popen([sys.executable, raw_http2.__file__, *arguments], stderr=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        flooder.kill()
+        flooder.wait()
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [kind if kind in EVERY_DAY else pytest.param(kind, marks=pytest.mark.slow) for kind in raw_http2.KINDS],
+)
+def test_a_seat_that_floods_its_socket_is_put_out_and_costs_the_other_no_step(
+    tmp_path: Path, kind: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def play(_: MatchServer, __: str) -> None:
+        server = MatchServer(door=OWN)
+        own, others = await server.start([f"unix:{tmp_path / name}" for name in ("own", "others")])
+        before = memory()
+        addresses = {0: own, 1: others}
+        hosted = await host(
+            server, small_spec(seats=2, seconds=5.0), addresses=addresses, clock=PATIENT, starting=True
+        )
+        with flooding(kind, own, hosted.tokens[0]):
+            agent = await start_agent("Walker", others, hosted.tokens[1])
+            hosted.launched(0)
+            hosted.launched(1)
+            seats = (await hosted.finished()).seats
+        assert await ended(agent) == (0, "")
+        assert (seats[0].status, seats[0].status.fault) == (SeatStatus.PROTOCOL_ERROR, "agent")
+        assert seats[0].detail.startswith(("flooded its ", "sent ", "did not begin "))
+        assert (seats[1].status, seats[1].late_steps, seats[1].steps_played) == ("finished", 0, 50)
+        assert seats[1].time_bank == hosted.clock.time_bank
+        assert memory() - before < GROWTH
+        await server.stop()
+
+    serving(tmp_path, play)
+    assert not [record for record in caplog.records if record.name == "asyncio"]
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        kind if kind == "connect" else pytest.param(kind, marks=pytest.mark.slow)
+        for kind in ("connect", "hold", "silent", "ping", "large-continuation", "reset", "headers")
+    ],
+)
+def test_strangers_that_flood_an_address_keep_nobody_from_joining_there(tmp_path: Path, kind: str) -> None:
+    async def play(server: MatchServer, _: str) -> None:
+        (address,) = await server.start(["127.0.0.1:0"])
+        before = memory()
+        with flooding(kind, address):
+            hosted = await host(server, small_spec(seconds=5.0), clock=PATIENT)
+            agent = await start_agent("Walker", address, hosted.tokens[0])
+            seat = (await hosted.finished()).seats[0]
+        assert await ended(agent) == (0, "")
+        assert (seat.status, seat.late_steps, seat.steps_played) == ("finished", 0, 50)
+        assert memory() - before < GROWTH
+
+    serving(tmp_path, play)
+
+
+@pytest.mark.parametrize(
+    ("scrap", "bearable"),
+    [
+        (1, False),  # each byte costs the server as much as a whole message
+        (100, True),  # as a slow network may deliver it
+    ],
+)
+def test_a_seat_that_sends_its_answers_byte_by_byte_is_put_out(
+    tmp_path: Path, scrap: int, bearable: bool
+) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=1.0), clock=PATIENT)
+        seat = hosted.seats[0]
+        with raw_http2.greet(address) as client:
+            client.sendall(raw_http2.join(1, hosted.tokens[0]))
+            client.setblocking(False)
+            step = 0
+            while not (hosted.match.over or seat.gone):
+                await asyncio.sleep(0)
+                if seat.asked == step:
+                    step += 1
+                    await send_in_scraps(client, raw_http2.message(1, long_answer(seat.asked)), scrap)
+            report = (await hosted.finished()).seats[0]
+        told = (report.status, report.steps_played, report.detail)
+        put_out = (
+            SeatStatus.PROTOCOL_ERROR,
+            0,
+            "flooded its connection with frames that say nothing or come in scraps",
+        )
+        assert told == (("finished", 10, "") if bearable else put_out)
+
+    serving(tmp_path, play)
+
+
+def long_answer(step: int) -> bytes:
+    """The largest answer that there may be: most of it is a field that nobody knows."""
+    answer = ClientMessage(action=Action(step=step)).SerializeToString()
+    padding = 4096 - len(answer) - 3
+    return answer + bytes([15 << 3 | 2, padding % 128 + 128, padding // 128]) + bytes(padding)
+
+
+async def send_in_scraps(client: socket.socket, content: bytes, size: int) -> None:
+    """Send something so that the server, in this very loop, reads piece by piece."""
+    for at in range(0, len(content), size):
+        with contextlib.suppress(BrokenPipeError):
+            client.send(content[at : at + size])
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+
+
+@pytest.mark.slow
+def test_no_random_sequence_of_frames_harms_the_server_or_a_match(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        before = memory()
+        hosted = await host(server, small_spec(seconds=600.0), clock=PATIENT)
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        attack = (sys.executable, raw_http2.__file__, "random", address, str(SEQUENCES), "1")
+        attacker = await asyncio.create_subprocess_exec(*attack)
+        assert await attacker.wait() == 0
+        seat = hosted.seats[0].report()
+        assert seat.status == "finished"  # so far
+        assert seat.late_steps == 0
+        assert memory() - before < GROWTH
+        hosted.cancel()
+        await ended(agent)
+        again = await host(server, small_spec(), clock=PATIENT)
+        agent = await start_agent("Walker", address, again.tokens[0])
+        assert await ended(agent) == (0, "")
+
+    serving(tmp_path, play, patience=300.0 + SEQUENCES)
+    assert not [record for record in caplog.records if record.name == "asyncio"]

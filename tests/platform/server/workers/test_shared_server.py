@@ -1,0 +1,164 @@
+"""A shared server: which worker plays a match, where its seats are joined, and what its death costs."""
+
+import asyncio
+import os
+import signal
+import socket
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import grpc
+import pytest
+from tests.platform.helpers.seats import connected, ended, small_spec, start_agent
+
+from wildscav.errors import UserError
+from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
+from wildscav.proto.match_pb2_grpc import ArenaStub
+from wildscav.server.hosting.warm_up import warm
+from wildscav.server.workers.shared_server import SharedServer
+from wildscav.system.leftovers import own_folder
+from wildscav.wire.errors import reason_of
+from wildscav.wire.matches import decode_seat_address
+
+State = GetMatchResponse.State
+
+
+def shared(listen: str, test: Callable[[SharedServer, str, ArenaStub], Awaitable[None]], **how: Any) -> None:
+    """Run a test with a server of two workers, and see that it leaves no process behind."""
+
+    async def run() -> None:
+        server = SharedServer(2, **how)
+        (address,) = await server.start([listen])
+        try:
+            async with asyncio.timeout(90), grpc.aio.insecure_channel(address) as channel:
+                await test(server, address, ArenaStub(channel))
+        finally:
+            await server.stop()
+
+    warm()  # compiling is not what is tested
+    asyncio.run(run())
+
+
+def request(seconds: float = 2.0) -> HostMatchRequest:
+    return HostMatchRequest(spec_json=small_spec(seconds=seconds).model_dump_json())
+
+
+async def join(hosted: HostMatchResponse, called: str) -> asyncio.subprocess.Process:
+    return await start_agent("Walker", decode_seat_address(hosted, called), hosted.seat_tokens[0])
+
+
+async def state(arena: ArenaStub, match_id: str) -> GetMatchResponse:
+    """Return how a match stands as soon as it neither waits nor plays."""
+    while True:
+        answer: GetMatchResponse = await arena.GetMatch(GetMatchRequest(match_id=match_id))
+        if answer.state not in (State.STATE_JOINING, State.STATE_PLAYING):
+            return answer
+        await asyncio.sleep(0.05)
+
+
+async def playing(arena: ArenaStub, match_id: str) -> None:
+    """Wait until a match's seats are taken."""
+    while (await arena.GetMatch(GetMatchRequest(match_id=match_id))).state != State.STATE_PLAYING:  # noqa: ASYNC110
+        await asyncio.sleep(0.05)
+
+
+async def reason(call: Awaitable[Any]) -> str:
+    with pytest.raises(grpc.aio.AioRpcError) as caught:
+        await call
+    return reason_of(caught.value)
+
+
+@pytest.mark.parametrize(
+    "listen", ["unix:{}/match.sock", pytest.param("127.0.0.1:0", marks=pytest.mark.slow)]
+)
+def test_matches_are_played_by_the_workers_in_turn_and_joined_there(tmp_path: Path, listen: str) -> None:
+    async def play(server: SharedServer, address: str, arena: ArenaStub) -> None:
+        hosted = [await arena.HostMatch(request()) for _ in range(2)]
+        assert {decode_seat_address(one, address) for one in hosted} == {
+            worker.seats[0] for worker in server.workers
+        }
+        agents = [await join(one, address) for one in hosted]
+        assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
+        for one in hosted:
+            answer = await state(arena, one.match_id)
+            assert (answer.state, answer.steps) == (State.STATE_FINISHED, 20)
+            assert answer.conduct[0].status == "finished"
+            assert answer.record
+
+    shared(listen.format(tmp_path), play)
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_fails_its_matches_alone_and_comes_back(tmp_path: Path) -> None:
+    async def play(server: SharedServer, address: str, arena: ArenaStub) -> None:
+        lost, kept = [await arena.HostMatch(request(seconds=60.0)) for _ in range(2)]
+        agents = [await join(one, address) for one in (lost, kept)]
+        await playing(arena, lost.match_id)
+        worker = server.workers[0]
+        os.kill(worker._process.pid, signal.SIGKILL)  # type: ignore[union-attr]
+        answer = await state(arena, lost.match_id)
+        assert answer.state == State.STATE_FAILED
+        assert answer.error == "the platform failed: worker 1 ended in the middle of it"
+        code, said = await ended(agents[0])
+        assert (code, "went away" in said) == (4, True), said
+        meanwhile = await arena.HostMatch(request(seconds=0.5))  # whose turn it is may be gone
+        assert await ended(await join(meanwhile, address)) == (0, "")
+        assert await ended(agents[1]) == (0, "")
+        while worker.generation == 1:  # noqa: ASYNC110
+            await asyncio.sleep(0.1)
+        again = [await arena.HostMatch(request(seconds=0.5)) for _ in range(2)]
+        assert {one.match_id.partition("-")[0] for one in again} == {"1.2", "2.1"}
+        for one in again:
+            assert await ended(await join(one, address)) == (0, "")
+            assert (await state(arena, one.match_id)).state == State.STATE_FINISHED
+
+    shared(f"unix:{tmp_path}/match.sock", play)
+
+
+@pytest.mark.slow
+def test_the_desk_refuses_as_the_workers_do_and_seats_nobody(tmp_path: Path) -> None:
+    token = (("authorization", "Bearer correct horse"),)
+
+    async def play(server: SharedServer, address: str, arena: ArenaStub) -> None:
+        assert await reason(arena.HostMatch(request())) == "ORGANIZER_TOKEN"
+        wrong = HostMatchRequest(spec_json="{}")
+        assert await reason(arena.HostMatch(wrong, metadata=token)) == "SPEC_INVALID"
+        for unknown in ("", "x", "1.1-x", "1.7-abc", "9.1-abc", "1.-1-x"):
+            ask = GetMatchRequest(match_id=unknown)
+            assert await reason(arena.GetMatch(ask, metadata=token)) == "MATCH_UNKNOWN"
+        hosted = await arena.HostMatch(request(), metadata=token)
+        async with connected(address) as seat:
+            assert await reason(seat.join(hosted.seat_tokens[0])) == "SEAT_TOKEN_UNKNOWN"
+        worker = server.workers[0].seats[0]
+        async with grpc.aio.insecure_channel(worker) as channel:  # a worker's own address opens no match
+            assert await reason(ArenaStub(channel).HostMatch(request(), metadata=token)) == ""
+
+    shared(f"unix:{tmp_path}/match.sock", play, organizer_token="correct horse")  # noqa: S106
+
+
+@pytest.mark.slow
+def test_an_address_that_a_worker_cannot_have_is_named_and_nothing_stays(tmp_path: Path) -> None:
+    async def start() -> None:
+        server = SharedServer(2)
+        with pytest.raises(UserError, match=r"cannot listen on unix:.*match\.sock\.2: it is in use already"):
+            await server.start([f"unix:{tmp_path}/match.sock"])
+        processes = [worker._process for worker in server.workers]
+        assert all(process is not None and process.returncode is not None for process in processes)
+
+    with socket.socket(socket.AF_UNIX) as other:
+        other.bind(f"{tmp_path}/match.sock.2")
+        other.listen()
+        asyncio.run(start())
+
+
+@pytest.mark.parametrize("address", ["nonsense", "0.0.0.0:0", "unix:/dev/null/socket"])
+def test_an_address_that_is_refused_leaves_no_folder(address: str) -> None:
+    folder = own_folder()
+
+    async def run() -> None:
+        with pytest.raises(UserError):
+            await SharedServer(2).start([address])
+        assert list(folder.glob("serve-*")) == []
+
+    asyncio.run(run())
