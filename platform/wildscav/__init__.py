@@ -13,8 +13,7 @@ from wildscav.agent import (
 from wildscav.errors import WildscavError
 from wildscav.grpc_settings import tune
 from wildscav.sdk.run import run
-
-__version__ = "0.1.0"
+from wildscav.version import __version__
 
 __all__ = [
     "Action",
@@ -26,6 +25,7 @@ __all__ = [
     "Vector",
     "VisibleAgent",
     "WildscavError",
+    "__version__",
     "run",
 ]
 

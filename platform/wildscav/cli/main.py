@@ -16,9 +16,9 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from wildscav import __version__
 from wildscav.errors import UserError, WildscavError, describe
 from wildscav.terminal.suggestions import did_you_mean
+from wildscav.version import __version__
 
 GROUP = "wildscav.commands"
 OWN = {

@@ -5,6 +5,7 @@ PyTorch and Stable-Baselines3 are needed here alone, for models that come from t
 
 from wildscav.export.fitting import fit
 from wildscav.export.folder import submission_files
-from wildscav.export.trained import Trained, read_model
+from wildscav.export.reading import read_model
+from wildscav.export.trained import Trained
 
 __all__ = ["Trained", "fit", "read_model", "submission_files"]

@@ -12,6 +12,7 @@ from wildscav.legacy.maps import is_written, write_map
 from wildscav.system.worker_processes import be_worker, starting_workers
 
 PROGRAM = "fps.x86_64"
+HOME = Path(__file__).parents[2]  # the folder that holds the package of Wildscav
 # A shell script that starts Python with itself: paths of interpreters may be too long for a first line.
 LAUNCHER = """\
 #!/bin/sh
@@ -39,12 +40,11 @@ def install_engine(folder: Path) -> Path:
     Raises:
         OSError: It cannot be written.
     """
-    import wildscav
     import wildscav_engine
     from wildscav_engine.files import write_whole
 
     # Where this code lies, in case that its environment alone does not lead to it.
-    roots = [str(Path(package.__path__[0]).parent) for package in (wildscav, wildscav_engine)]
+    roots = [str(HOME), str(Path(wildscav_engine.__path__[0]).parent)]
     text = LAUNCHER.format(python=shlex.quote(sys.executable), roots=roots)
     folder.mkdir(parents=True, exist_ok=True)
     program = folder / PROGRAM

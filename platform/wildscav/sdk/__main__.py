@@ -17,7 +17,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn
 
-import wildscav
 from wildscav.agent import Agent
 from wildscav.errors import RefusedError, ServerUnreachableError, UserError
 from wildscav.sdk.credentials import CA_VARIABLE, CERT_VARIABLE, KEY_VARIABLE
@@ -25,6 +24,7 @@ from wildscav.sdk.run import run
 from wildscav.sdk.watchdog import watch_start_up
 
 PLAYED, USAGE, AGENT_FAILED, NO_SERVER = 0, 2, 3, 4
+PACKAGE = Path(__file__).parents[1]  # all of Wildscav that an agent has
 OPTIONS = {"--ca": CA_VARIABLE, "--cert": CERT_VARIABLE, "--key": KEY_VARIABLE}
 USAGE_LINE = (
     "usage: python -m wildscav.sdk MODULE:CLASS [--ca FILE] [--cert FILE --key FILE]"
@@ -132,7 +132,7 @@ def _print_own_code(error: BaseException) -> None:
 
 
 def _is_foreign_to_agent(trace: TracebackType) -> bool:
-    folders = (*wildscav.__path__, *asyncio.__path__, "<frozen importlib")
+    folders = (str(PACKAGE), *asyncio.__path__, "<frozen importlib")
     return trace.tb_frame.f_code.co_filename.startswith((*folders, importlib.__file__))
 
 

@@ -87,9 +87,9 @@ def wait_in_line() -> None:
 
 async def _play(agent: Agent, address: str, token: str) -> "MatchOver":
     # Imported here because the command line, which imports this package, should start quickly.
-    from wildscav import __version__
     from wildscav.sdk.connection import Connection
     from wildscav.sdk.credentials import Credentials
+    from wildscav.version import __version__
 
     aside = Aside()
     async with Connection(address, token, __version__, Credentials.of()) as connection:

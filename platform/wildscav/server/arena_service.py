@@ -4,8 +4,8 @@ import asyncio
 import json
 import secrets
 from collections import OrderedDict
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import grpc
 
@@ -18,12 +18,27 @@ from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_seat_result
 
 if TYPE_CHECKING:
-    from wildscav.server.match_server import MatchServer
+    from wildscav_engine.spec import MatchSpec
 
 OPEN_LIMIT = 64  # matches at one time
 KEPT_LIMIT = 256  # finished matches that can still be asked for
 
 State = GetMatchResponse.State
+
+
+class MatchHost(Protocol):
+    """What the service needs of the server that hosts its matches."""
+
+    async def host(
+        self,
+        spec: "MatchSpec",
+        *,
+        names: Sequence[str],
+        sensors: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
+        clock: Clock | None = None,
+    ) -> HostedMatch:
+        """Open a match."""
+        ...
 
 
 class ArenaService:
@@ -33,7 +48,7 @@ class ArenaService:
         server: Hosts the matches.
     """
 
-    def __init__(self, server: "MatchServer") -> None:
+    def __init__(self, server: MatchHost) -> None:
         self._server = server
         self._open: dict[str, HostedMatch | None] = {}  # None: its map is being made
         self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()

@@ -16,7 +16,8 @@ from wildscav.server.endpoints.pending_streams import Strangers
 from wildscav.server.hosting.hosted_match import HostedMatch
 from wildscav.server.hosting.reports import SeatStatus
 from wildscav.server.hosting.seat import Seat
-from wildscav.server.http2.stream import Stream, StreamLostError
+from wildscav.server.http2.flow_control import StreamLostError
+from wildscav.server.http2.stream import Stream
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
 JOIN_TIME = 10.0  # s that a new stream has to say who it is

@@ -2,8 +2,9 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from wildscav.server.http2.flow_control import StreamLostError
 from wildscav.server.http2.frames import (
     FIRST_WINDOW,
     LARGEST_WINDOW,
@@ -12,11 +13,8 @@ from wildscav.server.http2.frames import (
     Kind,
     write_frame,
 )
-from wildscav.server.http2.stream import Stream, StreamLostError
+from wildscav.server.http2.stream import Stream, StreamConnection
 from wildscav.wire.errors import RefusalError
-
-if TYPE_CHECKING:
-    from wildscav.server.http2.connection import Connection
 
 STREAMS = 128  # at one time
 UNIMPLEMENTED, UNAVAILABLE = 12, 14  # statuses of gRPC
@@ -38,7 +36,7 @@ class Calls:
         routes: What each method is served by.
     """
 
-    def __init__(self, connection: "Connection", routes: Mapping[str, Route]) -> None:
+    def __init__(self, connection: StreamConnection, routes: Mapping[str, Route]) -> None:
         self._connection, self._routes = connection, routes
         self._loop = asyncio.get_running_loop()
         self._streams: dict[int, Stream] = {}

@@ -8,10 +8,9 @@ from typing import Protocol, cast
 from wildscav.server.http2.allowance import HEAVY, Allowance, FloodError, Share, processor_time
 from wildscav.server.http2.calls import STREAMS, Calls, Route
 from wildscav.server.http2.encryption import Encryption
-from wildscav.server.http2.flow_control import Flow
+from wildscav.server.http2.flow_control import WINDOW, FlowControl
 from wildscav.server.http2.frames import Code, FrameError, Kind, Setting, write_frame, write_settings
 from wildscav.server.http2.inbound import HEADER_LIMIT, Inbound
-from wildscav.server.http2.stream import WINDOW
 from wildscav.wire.errors import ProtocolRefusalError
 
 GREETING_TIME = 10.0  # s until a new connection must have spoken HTTP/2
@@ -68,7 +67,7 @@ class Connection(asyncio.BufferedProtocol):
         self._loop = asyncio.get_running_loop()
         self.allowance = Allowance(self._loop.time)
         self.known = False  # whether the client is in a seat, or an organizer
-        self.flow = Flow(self.send)
+        self.flow = FlowControl(self.send)
         self.calls = Calls(self, host.routes)
         self._inbound = Inbound(self)
         self._kept = b""  # what was read and not looked at

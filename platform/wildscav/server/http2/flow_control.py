@@ -2,16 +2,25 @@
 
 import asyncio
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from wildscav.server.http2.frames import FIRST_WINDOW, LARGEST_WINDOW, Code, FrameError, Kind, write_frame
-from wildscav.server.http2.stream import WINDOW, StreamLostError
 
-if TYPE_CHECKING:
-    from wildscav.server.http2.stream import Stream
+WINDOW = 16_384  # bytes that a client may have sent of a stream and that nobody has read
 
 
-class Flow:
+class StreamLostError(Exception):
+    """The connection of a stream is gone, or its client has ended it."""
+
+
+class StreamWindow(Protocol):
+    """What flow control needs of a stream."""
+
+    window: int  # bytes that the client takes of it
+    finished: bool  # whether nothing more is sent of it
+
+
+class FlowControl:
     """What may still be sent on a connection, either way.
 
     Args:
@@ -28,7 +37,7 @@ class Flow:
 
     # What the client takes.
 
-    async def room_for(self, stream: "Stream") -> None:
+    async def room_for(self, stream: StreamWindow) -> None:
         """Wait until there is room for some of a stream.
 
         Raises:
@@ -50,7 +59,7 @@ class Flow:
             if not waiter.done():
                 waiter.set_result(None)
 
-    def widen(self, more: int, stream: "Stream | None") -> None:
+    def widen(self, more: int, stream: StreamWindow | None) -> None:
         """Hear that the client takes more.
 
         Args:

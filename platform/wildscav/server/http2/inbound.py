@@ -1,11 +1,13 @@
 """What a client sends: it is taken apart here, frame by frame, counted, and handed to the calls."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from hpack import Decoder, HPACKError
 
-from wildscav.server.http2.allowance import HEADERS_COST, HEAVY, READ_COST, FloodError
+from wildscav.server.http2.allowance import HEADERS_COST, HEAVY, READ_COST, Allowance, FloodError
+from wildscav.server.http2.calls import Calls
+from wildscav.server.http2.flow_control import WINDOW, FlowControl
 from wildscav.server.http2.frames import (
     LARGEST,
     LARGEST_WINDOW,
@@ -20,13 +22,40 @@ from wildscav.server.http2.frames import (
     without_padding,
     write_frame,
 )
-from wildscav.server.http2.stream import WINDOW, Stream
-
-if TYPE_CHECKING:
-    from wildscav.server.http2.connection import Connection
+from wildscav.server.http2.stream import Stream
 
 HEADER_LIMIT = 16_384  # bytes of the headers of a call, packed and unpacked
 UNKNOWN_LIMIT = 32_768  # bytes of messages that a client may send before it is known
+
+
+class ReadConnection(Protocol):
+    """What is needed of a connection to take in what its client sends."""
+
+    known: bool  # whether the client is in a seat, or an organizer
+
+    @property
+    def allowance(self) -> Allowance:
+        """What the client may still cost."""
+        ...
+
+    @property
+    def flow(self) -> FlowControl:
+        """How much may be sent, either way."""
+        ...
+
+    @property
+    def calls(self) -> Calls:
+        """The calls that have not ended."""
+        ...
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing that comes matters any more."""
+        ...
+
+    def send(self, content: bytes) -> None:
+        """Write something to the client."""
+        ...
 
 
 class Inbound:
@@ -36,7 +65,7 @@ class Inbound:
         connection: The client's.
     """
 
-    def __init__(self, connection: "Connection") -> None:
+    def __init__(self, connection: ReadConnection) -> None:
         self._connection = connection
         self._reader, self._decoder = FrameReader(), Decoder(HEADER_LIMIT)
         self._headers: bytearray | None = None  # of a call that is not all there

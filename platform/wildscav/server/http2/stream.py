@@ -4,25 +4,54 @@ import asyncio
 import base64
 from collections import deque
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 from urllib.parse import quote
 
 import grpc
 from hpack import Encoder, NeverIndexedHeaderTuple
 
+from wildscav.server.http2.allowance import Allowance
+from wildscav.server.http2.flow_control import WINDOW, FlowControl, StreamLostError
 from wildscav.server.http2.frames import LARGEST, Code, Flag, Kind, write_frame
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError, encode_refusal
 
-if TYPE_CHECKING:
-    from wildscav.server.http2.connection import Connection
-
 PREFIX = 5  # bytes before a message: whether it is compressed, and its length
-WINDOW = 16_384  # bytes that a client may have sent of a stream and that nobody has read
 WAITING = 64  # messages of a stream that nobody has read
 
 
-class StreamLostError(Exception):
-    """The connection of a stream is gone, or its client has ended it."""
+class OpenStreams(Protocol):
+    """What a stream needs of the list of a connection's streams."""
+
+    def forget(self, stream: "Stream") -> None:
+        """Take a stream that has ended off the list."""
+        ...
+
+
+class StreamConnection(Protocol):
+    """What a stream needs of the connection that it is on."""
+
+    @property
+    def allowance(self) -> Allowance:
+        """What the client may still cost."""
+        ...
+
+    @property
+    def flow(self) -> FlowControl:
+        """How much may be sent, either way."""
+        ...
+
+    @property
+    def calls(self) -> OpenStreams:
+        """The connection's streams."""
+        ...
+
+    def send(self, content: bytes) -> None:
+        """Write something to the client."""
+        ...
+
+    def trust(self) -> None:
+        """Count the client as known."""
+        ...
 
 
 class Stream:
@@ -56,7 +85,7 @@ class Stream:
     )
 
     def __init__(
-        self, connection: "Connection", number: int, headers: Mapping[str, str], window: int, limit: int
+        self, connection: StreamConnection, number: int, headers: Mapping[str, str], window: int, limit: int
     ) -> None:
         self._connection, self.number, self.headers, self.window = connection, number, headers, window
         self.task: asyncio.Task[None] | None = None  # runs the handler

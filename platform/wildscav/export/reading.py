@@ -1,0 +1,87 @@
+"""Reading models, told by their files."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav.errors import UserError
+from wildscav.export.stable_baselines import read_zip
+from wildscav.export.trained import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, Trained, pack_layers
+from wildscav.policy.errors import PolicyError
+from wildscav.policy.networks import ACTIVATIONS, Layers, OnnxNetwork, read_layers
+
+SUFFIXES = (".zip", ".onnx", ".npz")
+
+
+def read_model(path: Path, activation: str = "tanh") -> Trained:
+    """Read a model: a zip of Stable-Baselines3, an ONNX file, or an npz of layers.
+
+    Args:
+        path: The file. A zip holds Python objects: read none from strangers.
+        activation: What follows each layer of an npz but the last.
+
+    Raises:
+        UserError: It cannot be read, or needs a library that is not installed.
+    """
+    if not path.is_file():
+        raise UserError(f"{path} is no file: name a model that was saved", exit_code=2)
+    try:
+        if path.suffix == ".npz":
+            return _read_npz(path, activation)
+        if path.suffix == ".onnx":
+            return _read_onnx(path)
+        if path.suffix == ".zip":
+            return read_zip(path)
+    except PolicyError as error:
+        raise UserError(f"{path}: {error}", exit_code=2) from None
+    raise UserError(
+        f"{path} ends in {path.suffix or 'nothing'}; models end in {', '.join(SUFFIXES)}", exit_code=2
+    )
+
+
+def _read_npz(path: Path, activation: str) -> Trained:
+    if activation not in ACTIVATIONS:
+        raise UserError(f"--activation is {activation!r}; known are {', '.join(ACTIVATIONS)}", exit_code=2)
+    weights, biases = read_layers(path)
+    activations = [activation] * (len(weights) - 1) + ["identity"]
+    layers = Layers(weights, biases, activations)
+    network: dict[str, Any] = {"kind": "layers", "file": LAYERS_FILE, "activations": activations}
+    with np.load(path, allow_pickle=False) as arrays:
+        if "log_std" in arrays:
+            network["deviations"] = _deviations(path, arrays["log_std"])
+    return Trained(
+        source=path,
+        inputs=(layers.inputs,),
+        outputs=layers.outputs,
+        head=None,
+        network=network,
+        files={LAYERS_FILE: pack_layers(weights, biases)},
+    )
+
+
+def _deviations(path: Path, logs: NDArray[Any]) -> list[float]:
+    """Return standard deviations, whose logarithms are given."""
+    if logs.dtype.kind not in "fiu":
+        raise UserError(f"{path}: log_std holds {logs.dtype}, must hold numbers", exit_code=2)
+    deviations: list[float] = np.exp(logs.astype(np.float64)).reshape(-1).tolist()
+    return deviations
+
+
+def _read_onnx(path: Path) -> Trained:
+    network = OnnxNetwork(path)
+    shapes = {name: shape for name, shape in network.shapes.items() if shape is not None}
+    if len(shapes) < len(network.shapes):
+        unknown = next(name for name, shape in network.shapes.items() if shape is None)
+        raise UserError(f"{path}: the input {unknown} must have a fixed shape but for its batch axis", 2)
+    return Trained(
+        source=path,
+        inputs=shapes if len(shapes) > 1 else next(iter(shapes.values())),
+        outputs=network.outputs,
+        head=None,
+        whole=network.whole,
+        network={"kind": "onnx", "file": ONNX_FILE},
+        files={ONNX_FILE: path.read_bytes()},
+        requirements=(ONNX_REQUIREMENT,),
+    )
