@@ -3,9 +3,8 @@
 import math
 
 import pytest
-from tests.platform.legacy.helpers.commands import MAP, command, open_way, setup
+from tests.platform.legacy.helpers.commands import MAP, command, far_target, open_way, setup
 from tests.platform.legacy.helpers.competitor import Competitor
-from tests.platform.legacy.test_navigation import far_target
 
 from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand
 from wildscav_engine.geometry.terrain import ground_at, water_at

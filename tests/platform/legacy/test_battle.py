@@ -1,23 +1,10 @@
 """Supply battle by the original's contract: shots, deaths, returns, and what each agent was given."""
 
-from typing import Any
-
 import pytest
-from tests.platform.legacy.helpers.commands import command, face_to_face, setup
-from tests.platform.legacy.helpers.competitor import Competitor
+from tests.platform.legacy.helpers.commands import SHOOT, command, duel, face_to_face, setup
+from tests.platform.legacy.helpers.competitor import Competitor, begin_at_a_box
 
-from wildscav.legacy.commander_pb2 import EnemyInfo, GameMode, GMCommand, Observation, Vector3
-
-SHOOT = {0: {"shoot_gun": True}}
-
-
-def duel(
-    first: dict[str, Any] | None = None, second: dict[str, Any] | None = None, **fields: Any
-) -> GMCommand:
-    """Agent 0 looks at agent 1, who stands 5 m north of it."""
-    here, there = face_to_face()
-    agents = [setup(0, here, **(first or {})), setup(1, there, **(second or {}))]
-    return command(GameMode.SUP_BATTLE_MODE, agents=agents, **{"supply_house_create_percent": 0, **fields})
+from wildscav.legacy.commander_pb2 import EnemyInfo, GameMode, Observation, Vector3
 
 
 def test_a_hit_costs_20_and_both_are_told(competitor: Competitor) -> None:
@@ -97,18 +84,6 @@ def test_the_dead_leave_a_share_of_what_they_carry(competitor: Competitor, perce
     assert sum(box.supply_quantity for box in dropped) == before.num_supply - after.num_supply
     for box in dropped:
         assert box.supply_location.x == pytest.approx(before.location.x, abs=0.01)
-
-
-def begin_at_a_box(competitor: Competitor, asked: GMCommand) -> None:
-    """Begin an episode in which agent 0 starts beside boxes of 10."""
-    asked.supply_heatmap_center.CopyFrom(asked.agent_setups[0].start_location)
-    asked.supply_random_min = asked.supply_random_max = 10
-    for seed in range(20):
-        asked.random_seed = seed
-        competitor.begin(asked)
-        if competitor.seen_by(0).can_pickup:
-            return
-    raise AssertionError("no box near the start with any seed")
 
 
 def test_ten_agents_are_told_of_all_others(competitor: Competitor) -> None:

@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from tests.platform.legacy.helpers.commands import command, setup, vector
-from tests.platform.legacy.helpers.competitor import Competitor
-from tests.platform.legacy.test_battle import SHOOT, begin_at_a_box, duel
+from tests.platform.legacy.helpers.commands import SHOOT, command, duel, setup, vector
+from tests.platform.legacy.helpers.competitor import Competitor, begin_at_a_box
 
 from wildscav.legacy.commander_pb2 import EventAgent, GameMode, SupplyRefreshData
 

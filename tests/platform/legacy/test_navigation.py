@@ -3,18 +3,12 @@
 import math
 
 import pytest
-from tests.platform.legacy.helpers.commands import command, open_way, setup
+from tests.platform.legacy.helpers.commands import command, far_target, open_way, setup
 from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.commander_pb2 import AgentSetup, GameState
 from wildscav_engine.maps import load_map
 from wildscav_engine.record import read_record
-
-
-def far_target() -> list[float]:
-    """A place on the map that nobody in these tests reaches."""
-    place: list[float] = load_map(103).outdoor[-1].round(3).tolist()
-    return place
 
 
 def test_an_episode_opens_with_what_the_agent_starts_with(competitor: Competitor) -> None:

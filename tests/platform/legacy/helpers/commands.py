@@ -13,6 +13,7 @@ from wildscav_engine.match import Match
 from wildscav_engine.spec import MatchSpec
 
 MAP = 103  # 100 m × 100 m
+SHOOT = {0: {"shoot_gun": True}}
 
 
 def vector(place: Sequence[float]) -> Vector3:
@@ -105,3 +106,18 @@ def face_to_face(distance: float = 5.0, map_id: int = MAP) -> tuple[list[float],
             if abs(ahead[1] - place[1]) < 0.2:
                 return place, ahead
     raise AssertionError("no level way on the map")
+
+
+def far_target() -> list[float]:
+    """A place on the map that nobody in these tests reaches."""
+    place: list[float] = load_map(103).outdoor[-1].round(3).tolist()
+    return place
+
+
+def duel(
+    first: dict[str, Any] | None = None, second: dict[str, Any] | None = None, **fields: Any
+) -> GMCommand:
+    """Agent 0 looks at agent 1, who stands 5 m north of it."""
+    here, there = face_to_face()
+    agents = [setup(0, here, **(first or {})), setup(1, there, **(second or {}))]
+    return command(GameMode.SUP_BATTLE_MODE, agents=agents, **{"supply_house_create_percent": 0, **fields})
