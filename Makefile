@@ -1,10 +1,14 @@
-# Everything runs in .venv, which these targets make and keep up to date by themselves.
+# Everything but test-with runs in .venv, which these targets make and keep up to date by themselves.
 PYTHON ?= python3
 BIN := .venv/bin
+# Of make test-with, which makes an environment of its own each time.
+OTHER := .venv-other
+RELEASES ?=
+PART ?= tests/engine tests/platform
 BENCHMARKS := compile legacy maps processes rays server steps
 .DEFAULT_GOAL := help
 
-.PHONY: help demo test test-slow check format bench proto clean
+.PHONY: help demo test test-slow test-with check format bench proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -37,6 +41,13 @@ test: .venv/.dev ## Run the tests (under 10 minutes).
 test-slow: .venv/.training ## Run what is too slow for every day.
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
 
+test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.63.*'.
+	rm -rf $(OTHER)
+	$(PYTHON) -m venv --without-pip $(OTHER)
+	$(BIN)/python -m pip --python $(OTHER)/bin/python install --quiet --disable-pip-version-check -e '.[dev]' $(RELEASES)
+	@$(OTHER)/bin/python -c 'import llvmlite, numba, numpy, sys; print("Python", sys.version.split()[0], *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, llvmlite)))'
+	$(OTHER)/bin/python -m pytest -n 2 --dist worksteal $(PART)
+
 check: .venv/.dev ## Lint, formatting, types and import contracts.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -57,4 +68,4 @@ proto: .venv/.dev ## Generate the Python code of the protocol again.
 		platform/wildscav/legacy/*.proto
 
 clean: ## Remove the virtual environment and everything made.
-	rm -rf .venv out
+	rm -rf .venv $(OTHER) out

@@ -3,8 +3,10 @@
 import re
 import shutil
 import socket
+import ssl
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -56,6 +58,33 @@ def test_the_commands_and_the_code_of_the_page_play_a_match(tmp_path: Path) -> N
     assert "success" in done.stdout or "score" in done.stdout, done.stdout
     verify = [sys.executable, "-m", "wildscav.cli.main", "verify", "match.wsr"]
     assert subprocess.run(verify, cwd=tmp_path, capture_output=True, check=False).returncode == 0
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
+def test_the_certificate_of_the_page_is_accepted_by_the_strictest_client(tmp_path: Path) -> None:
+    make_certificate = next(block for block in blocks(PAGE, "sh") if block.startswith("openssl req"))
+    subprocess.run(make_certificate, shell=True, cwd=tmp_path, check=True, capture_output=True)  # noqa: S602
+
+    server = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    server.load_cert_chain(tmp_path / "server.pem", tmp_path / "server.key")
+    client = ssl.create_default_context(cafile=tmp_path / "ca.pem")
+    client.verify_flags |= ssl.VERIFY_X509_STRICT  # the default from Python 3.13 on
+
+    assert greet(client, server, "arena.example.org") == "TLSv1.3"
+
+
+def greet(client: ssl.SSLContext, server: ssl.SSLContext, host: str) -> str | None:
+    """Let two ends greet each other, without a network; return the version of TLS that they agree on."""
+    to_client, to_server = ssl.MemoryBIO(), ssl.MemoryBIO()
+    ends = (
+        client.wrap_bio(to_client, to_server, server_hostname=host),
+        server.wrap_bio(to_server, to_client, server_side=True),
+    )
+    for _ in range(3):
+        for end in ends:
+            with suppress(ssl.SSLWantReadError):
+                end.do_handshake()
+    return ends[0].version()
 
 
 def test_every_metric_of_the_server_is_told() -> None:

@@ -11,6 +11,18 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 DAY = dt.timedelta(days=1)
+# Python 3.13 and newer refuse an authority that does not say that it signs, as RFC 5280 asks of it.
+SIGNS = x509.KeyUsage(
+    key_cert_sign=True,
+    crl_sign=True,
+    digital_signature=False,
+    content_commitment=False,
+    key_encipherment=False,
+    data_encipherment=False,
+    key_agreement=False,
+    encipher_only=False,
+    decipher_only=False,
+)
 
 
 class Pair(NamedTuple):
@@ -32,7 +44,8 @@ class Authority:
         self._folder, self._name = folder, x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, name)])
         self._key = ec.generate_private_key(ec.SECP256R1())
         basic = x509.BasicConstraints(ca=True, path_length=None)
-        certificate = self._about(self._name, self._key.public_key(), DAY).add_extension(basic, critical=True)
+        certificate = self._about(self._name, self._key.public_key(), DAY)
+        certificate = certificate.add_extension(basic, critical=True).add_extension(SIGNS, critical=True)
         self.path = self._write(f"{name}.pem", certificate)
 
     def sign(self, name: str, *, valid: dt.timedelta = DAY) -> Pair:
@@ -59,7 +72,10 @@ class Authority:
         now = dt.datetime.now(dt.UTC)
         builder = x509.CertificateBuilder().issuer_name(self._name).subject_name(subject).public_key(key)
         builder = builder.serial_number(x509.random_serial_number())
-        return builder.not_valid_before(now - 10 * DAY).not_valid_after(now + valid)
+        builder = builder.not_valid_before(now - 10 * DAY).not_valid_after(now + valid)
+        signer = x509.AuthorityKeyIdentifier.from_issuer_public_key(self._key.public_key())
+        own = x509.SubjectKeyIdentifier.from_public_key(key)
+        return builder.add_extension(own, critical=False).add_extension(signer, critical=False)
 
     def _write(self, name: str, certificate: x509.CertificateBuilder) -> Path:
         signed = certificate.sign(self._key, hashes.SHA256())
