@@ -8,7 +8,7 @@ PART ?= tests/engine tests/platform
 BENCHMARKS := compile legacy maps processes rays server steps
 .DEFAULT_GOAL := help
 
-.PHONY: help demo test test-slow test-with check format bench proto clean
+.PHONY: help demo test test-slow test-with check format bench docs docs-serve proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -60,6 +60,16 @@ format: .venv/.dev ## Format the code and mend what can be mended by itself.
 
 bench: .venv/.dev ## Run every benchmark; each prints a table.
 	@for name in $(BENCHMARKS); do $(BIN)/python benchmarks/$$name.py || exit 1; done
+
+# The notice that Material prints is about the successor of MkDocs, which nothing here uses.
+docs: export NO_MKDOCS_2_WARNING = 1
+docs: .venv/.dev ## Build the site; warnings are errors.
+	$(BIN)/mkdocs build --quiet --strict
+	@echo 'The site lies in out/site: open out/site/index.html, or serve it with: make docs-serve'
+
+docs-serve: export NO_MKDOCS_2_WARNING = 1
+docs-serve: .venv/.dev ## Show the site at http://127.0.0.1:8000/, and build it again after every edit.
+	$(BIN)/mkdocs serve --quiet --watch website
 
 proto: .venv/.dev ## Generate the Python code of the protocol again.
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \

@@ -1,0 +1,102 @@
+"""The site as readers have it: built without a warning, and shown by a browser that asks nobody else."""
+
+import functools
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SHOWN = (
+    "index",
+    "environments/battle",
+    "reference/protocol",
+    "reference/commands",
+    "reference/sdk",
+)
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built strictly."""
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
+    environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "WARNING" not in done.stderr
+    return folder
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Serves files and says nothing."""
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002
+        """Say nothing."""
+
+
+@pytest.fixture(scope="module")
+def address(site: Path) -> Iterator[str]:
+    with ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=str(site))) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+        server.shutdown()
+        thread.join()
+
+
+def test_no_page_names_a_script_or_style_of_another_host(site: Path) -> None:
+    pages = list(site.rglob("*.html"))
+    assert len(pages) > 30
+    for page in pages:
+        text = page.read_text("utf-8")
+        for loads in ('src="http', 'rel="stylesheet" href="http', 'src="//', "fonts.googleapis"):
+            assert loads not in text, (page, loads)
+
+
+def test_a_browser_shows_the_pages_and_asks_nobody_else(address: str) -> None:
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("needs Debian's chromium: apt-get install chromium")
+    with playwright.sync_playwright() as tools:
+        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 390, "height": 800})
+        asked: set[str] = set()
+        errors: list[str] = []
+        page.on("request", lambda request: asked.add(urlsplit(request.url).netloc))
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        for name in SHOWN:
+            answer = page.goto(f"{address}/{name}.html", wait_until="networkidle")
+            assert answer.status == 200
+            assert page.locator("h1").count() == 1, name
+            wider = page.evaluate("document.documentElement.scrollWidth > window.innerWidth")
+            assert not wider, f"{name} is wider than a phone"
+            assert page.evaluate("[...document.images].every(one => one.naturalWidth > 0)"), name
+        assert errors == []
+        assert asked == {urlsplit(address).netloc}
+        browser.close()
+
+
+def test_the_search_finds_an_option_of_a_command(address: str) -> None:
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("needs Debian's chromium: apt-get install chromium")
+    with playwright.sync_playwright() as tools:
+        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1400, "height": 900})
+        page.goto(f"{address}/index.html?q=replay-agent", wait_until="networkidle")
+        page.wait_for_selector(".md-search-result__link", state="attached")
+        links = page.eval_on_selector_all(".md-search-result__link", "links => links.map(link => link.href)")
+        assert any("reference/commands.html" in link for link in links)
+        browser.close()

@@ -1,0 +1,48 @@
+"""What this project adds to the steps of MkDocs: pages made from the code, and links that leave docs/."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files, InclusionLevel
+from mkdocs.structure.pages import Page
+
+from wildscav_website import commands, environments, protocol, python_reference
+from wildscav_website.links import MOVED, ROOT, SOURCES, links_for_site
+
+ASSETS = Path(__file__).parents[1] / "assets"
+
+
+def generated_pages() -> dict[str, Callable[[], str]]:
+    """Return what writes each page that does not stand in docs/, by the page's path on the site."""
+    copied = {MOVED[source]: (ROOT / source).read_text for source in MOVED if "/" not in source}
+    return {
+        **copied,
+        **environments.pages(),
+        **python_reference.pages(),
+        "reference/commands.md": commands.page,
+        "reference/protocol.md": protocol.page,
+    }
+
+
+def on_files(files: Files, /, *, config: MkDocsConfig) -> Files:
+    """Add the pages that do not stand in docs/, and the style sheet."""
+    for path, write in generated_pages().items():
+        files.append(File.generated(config, path, content=write()))
+    for asset in sorted(ASSETS.iterdir()):
+        files.append(File.generated(config, f"assets/{asset.name}", abs_src_path=str(asset)))
+    return files
+
+
+def on_page_markdown(markdown: str, /, *, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Make the links of a page hold on the site, and add those that only the site has."""
+    path = page.file.src_uri
+
+    def add(source: str) -> None:
+        if files.get_file_from_path(SOURCES + source) is None:
+            included, place = InclusionLevel.INCLUDED, str(ROOT / source)
+            files.append(File.generated(config, SOURCES + source, abs_src_path=place, inclusion=included))
+
+    if page.file.generated_by is None or path in MOVED.values():
+        markdown = links_for_site(markdown, path, add)
+    return environments.link_to_pages(markdown) if path == "environments.md" else markdown
