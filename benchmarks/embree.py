@@ -8,7 +8,7 @@ from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.mesh import solids_mesh, terrain_mesh
+from wildscav_engine.maps.export.mesh import solids_mesh, terrain_mesh
 
 FIELD_OF_VIEW = 60.0  # degrees
 Rays = tuple[NDArray[np.float32], NDArray[np.float32]]  # (n, 3) m where they start, and (n, 3) unit vectors

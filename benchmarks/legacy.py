@@ -16,7 +16,7 @@ from report import Figure, JsonFile, publish
 
 from wildscav.legacy.install import PROGRAM, install_engine, install_maps, missing_maps
 from wildscav.server.hosting.warm_up import warm
-from wildscav_engine.compilation.folders import cache_root
+from wildscav_engine.compilation.cache_folders import cache_root
 
 HERE = Path(__file__).parent
 PACKAGES = (

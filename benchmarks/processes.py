@@ -14,10 +14,10 @@ import numpy as np
 import typer
 from report import Figure, JsonFile, publish
 
-from wildscav_engine.actions import FIELDS, Field
 from wildscav_engine.maps import load_map
-from wildscav_engine.match import Match
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import FIELDS, Field
+from wildscav_engine.specs.spec import MatchSpec
 
 AGENTS, PROCESSES = (1, 5, 10), (1, 2, 4)
 PAPER = {

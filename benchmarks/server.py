@@ -30,10 +30,10 @@ from wildscav.server.hosting.warm_up import warm
 from wildscav.server.workers.shared_server import SharedServer
 from wildscav.wire.matches import decode_seat_address
 from wildscav.wire.observations import encode_observation
-from wildscav_engine.actions import Field, no_actions
-from wildscav_engine.match import Match
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
-from wildscav_engine.threads import cores
+from wildscav_engine.parallel.threads import cores
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import Field, no_actions
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 
 HERE = Path(__file__).parent
 STEPS = {1: 1500, 10: 300}

@@ -12,14 +12,14 @@ import numpy as np
 import typer
 from report import Figure, JsonFile, publish
 
-from wildscav_engine.actions import FIELDS, Field
-from wildscav_engine.batch import Batch
 from wildscav_engine.envs.arena import Arena
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.pools import random_maps
-from wildscav_engine.match import Match
-from wildscav_engine.spec import MapConfig, MatchSpec
+from wildscav_engine.simulation.batch import Batch
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import FIELDS, Field
+from wildscav_engine.specs.spec import MapConfig, MatchSpec
 
 REPEATS = 5
 POOL = 64  # maps

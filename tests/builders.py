@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.actions import FIELDS, Field
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.geometry.world import CELL, Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.match import Match
-from wildscav_engine.rng import Dice, Stream
-from wildscav_engine.sensors.visibility import Seen
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.state import Supplies
-from wildscav_engine.systems.supplies import index_boxes
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.state import Supplies
+from wildscav_engine.simulation.systems.supplies import index_boxes
+from wildscav_engine.simulation.visibility import Seen
+from wildscav_engine.specs.actions import FIELDS, Field
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
 
 # Boxes on half of the whole metres of a map, and in all rooms.
 RICH = SupplyConfig(

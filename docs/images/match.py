@@ -16,9 +16,9 @@ import rerun
 from PIL import Image
 from rerun.experimental import ViewerClient
 
-from wildscav_engine.match import Match
 from wildscav_engine.record import record_of
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_engine.view import write_replay
 
 MAP = MapConfig(

@@ -14,11 +14,8 @@ from typing import Any
 from numpy.typing import NDArray
 from PIL import Image
 
-from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.viewpoints import standing_height
-from wildscav_engine.rendering.placed import placed_things
-from wildscav_engine.rendering.things import Things
 from wildscav_engine.sensors import (
     ColorCamera,
     DepthCamera,
@@ -26,9 +23,12 @@ from wildscav_engine.sensors import (
     NormalCamera,
     SegmentationCamera,
 )
-from wildscav_engine.sensors.legend import draw_reading
-from wildscav_engine.sensors.optical import OpticalSensor
-from wildscav_engine.spec import MapConfig
+from wildscav_engine.sensors.display.legend import draw_reading
+from wildscav_engine.sensors.optics.dynamic_objects import Things
+from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.placed_objects import placed_things
+from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.spec import MapConfig
 
 FOLDER = Path(__file__).parent
 CONFIG = MapConfig(

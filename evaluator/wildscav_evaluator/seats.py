@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from wildscav_engine.rng import Dice
-from wildscav_engine.spec import SUBMISSION
+from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.specs.spec import SUBMISSION
 
 BATTLE_ROBOTS = ("fighter", "gatherer")
 

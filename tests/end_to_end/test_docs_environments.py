@@ -5,10 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from wildscav_engine.envs.columns import GROUPS
-from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.presets import PRESETS
 from wildscav_engine.envs.registry import env_id, zoo_id
+from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.settings.presets import PRESETS
+from wildscav_engine.envs.spaces.columns import GROUPS
 from wildscav_engine.tracks import TRACKS
 
 ROOT = Path(__file__).parents[2]

@@ -5,16 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.maps.game_map import SUPPLY_SPACING
-from wildscav_engine.robots import ROBOTS
-from wildscav_engine.robots.skill import EASY, HARD, NORMAL, Skill
-from wildscav_engine.rules import FRAMES_PER_SECOND, Rules
-from wildscav_engine.sensors.visibility import AGENT_LIMIT, ASPECT, SUPPLY_LIMIT
-from wildscav_engine.set_up import SPARE_SLOTS
-from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.starts import START_DISTANCE, TARGET_DISTANCE
-from wildscav_engine.systems.damage import RESPAWN_DISTANCE
+from wildscav_engine.simulation.robots import ROBOTS
+from wildscav_engine.simulation.robots.skill import EASY, HARD, NORMAL, Skill
+from wildscav_engine.simulation.set_up import SPARE_SLOTS
+from wildscav_engine.simulation.starts import START_DISTANCE, TARGET_DISTANCE
+from wildscav_engine.simulation.systems.damage import RESPAWN_DISTANCE
+from wildscav_engine.simulation.visibility import AGENT_LIMIT, ASPECT, SUPPLY_LIMIT
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_engine.tracks.royale import DAMAGES, SHARES, SHRINK, WAIT

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine import actions, body
-from wildscav_engine.maps.lakes import DEEPEST_WATER
-from wildscav_engine.rules import FRAMES_PER_SECOND, Rules
+from wildscav_engine.maps.ground.lakes import DEEPEST_WATER
+from wildscav_engine.specs import actions, body
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules
 
 PAGE = Path("docs/rules.md").read_text()
 ROWS = re.findall(r"^\| ([^|]+) \| ([\d.]+)[^|]* \| `(\w+)` \|$", PAGE, re.MULTILINE)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from wildscav_engine.rng import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_evaluator.seats import battle_seats, display_names, submission_seats
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from llvmlite import binding as llvm
 from numba.core import codegen, compiler, compiler_machinery, typed_passes, types
 
-from wildscav_engine.compilation.cache import Entries, KernelCache
+from wildscav_engine.compilation.kernel_cache import Entries, KernelCache
 
 # Typed here, because Numba comes without types.
 Library: Any = codegen.JITCodeLibrary

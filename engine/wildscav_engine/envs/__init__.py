@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.batched import BatchedArena
-    from wildscav_engine.envs.config import EnvConfig
     from wildscav_engine.envs.description import describe
-    from wildscav_engine.envs.options import EnvOptions
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
-    from wildscav_engine.envs.presets import PRESETS
+    from wildscav_engine.envs.settings.config import EnvConfig
+    from wildscav_engine.envs.settings.options import EnvOptions
+    from wildscav_engine.envs.settings.presets import PRESETS
     from wildscav_engine.envs.single import SingleEnv
     from wildscav_engine.envs.stable_baselines import StableVector
     from wildscav_engine.envs.vector import VectorArena
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "BatchedArena": "batched",
-    "EnvConfig": "config",
-    "EnvOptions": "options",
+    "EnvConfig": "settings.config",
+    "EnvOptions": "settings.options",
     "describe": "description",
     "ParallelArena": "parallel",
     "aec_env": "parallel",
     "parallel_env": "parallel",
-    "PRESETS": "presets",
+    "PRESETS": "settings.presets",
     "SingleEnv": "single",
     "StableVector": "stable_baselines",
     "VectorArena": "vector",

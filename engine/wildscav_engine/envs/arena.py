@@ -6,18 +6,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.actions import FIELDS
-from wildscav_engine.batch import Batch
-from wildscav_engine.envs.actions import action_mode
-from wildscav_engine.envs.columns import EVENTS, STANDING, Part
-from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.episodes import Episode, Episodes, pool_of
-from wildscav_engine.envs.facts import allocate_desk, write_rows
-from wildscav_engine.envs.flat import Flattener
-from wildscav_engine.envs.observation import Observation, Readings, Sight, layout_of, readings_space
-from wildscav_engine.envs.views import MatchView
-from wildscav_engine.handles import Handle
-from wildscav_engine.state import State
+from wildscav_engine.compilation.array_tables import Handle
+from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.settings.episodes import Episode, Episodes, pool_of
+from wildscav_engine.envs.spaces.actions import action_mode
+from wildscav_engine.envs.spaces.columns import EVENTS, STANDING, Part
+from wildscav_engine.envs.spaces.facts import allocate_desk, write_rows
+from wildscav_engine.envs.spaces.flat import Flattener
+from wildscav_engine.envs.spaces.match_view import MatchView
+from wildscav_engine.envs.spaces.observation import Observation, Readings, Sight, layout_of, readings_space
+from wildscav_engine.simulation.batch import Batch
+from wildscav_engine.simulation.state import State
+from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum
 

@@ -9,13 +9,13 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.actions import ActionError
 from wildscav_engine.envs.arena import Arena, Reading
-from wildscav_engine.envs.config import EnvConfig, read_config
-from wildscav_engine.envs.episodes import Episodes
-from wildscav_engine.envs.observation import Observation, observation_space
-from wildscav_engine.envs.options import EnvOptions
 from wildscav_engine.envs.saving import load, save
+from wildscav_engine.envs.settings.config import EnvConfig, read_config
+from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.spaces.actions import ActionError
+from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.tracks import TRACKS
 
 Flags = NDArray[np.bool_]

@@ -10,11 +10,11 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.actions import action_mode
-from wildscav_engine.envs.columns import GROUPS
-from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.flat import scales_of
-from wildscav_engine.envs.observation import readings_space
+from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.spaces.actions import action_mode
+from wildscav_engine.envs.spaces.columns import GROUPS
+from wildscav_engine.envs.spaces.flat import scales_of
+from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.sensors import Sensor
 
 FORMAT = 1  # rises when older readers would misread a description

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena
-from wildscav_engine.envs.columns import EVENTS
+from wildscav_engine.envs.spaces.columns import EVENTS
 
 
 class Info(TypedDict):

@@ -11,16 +11,16 @@ from pettingzoo.utils.conversions import parallel_to_aec
 
 from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.batched import several_config
-from wildscav_engine.envs.columns import Part
-from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.infos import info_of
-from wildscav_engine.envs.masks import flat_mask, flat_space
-from wildscav_engine.envs.observation import Observation, observation_space, part_of
-from wildscav_engine.envs.options import EnvOptions
-from wildscav_engine.envs.overview import overview, overview_space
-from wildscav_engine.envs.render import Picture
+from wildscav_engine.envs.rendering.render import Picture
 from wildscav_engine.envs.saving import load, save
+from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND
+from wildscav_engine.envs.spaces.columns import Part
+from wildscav_engine.envs.spaces.global_state import overview, overview_space
+from wildscav_engine.envs.spaces.masks import flat_mask, flat_space
+from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
 if TYPE_CHECKING:
     from pettingzoo import AECEnv

@@ -4,10 +4,10 @@ The layout is that of ``container``: the payload is what ``Batch.get_state`` giv
 they are there. The checksum finds damage, not forgery; take no state from strangers.
 """
 
-from wildscav_engine.container import ContainerError, Layout, pack, unpack
 from wildscav_engine.envs.arena import Arena
-from wildscav_engine.envs.episodes import Episodes
-from wildscav_engine.snapshot import StateError
+from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.simulation.snapshot import StateError
+from wildscav_engine.storage.binary_format import ContainerError, Layout, pack, unpack
 
 LAYOUT = Layout(b"WILDSENV", 1, "a state of an environment")
 

@@ -9,13 +9,13 @@ from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, Reading
-from wildscav_engine.envs.config import EnvConfig, read_config
-from wildscav_engine.envs.episodes import Episodes
 from wildscav_engine.envs.infos import info_of
-from wildscav_engine.envs.observation import Observation, observation_space, part_of
-from wildscav_engine.envs.options import EnvOptions
-from wildscav_engine.envs.render import Picture
+from wildscav_engine.envs.rendering.render import Picture
 from wildscav_engine.envs.saving import load, save
+from wildscav_engine.envs.settings.config import EnvConfig, read_config
+from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
 RENDER_MODES = ["rgb_array", "depth_array", "human"]
 STEPS_PER_SECOND = 10  # of frames held for five

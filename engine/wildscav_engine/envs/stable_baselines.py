@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from wildscav_engine.envs.columns import EVENTS
-from wildscav_engine.envs.options import EnvOptions
+from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.vector import VectorArena
 
 

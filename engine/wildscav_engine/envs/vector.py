@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.batched import Outcome, Resetter
-from wildscav_engine.envs.columns import EVENTS
 from wildscav_engine.envs.infos import info_of
-from wildscav_engine.envs.observation import Observation, observation_space, part_of
-from wildscav_engine.envs.options import EnvOptions
-from wildscav_engine.envs.render import Picture
+from wildscav_engine.envs.rendering.render import Picture
+from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_config
+from wildscav_engine.envs.spaces.columns import EVENTS
+from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
 Infos = dict[str, Any]
 

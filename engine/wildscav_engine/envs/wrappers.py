@@ -7,8 +7,8 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, Space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.flat import Flattener
-from wildscav_engine.envs.observation import Readings
+from wildscav_engine.envs.spaces.flat import Flattener
+from wildscav_engine.envs.spaces.observation import Readings
 
 
 class FlatObservations(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Readings]):

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World, cell_of
-from wildscav_engine.kernel import kernel
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
 
 CLEARANCE = 0.05  # m kept free around a body that stands somewhere, and below and above it
 

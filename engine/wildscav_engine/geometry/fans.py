@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.rays import Ray, Step, leave_square, meet_faces, meet_terrain
 from wildscav_engine.geometry.world import BLOCK, World
-from wildscav_engine.kernel import kernel
 
 SLACK = 1e-9  # m by which the box around a solid is too large, so that rounding lets no ray pass beside it
 

@@ -6,9 +6,9 @@ bits: a number for each of the four cells that a body reaches into, a bit for ea
 
 from typing import NamedTuple
 
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.sweep import FREE, Contact, box_of_sweep, is_apart, sweep_solid, sweep_world
 from wildscav_engine.geometry.world import World, cell_of
-from wildscav_engine.kernel import kernel
 
 BITS = 62  # solids of a cell that have a bit; where there are more, all are swept
 BYTE = 255

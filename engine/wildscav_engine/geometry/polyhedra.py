@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.compilation.kernel import kernel
 
 PARALLEL = 1e-9  # below this determinant, three unit normals do not make a corner
 TOUCH = 1e-6  # m, how far from a plane a corner still lies on it

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import BLOCK, CELL, Kind, World
-from wildscav_engine.kernel import kernel
 
 NOTHING_HIT = -2
 TERRAIN_HIT = -1

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.compilation.kernel import array_kernel
 from wildscav_engine.geometry.world import Kind, Solid, convex_solid, set_plane
-from wildscav_engine.kernel import array_kernel
-from wildscav_engine.trig import cosine, sine
 
 Corner = tuple[float, float, float]  # m: across, up, along
 

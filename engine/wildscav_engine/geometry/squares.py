@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World
-from wildscav_engine.kernel import inlined_kernel, kernel
 
 
 class Squares(NamedTuple):

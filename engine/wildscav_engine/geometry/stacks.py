@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import Kind, Solid, set_plane, write_plane
-from wildscav_engine.kernel import array_kernel, kernel
 
 MOST_SIDES, MOST_RINGS = 8, 4
 KINDS = tuple(Kind)

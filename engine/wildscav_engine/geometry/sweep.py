@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import World, cell_of
-from wildscav_engine.kernel import inlined_kernel, kernel
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
 
 SKIN = 1e-3  # m, kept between a body and what it touches
 NEAR_HEIGHT = 2.0 * BODY_HEIGHT  # m, no body moves so far up or down in a frame that it touches one farther

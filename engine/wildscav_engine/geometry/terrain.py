@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wildscav_engine.body import TAN_SLOPE_LIMIT
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World, cell_of
-from wildscav_engine.kernel import inlined_kernel, kernel
+from wildscav_engine.specs.body import TAN_SLOPE_LIMIT
 
 
 class Ground(NamedTuple):

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from wildscav_engine.compilation.array_tables import Handle, reader
 from wildscav_engine.geometry.world import World
-from wildscav_engine.handles import Handle, reader
 from wildscav_engine.maps.game_map import GameMap
 
 LIMIT = 128  # maps in a bank before those that no match is played on are dropped

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.container import ContainerError, Layout, canonical, decompress, pack, unpack
-from wildscav_engine.files import read_limited, write_whole
 from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.maps.errors import MapError
+from wildscav_engine.storage.binary_format import ContainerError, Layout, canonical, decompress, pack, unpack
+from wildscav_engine.storage.files import read_limited, write_whole
 
 SUFFIX = ".wsb"
 LAYOUT = Layout(b"WILDBASE", 1, "an imported map")

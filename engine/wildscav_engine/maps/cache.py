@@ -23,14 +23,14 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.folders import cache_root
+from wildscav_engine.compilation.cache_folders import cache_root
 from wildscav_engine.compilation.sources import sources_digest
-from wildscav_engine.container import ContainerError, Layout, canonical, pack, unpack
-from wildscav_engine.files import write_whole
 from wildscav_engine.maps import generate
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 from wildscav_engine.maps.generate import generate_map
-from wildscav_engine.spec import MapSpec, Spec
+from wildscav_engine.specs.spec import MapSpec, Spec
+from wildscav_engine.storage.binary_format import ContainerError, Layout, canonical, pack, unpack
+from wildscav_engine.storage.files import write_whole
 
 LAYOUT = Layout(b"WILDSMAP", 1, "a cached map")
 ROOM = 1_000_000_000  # bytes that all kept maps may take; the longest unused go first

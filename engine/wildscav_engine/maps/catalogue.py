@@ -8,11 +8,11 @@ Any other id gives its map so: the hundreds say the size, an odd id has scattere
 houses close together, the seed is the id (but for those in ``SEEDS``), and the rest is drawn from the id.
 """
 
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.rng import Dice, Stream
-from wildscav_engine.spec import MapConfig, MapSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.spec import MapConfig, MapSpec, SupplyConfig, SupplyWave
 
 LAST_ID = 999
 SIZES = (500, 200, 80, 140, 300, 500, 700, 1000, 1400, 2000)  # m, by the hundreds of an id

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.shapes import Pose, Rectangle, pose
 from wildscav_engine.geometry.world import World
-from wildscav_engine.spec import MapConfig, MapSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.walk import WalkGraph
-    from wildscav_engine.rendering.materials import Materials
+    from wildscav_engine.rendering.shading.materials import Materials
     from wildscav_engine.rendering.trace import Scene
 
 # Raised by every change that makes another map of the same config and seed.
@@ -99,7 +99,7 @@ class GameMap:
     @cached_property
     def materials(self) -> "Materials":
         """What the surfaces of this map look like; made for the first picture."""
-        from wildscav_engine.rendering.materials import materials_of
+        from wildscav_engine.rendering.shading.materials import materials_of
 
         return materials_of(self)
 

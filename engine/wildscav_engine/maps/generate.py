@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from wildscav_engine.ahead import compile_ahead
+from wildscav_engine.compilation.precompile import compile_ahead
 from wildscav_engine.geometry.world import World, build_world
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.ground.terrain import water_of_cells
 from wildscav_engine.maps.layout import Layout, lay_out
 from wildscav_engine.maps.locations import Places, choose_places, houses_cut_off
-from wildscav_engine.maps.sites import Site
-from wildscav_engine.maps.terrain import water_of_cells
+from wildscav_engine.maps.settlements.sites import Site
 from wildscav_engine.maps.walk import WalkGraph, build_graph
-from wildscav_engine.spec import MapConfig, MapSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec
 
 LAYOUTS = 8  # tries to put houses where one gets into all of their rooms
 

@@ -6,15 +6,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.arithmetic.random_numbers import Stream, uniform, uniform_in
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.clearance import is_clear
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind, World
-from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.game_map import House
 from wildscav_engine.maps.walk import WalkGraph
 from wildscav_engine.maps.walk.lattice import FINE
-from wildscav_engine.rng import Stream, uniform, uniform_in
 
 STREAM = int(Stream.LOCATIONS)
 OUTDOOR_SPACING = 4.0  # m, of the jittered grid of places on the ground

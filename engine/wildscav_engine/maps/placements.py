@@ -9,17 +9,17 @@ from wildscav_engine.geometry.shapes import Pose, box, pose
 from wildscav_engine.geometry.stacks import allocate_stacks, solids_of
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.maps.errors import MapError
-from wildscav_engine.maps.footprints import Site, footprints_of, gap_between, heights_under
+from wildscav_engine.maps.ground.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint, room_of_join
 from wildscav_engine.maps.house import HousePlan, draw_plan
-from wildscav_engine.maps.land import BUSHES, ROCKS, TREES, Fields, Land, land_of
-from wildscav_engine.maps.plants import PARTS, grow
-from wildscav_engine.maps.plots import EDGE_MARGIN, SHARED_LEVEL, SHORE_MARGIN
-from wildscav_engine.maps.scatter import Spots, allocate_spots, place_one, scatter
-from wildscav_engine.maps.streets import height_at
-from wildscav_engine.maps.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint, room_of_join
-from wildscav_engine.maps.vegetation import conifers
-from wildscav_engine.maps.woods import shores
-from wildscav_engine.spec import MapConfig, Placement
+from wildscav_engine.maps.settlements.footprints import Site, footprints_of, gap_between, heights_under
+from wildscav_engine.maps.settlements.plots import EDGE_MARGIN, SHARED_LEVEL, SHORE_MARGIN
+from wildscav_engine.maps.settlements.streets import height_at
+from wildscav_engine.maps.vegetation.growing_ground import BUSHES, ROCKS, TREES, Fields, Land, land_of
+from wildscav_engine.maps.vegetation.planting import conifers
+from wildscav_engine.maps.vegetation.scatter import Spots, allocate_spots, place_one, scatter
+from wildscav_engine.maps.vegetation.species import PARTS, grow
+from wildscav_engine.maps.vegetation.woods import shores
+from wildscav_engine.specs.spec import MapConfig, Placement
 
 NUMBER = 10_000  # of the first house placed by hand; those of the generator count from 0
 LEAST_GAP = 1.5  # m between two houses, so that one walks between them

@@ -11,12 +11,12 @@ from typing import Literal
 
 import numpy as np
 
+from wildscav_engine.arithmetic.random_numbers import Stream, philox
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.rng import Stream, philox
-from wildscav_engine.spec import MapConfig, MapSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec
 
 Level = Literal["easy", "normal", "hard"]
 Split = Literal["train", "test"]

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
-from wildscav_engine.actions import FIELDS
-from wildscav_engine.container import ContainerError, Layout, decompress, pack, unpack
-from wildscav_engine.files import read_limited, write_whole
 from wildscav_engine.maps import GENERATOR_VERSION
-from wildscav_engine.match import Match
-from wildscav_engine.result import MatchResult
-from wildscav_engine.spec import MatchSpec, one_line
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.result import MatchResult
+from wildscav_engine.specs.spec import MatchSpec, one_line
+from wildscav_engine.storage.binary_format import ContainerError, Layout, decompress, pack, unpack
+from wildscav_engine.storage.files import read_limited, write_whole
 
 RECORD_VERSION = 2  # of this layout and of its header
 LAYOUT = Layout(b"WILDSCAV", RECORD_VERSION, "a record of a match")

@@ -6,8 +6,8 @@ from typing import NamedTuple
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION, MapError, map_of
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.match import Match, MatchSetupError
 from wildscav_engine.record.format import Record, RecordError
+from wildscav_engine.simulation.match import Match, MatchSetupError
 
 
 class Verification(NamedTuple):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.compilation.kernel import kernel
 
 
 class Cameras(NamedTuple):

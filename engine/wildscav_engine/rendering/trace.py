@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.array_tables import Addresses
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
-from wildscav_engine.handles import Addresses
-from wildscav_engine.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.solids import Solids, all_shapes_of
 from wildscav_engine.rendering.tracing.bodies import entered_face
 from wildscav_engine.rendering.tracing.canvas import (
     NOTHING,
@@ -28,7 +27,7 @@ from wildscav_engine.rendering.tracing.canvas import (
     start,
 )
 from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
-from wildscav_engine.rendering.tracing.look import Desk, look_at_things, look_at_world
+from wildscav_engine.rendering.tracing.image import Desk, look_at_things, look_at_world
 from wildscav_engine.rendering.tracing.packing import (
     Packed,
     Shapes,
@@ -37,8 +36,9 @@ from wildscav_engine.rendering.tracing.packing import (
     unpack_blocks,
     unpack_shapes,
 )
-from wildscav_engine.rendering.tracing.room import Room, Size, read_room
 from wildscav_engine.rendering.tracing.scene import Scene, scene_of
+from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
+from wildscav_engine.rendering.tracing.workspace import Room, Size, read_room
 
 __all__ = [
     "WATER_HIT",

@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, ValidationError
 from pydantic.dataclasses import dataclass
 
-from wildscav_engine.spec import one_line
+from wildscav_engine.specs.spec import one_line
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
 

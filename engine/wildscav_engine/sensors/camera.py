@@ -11,18 +11,18 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.shading import shade
-from wildscav_engine.rendering.solids import Solids
-from wildscav_engine.rendering.things import as_things, things_of
+from wildscav_engine.rendering.shading.pictures import shade
 from wildscav_engine.rendering.trace import Hits
+from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.pinhole import PaintedCamera
+from wildscav_engine.sensors.optics.dynamic_objects import as_things, things_of
+from wildscav_engine.sensors.optics.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 
 @sensor

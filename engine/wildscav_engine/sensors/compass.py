@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of, sensor
-from wildscav_engine.trig import cosine, sine
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 INF = np.inf
 COLUMNS = (

@@ -13,16 +13,16 @@ from numba.core.errors import NumbaError
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.trace import (
     depths_tracer,
     trace_depths,
     trace_depths_of_maps,
 )
-from wildscav_engine.rendering.tracing.room import MOST_KEPT, Size
+from wildscav_engine.rendering.tracing.solids import Solids
+from wildscav_engine.rendering.tracing.workspace import MOST_KEPT, Size
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optical import MovingOption, are_ready
-from wildscav_engine.sensors.pinhole import PinholeCamera
+from wildscav_engine.sensors.optics.optical import MovingOption, are_ready
+from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.fans import Fans, cast_fan, meet_solid_with_fan
 from wildscav_engine.geometry.rays import Ray, make_ray
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.solids import Solids
+from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optical import MovingOption
-from wildscav_engine.trig import arctangent, cosine, sine
+from wildscav_engine.sensors.optics.optical import MovingOption
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
-from wildscav_engine.sensors.visibility import SUPPLY_LIMIT
+from wildscav_engine.simulation.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 MOST_SUPPLIES = 2.0**31  # in a box: what a 32-bit count holds
 

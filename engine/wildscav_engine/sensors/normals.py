@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.solids import Solids
 from wildscav_engine.rendering.trace import Hits
+from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optical import MovingOption
-from wildscav_engine.sensors.pinhole import PaintedCamera
+from wildscav_engine.sensors.optics.optical import MovingOption
+from wildscav_engine.sensors.optics.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.rules import FRAME
 from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of, sensor
-from wildscav_engine.systems.zone import phase_at, zone_at
+from wildscav_engine.simulation.systems.zone import phase_at, zone_at
+from wildscav_engine.specs.rules import FRAME
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 INF = np.inf
 COLUMNS = (

@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.solids import Solids
-from wildscav_engine.rendering.things import Things, as_things, things_of
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
+from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.pinhole import PaintedCamera
+from wildscav_engine.sensors.optics.dynamic_objects import Things, as_things, things_of
+from wildscav_engine.sensors.optics.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 FIRST_AGENT, FIRST_SOLID, FIRST_BOX = 10_000, 1_000_000, 1_000_000_000
 GREATEST = 2**31 - 1

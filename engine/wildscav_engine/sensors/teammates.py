@@ -18,7 +18,7 @@ from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 INF = np.inf
 MOST_SUPPLIES = 2.0**31  # carried: what a 32-bit count holds

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
-from wildscav_engine.sensors.visibility import AGENT_LIMIT
+from wildscav_engine.simulation.visibility import AGENT_LIMIT
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 INF = np.inf
 # Seats and teams are numbers below 1000; rules allow 10,000 hp at most.

@@ -1,6 +1,6 @@
 """The kinds of match: one file and one registry line a track."""
 
-from wildscav_engine.tracks.base import Metric, Track
+from wildscav_engine.specs.track import Metric, Track
 from wildscav_engine.tracks.battle import Battle
 from wildscav_engine.tracks.capture import Capture
 from wildscav_engine.tracks.gathering import Gathering

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.actions import Field
-from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.tracks.base import (
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.track import (
     AGENTS_SEEN,
     PAPER_DEPTH,
     SUPPLIES_SEEN,
@@ -15,7 +15,7 @@ from wildscav_engine.tracks.base import (
 )
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 OVER_THE_MAP = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0)
 

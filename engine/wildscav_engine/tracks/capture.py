@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.tracks.base import MOVES, Track
+from wildscav_engine.specs.track import MOVES, Track
 from wildscav_engine.tracks.navigation import Navigation, time_to_target
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 
 class Capture(Track):

@@ -3,10 +3,10 @@
 import functools
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.actions import Field
-from wildscav_engine.rules import FRAME
-from wildscav_engine.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.tracks.base import (
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import FRAME
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.track import (
     MOVES,
     PAPER_DEPTH,
     SUPPLIES_SEEN,
@@ -17,7 +17,7 @@ from wildscav_engine.tracks.base import (
 )
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 
 class Gathering(Track):

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from wildscav_engine.rules import FRAME
-from wildscav_engine.tracks.base import MOVES, Metric, Track
+from wildscav_engine.specs.rules import FRAME
+from wildscav_engine.specs.track import MOVES, Metric, Track
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 PUNISHED_SPEED = 10.0  # m/s: a target not reached costs twice the time that the way left takes at this speed
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
-from wildscav_engine.state import Agents, Matches, State
-from wildscav_engine.systems.elimination import placement_now
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.simulation.state import Agents, Matches, State
+from wildscav_engine.simulation.systems.elimination import placement_now
 
 
 class Fact(IntEnum):

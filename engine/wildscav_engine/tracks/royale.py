@@ -3,10 +3,10 @@
 import functools
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.actions import Field
-from wildscav_engine.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
-from wildscav_engine.systems.elimination import placement_now
-from wildscav_engine.tracks.base import (
+from wildscav_engine.simulation.systems.elimination import placement_now
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
+from wildscav_engine.specs.track import (
     AGENTS_SEEN,
     PAPER_DEPTH,
     SUPPLIES_SEEN,
@@ -18,7 +18,7 @@ from wildscav_engine.tracks.base import (
 from wildscav_engine.tracks.battle import Battle
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 WIN = 100.0  # points for the first place
 SHARES = (0.6, 0.5, 0.5, 0.4, 0.0)  # of the zone's radius that each phase leaves

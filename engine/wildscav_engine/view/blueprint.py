@@ -5,14 +5,14 @@ from typing import Any, NamedTuple
 import rerun as rr
 import rerun.blueprint as rrb
 
-from wildscav_engine.view import frame
-from wildscav_engine.view.actors import path_of
-from wildscav_engine.view.columns import MATCH_TIME, STEP
-from wildscav_engine.view.depth import DEPTH, SCALE_HEIGHT
+from wildscav_engine.view.entities.agents import path_of
+from wildscav_engine.view.entities.depth import DEPTH, SCALE_HEIGHT
+from wildscav_engine.view.entities.follow import ABOVE, COLOR, EYES
 from wildscav_engine.view.events import EVENTS, KILLS
-from wildscav_engine.view.follow import ABOVE, COLOR, EYES
-from wildscav_engine.view.history import DEPTH_CAMERA
 from wildscav_engine.view.overview import Overview
+from wildscav_engine.view.recording import frame
+from wildscav_engine.view.recording.columns import MATCH_TIME, STEP
+from wildscav_engine.view.recording.history import DEPTH_CAMERA
 from wildscav_engine.view.standings import PATH as STANDINGS
 
 TRAIL_TIME, TRAIL_STEPS = 6.0, 60  # s; on the time line of steps

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 import rerun as rr
 
-from wildscav_engine.state import NOBODY, NOT_OUT
-from wildscav_engine.view import colors
-from wildscav_engine.view.columns import Columns
-from wildscav_engine.view.history import History, seats_where
+from wildscav_engine.simulation.state import NOBODY, NOT_OUT
+from wildscav_engine.view.recording import colors
+from wildscav_engine.view.recording.columns import Columns
+from wildscav_engine.view.recording.history import History, seats_where
 
 EVENTS, KILLS = "events", "kills"  # the entities
 

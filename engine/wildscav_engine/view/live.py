@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from wildscav_engine.body import BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.palette import of_seat
-from wildscav_engine.systems.supplies import is_there
-from wildscav_engine.view import colors, frame, scenery
+from wildscav_engine.rendering.palette import of_seat
+from wildscav_engine.simulation.systems.supplies import is_there
+from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.view.entities import scenery
+from wildscav_engine.view.recording import colors, frame
 
 APPLICATION = "wildscav-live"
 BODY = 1.0  # m, height of the middle of a body's mark

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import World
-from wildscav_engine.view.history import History
+from wildscav_engine.view.recording.history import History
 
 WHOLE_MAP = 600.0  # m, up to which all of a map is in view; on larger ones all that moves is
 NEAREST_FRAME, MARGIN = 60.0, 6.0  # m, least extent that is in view; around what moves

@@ -3,10 +3,10 @@
 from pathlib import Path
 from threading import Lock
 
-from wildscav_engine.files import write_whole
 from wildscav_engine.record import Record, resimulate
-from wildscav_engine.spec import SUBMISSION
-from wildscav_engine.view.history import collect
+from wildscav_engine.specs.spec import SUBMISSION
+from wildscav_engine.storage.files import write_whole
+from wildscav_engine.view.recording.history import collect
 
 # Rerun tells recordings of one process apart by their ids, and those of a record are always the same.
 RENDERING = Lock()

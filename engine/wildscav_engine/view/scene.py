@@ -6,18 +6,21 @@ from typing import Any
 
 import rerun as rr
 
-from wildscav_engine.actions import Field
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.record import Record
-from wildscav_engine.rules import FRAMES_PER_SECOND
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
-from wildscav_engine.view import actors, follow, heat, scenery, standings, things, zone
+from wildscav_engine.view import standings
 from wildscav_engine.view.blueprint import LIKE_GLASS, Layout, blueprint
-from wildscav_engine.view.columns import Columns, send
-from wildscav_engine.view.draped import Net
+from wildscav_engine.view.entities import agents as actors
+from wildscav_engine.view.entities import follow, heat, scenery, zone
+from wildscav_engine.view.entities import objects as things
+from wildscav_engine.view.entities.draped import Net
 from wildscav_engine.view.events import EVENTS, KILLS, event_columns, events_of, kills_of
-from wildscav_engine.view.history import History
 from wildscav_engine.view.overview import overview
+from wildscav_engine.view.recording.columns import Columns, send
+from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.verdict import clock, verdict
 
 

@@ -7,13 +7,13 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from wildscav_engine.actions import Field
 from wildscav_engine.record import Record
-from wildscav_engine.rules import FRAMES_PER_SECOND
-from wildscav_engine.state import NOT_OUT
+from wildscav_engine.simulation.state import NOT_OUT
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
-from wildscav_engine.view.columns import Columns
-from wildscav_engine.view.history import History, changes
+from wildscav_engine.view.recording.columns import Columns
+from wildscav_engine.view.recording.history import History, changes
 from wildscav_engine.view.verdict import clock, verdict
 
 PATH = "standings"

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from wildscav_engine.result import MatchResult
-from wildscav_engine.rules import FRAMES_PER_SECOND
+from wildscav_engine.specs.result import MatchResult
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS, Metric
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wildscav.server import Clock, HostedMatch, MatchServer
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check import findings
 from wildscav_evaluator.check.delaying_proxy import heard_late
 from wildscav_evaluator.check.findings import Finding

@@ -11,8 +11,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from wildscav.errors import UserError, describe
-from wildscav_engine.files import read_limited
 from wildscav_engine.record import FILE_LIMIT
+from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.ledger.entries import (
     Begun,
     Broke,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from wildscav.errors import WildscavError, describe
 from wildscav.server import HostedMatch, SeatReport
 from wildscav_engine.record import SUFFIX, read_record, write_record
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.specs.spec import MatchSpec
 from wildscav_evaluator.matches.play import (
     TRIES,
     Played,

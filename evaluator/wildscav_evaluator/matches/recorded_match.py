@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav.wire.actions import ACTION_FIELDS
-from wildscav_engine.match import Match
 from wildscav_engine.record import Record
+from wildscav_engine.simulation.match import Match
 
 
 @dataclass

@@ -19,11 +19,11 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
     """
     from wildscav.server.hosting.observations import Senses
     from wildscav.server.hosting.warm_up import warm_map
-    from wildscav_engine.actions import Field, no_actions
-    from wildscav_engine.maps.mesh import solids_mesh
-    from wildscav_engine.match import Match
+    from wildscav_engine.maps.export.mesh import solids_mesh
     from wildscav_engine.sensors import parse_sensors
-    from wildscav_engine.spec import SUBMISSION, MatchSpec
+    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.specs.actions import Field, no_actions
+    from wildscav_engine.specs.spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS
 
     game_map = warm_map()

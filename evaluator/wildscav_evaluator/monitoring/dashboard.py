@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav.terminal.console import counted
-from wildscav_engine.rules import FRAMES_PER_SECOND
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_evaluator.cli.result_tables.ranking import NOTHING, number
 from wildscav_evaluator.monitoring.tally import Line, Running, Tally
 from wildscav_evaluator.output.results import MetricInfo

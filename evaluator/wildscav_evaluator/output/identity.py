@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from wildscav.errors import UserError
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.specs.spec import MatchSpec
 from wildscav_evaluator.output.json_files import Part, PartError
 from wildscav_evaluator.output.results import MOST_ROUNDS, KeptLimits
 from wildscav_evaluator.output.versions import Versions

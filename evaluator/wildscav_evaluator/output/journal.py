@@ -8,8 +8,8 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Literal
 
-from wildscav_engine.files import read_limited
 from wildscav_engine.record import FILE_LIMIT
+from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.output.json_files import Part, PartError
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
 

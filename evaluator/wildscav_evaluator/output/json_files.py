@@ -14,8 +14,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wildscav.errors import UserError
 from wildscav.system.limited_process import LimitExceededError, call_limited
 from wildscav.terminal.console import ascii_json
-from wildscav_engine.files import read_limited, write_whole
-from wildscav_engine.spec import one_line
+from wildscav_engine.specs.spec import one_line
+from wildscav_engine.storage.files import read_limited, write_whole
 
 LARGEST = 32 << 20  # bytes of a file
 MEMORY = 128 << 20  # bytes that a large file may take: who waits for it takes as much already

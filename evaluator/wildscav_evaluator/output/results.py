@@ -12,7 +12,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field
 
 from wildscav.errors import UserError
-from wildscav_engine.files import read_limited
+from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.output.json_files import LARGEST, Part, PartError
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.suites.seeds import label

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_engine.record import RecordError, read_record
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.specs.spec import MatchSpec
 from wildscav_evaluator.evaluation import match_count, matches
 from wildscav_evaluator.output.folder import SUITE_FILE
 from wildscav_evaluator.output.results import RESULTS_FILE, Results, read_results

@@ -17,7 +17,7 @@ from wildscav.errors import UserError, describe
 from wildscav.system.worker_processes import be_worker, starting_workers
 from wildscav.terminal.console import printable
 from wildscav_engine.record import RECORD_VERSION, SUFFIX, Record, RecordError, read_record, verify_record
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.specs.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.evaluation import metric_infos
 from wildscav_evaluator.matches.jobs import RECORDS

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from wildscav_engine.rng import Dice
-from wildscav_engine.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.specs.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
 from wildscav_evaluator.seats import battle_seats
 
 Choice = TypeVar("Choice")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav_engine.files import read_limited
+from wildscav_engine.storage.files import read_limited
 
 SHORTEST, LONGEST = 32, 4096  # bytes of a secret
 LARGEST = 1 << 20  # bytes of a file that is looked at

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import NamedTuple
 
-from wildscav_engine.rng import Dice, Stream
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.suites.match_drawing import battle, capture, choose, gathering, navigation, royale
 

@@ -24,12 +24,12 @@ from pydantic import (
 
 from wildscav.errors import UserError, describe
 from wildscav.system.config_files import LARGEST, read_config
-from wildscav_engine.files import read_limited
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.record import RecordError, check_recordable
-from wildscav_engine.rng import Dice
-from wildscav_engine.spec import SUBMISSION, MapConfig, MatchSpec, Spec, one_line
+from wildscav_engine.specs.spec import SUBMISSION, MapConfig, MatchSpec, Spec, one_line
+from wildscav_engine.storage.files import read_limited
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.seats import shuffled

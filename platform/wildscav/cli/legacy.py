@@ -42,7 +42,7 @@ def install(
     from wildscav.server.hosting.warm_up import warm
     from wildscav.terminal.console import console, counted, error_console
     from wildscav.terminal.engine_progress import preparing
-    from wildscav_engine.threads import cores
+    from wildscav_engine.parallel.threads import cores
 
     ids = read_ids(maps)
     program = install_engine(folder / "engine")

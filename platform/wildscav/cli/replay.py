@@ -125,7 +125,7 @@ def _rendered(
 def _write(path: Path, content: bytes) -> None:
     """Write the file whole, and say how to open it."""
     from wildscav.terminal.console import command, console
-    from wildscav_engine.files import write_whole
+    from wildscav_engine.storage.files import write_whole
 
     write_whole(path, content)
     lines = (

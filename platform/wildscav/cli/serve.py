@@ -80,7 +80,7 @@ def serve(
     PORT + n, or on unix:/PATH.n. An agent joins with WILDSCAV_ADDRESS and WILDSCAV_TOKEN in its environment,
     run by python -m wildscav.sdk FOLDER.
     """
-    from wildscav_engine.threads import cores
+    from wildscav_engine.parallel.threads import cores
 
     token = None if organizer_token_file is None else _read_token(organizer_token_file)
     certificate = _certificate(tls_cert, tls_key, client_ca)

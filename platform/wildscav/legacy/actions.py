@@ -25,7 +25,7 @@ def read_actions(
     Returns:
         The rows, and the ids of no agent.
     """
-    from wildscav_engine.actions import MAX_WALK_SPEED, no_actions
+    from wildscav_engine.specs.actions import MAX_WALK_SPEED, no_actions
 
     rows, unknown = no_actions(len(seats)), []
     for command in commands:

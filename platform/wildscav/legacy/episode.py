@@ -15,8 +15,8 @@ from wildscav.errors import WildscavError
 from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, SupplyRefreshData, Vector3
 
 if TYPE_CHECKING:
-    from wildscav_engine.rules import Rules
-    from wildscav_engine.spec import Equipment, MatchSpec, Place, SupplyConfig, SupplyWave
+    from wildscav_engine.specs.rules import Rules
+    from wildscav_engine.specs.spec import Equipment, MatchSpec, Place, SupplyConfig, SupplyWave
 
 _Source = GMCommand | SupplyRefreshData | AgentSetup
 
@@ -132,7 +132,7 @@ def _setups(command: GMCommand) -> list[AgentSetup]:
 
 def _spec(command: GMCommand, setups: Sequence[AgentSetup]) -> "MatchSpec":
     from wildscav_engine.maps import map_spec
-    from wildscav_engine.spec import SUBMISSION, MatchSpec
+    from wildscav_engine.specs.spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS as ENGINE_TRACKS
 
     track = TRACKS[_value(command, "game_mode")]
@@ -154,7 +154,7 @@ def _spec(command: GMCommand, setups: Sequence[AgentSetup]) -> "MatchSpec":
 
 
 def _rules(command: GMCommand) -> "Rules":
-    from wildscav_engine.rules import Rules
+    from wildscav_engine.specs.rules import Rules
 
     return Rules(
         water_speed_factor=_value(command, "water_speed_decay"),
@@ -166,7 +166,7 @@ def _rules(command: GMCommand) -> "Rules":
 
 
 def _equipment(setup: AgentSetup) -> "Equipment":
-    from wildscav_engine.spec import Equipment
+    from wildscav_engine.specs.spec import Equipment
 
     return Equipment(
         health=_value(setup, "hp"),
@@ -182,7 +182,7 @@ def _returns_anywhere(command: GMCommand) -> bool:
 
 
 def _supplies(command: GMCommand) -> "SupplyConfig":
-    from wildscav_engine.spec import SupplyConfig
+    from wildscav_engine.specs.spec import SupplyConfig
 
     return SupplyConfig(
         waves=(_wave(command, 0.0), *map(_refresh, command.supply_refresh_datas)),
@@ -197,7 +197,7 @@ def _refresh(data: SupplyRefreshData) -> "SupplyWave":
 
 
 def _wave(source: GMCommand | SupplyRefreshData, time: float) -> "SupplyWave":
-    from wildscav_engine.spec import SupplyWave
+    from wildscav_engine.specs.spec import SupplyWave
 
     center = _place(source, "supply_heatmap_center") or (0.0, 0.0, 0.0)
     return SupplyWave(

@@ -24,8 +24,8 @@ from wildscav.legacy.commander_pb2 import (
 from wildscav.legacy.episode import MODES, Episode
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
-    from wildscav_engine.state import Agents, Supplies
+    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.state import Agents, Supplies
 
 
 class Before(NamedTuple):
@@ -89,7 +89,7 @@ class Events:
 
     def _settlement(self) -> EventSettle:
         """Return the result: of all agents, and of the first by itself."""
-        from wildscav_engine.rules import FRAME
+        from wildscav_engine.specs.rules import FRAME
 
         agents = self._match.state.agents
         ranks = _ranks(agents.supplies[0])
@@ -205,7 +205,7 @@ def _take(match: "Match") -> Before:
 
 def _refreshes(match: "Match") -> list[Refresh]:
     """Return the waves of supplies after the start, in the order of their times."""
-    from wildscav_engine.rules import FRAMES_PER_SECOND
+    from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
     appears = match.state.supplies.appears[0][match.state.supplies.quantity[0] > 0]
     found = []

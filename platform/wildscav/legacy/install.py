@@ -41,7 +41,7 @@ def install_engine(folder: Path) -> Path:
         OSError: It cannot be written.
     """
     import wildscav_engine
-    from wildscav_engine.files import write_whole
+    from wildscav_engine.storage.files import write_whole
 
     # Where this code lies, in case that its environment alone does not lead to it.
     roots = [str(HOME), str(Path(wildscav_engine.__path__[0]).parent)]

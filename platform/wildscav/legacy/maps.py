@@ -13,7 +13,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
-    from wildscav_engine.maps.mesh import Mesh
+    from wildscav_engine.maps.export.mesh import Mesh
 
 MIRROR = np.array([-1.0, 1.0, 1.0], np.float32)
 
@@ -25,9 +25,9 @@ def write_map(map_id: int, folder: Path) -> None:
         MapError: There is no such map.
         OSError: A file cannot be written.
     """
-    from wildscav_engine.files import write_whole
     from wildscav_engine.maps import load_map
-    from wildscav_engine.maps.export import locations_of
+    from wildscav_engine.maps.export.files import locations_of
+    from wildscav_engine.storage.files import write_whole
 
     game_map = load_map(map_id)
     obj, places = paths_of(map_id, folder)
@@ -58,7 +58,7 @@ def mark_of(map_id: int) -> bytes:
 
 def obj_of(game_map: "GameMap") -> bytes:
     """Return the mesh of a map as an OBJ file."""
-    from wildscav_engine.maps.mesh import solids_mesh, terrain_mesh
+    from wildscav_engine.maps.export.mesh import solids_mesh, terrain_mesh
 
     text = BytesIO()
     first = 1

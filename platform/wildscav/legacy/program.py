@@ -59,7 +59,7 @@ def serve(address: str, records: Path) -> None:
     client.when_gone(lambda: end(1, f"the client on {address} has gone"))
     log.info("connected to the client on %s", address)
     # Here, because two threads that import the compiler at once find it half imported.
-    import wildscav_engine.match  # noqa: F401
+    import wildscav_engine.simulation.match  # noqa: F401
 
     # While the client waits for its user.
     threading.Thread(target=_load_engine, daemon=True).start()

@@ -16,7 +16,7 @@ from wildscav.legacy.events import Events
 from wildscav.wire.varint import encode_varint
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 START = Request(game_state=GameState.START).SerializeToString()
 UPDATE, OVER = GameState.UPDATE, GameState.OVER

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 LONGEST_SUFFIX = 100  # characters
 
@@ -130,7 +130,7 @@ def match_of(episode: Episode) -> "Match":
         RefusedEpisodeError: It cannot be set up.
     """
     from wildscav_engine.maps import MapError, load_map
-    from wildscav_engine.match import Match, MatchSetupError
+    from wildscav_engine.simulation.match import Match, MatchSetupError
 
     try:
         game_map = load_map(episode.map_id)

@@ -1,7 +1,8 @@
 """Sine, cosine and arctangent as the engine computes them, bit for bit: angles are in degrees.
 
 The C library's functions differ in the last bit between machines, and an agent's installation has neither the
-engine nor its compiler. The tests hold these equal to ``wildscav_engine.trig``, which explains the series.
+engine nor its compiler. Tests hold these equal to ``wildscav_engine.arithmetic.elementary_functions``, which
+explains the series.
 """
 
 import math

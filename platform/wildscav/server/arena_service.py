@@ -58,9 +58,9 @@ class ArenaService:
         """Open a match. See ``routes.Arena``."""
         from pydantic import ValidationError
 
-        from wildscav_engine.match import MatchSetupError
         from wildscav_engine.record import RecordError, check_recordable
-        from wildscav_engine.spec import MatchSpec, one_line
+        from wildscav_engine.simulation.match import MatchSetupError
+        from wildscav_engine.specs.spec import MatchSpec, one_line
 
         if len(self._open) >= OPEN_LIMIT:
             raise RefusalError(

@@ -24,9 +24,9 @@ from wildscav.server.server_metrics import ServerMeters
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
     from wildscav_engine.sensors import Sensor
-    from wildscav_engine.spec import MatchSpec
+    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.specs.spec import MatchSpec
 
 DEFAULT_DOOR = Door()
 
@@ -120,7 +120,7 @@ class MatchServer:
             ValueError: Another number of names than seats, sensors or an address for a seat that there is
                 not, or an address that nobody listens on.
         """
-        from wildscav_engine.spec import SUBMISSION
+        from wildscav_engine.specs.spec import SUBMISSION
 
         numbers = [number for number, filled_by in enumerate(spec.seats) if filled_by == SUBMISSION]
         if len(names) != len(spec.seats):
@@ -203,7 +203,7 @@ def _set_up(
     sensors: Iterable[Mapping[str, "Sensor"]],
     make: "Callable[[MatchSpec], Match] | None",
 ) -> "Match":
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
     wanted = [sensor for of_seat in sensors for sensor in of_seat.values()]
     warm(wanted)

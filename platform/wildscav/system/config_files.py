@@ -4,7 +4,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.system.limited_process import LimitExceededError, call_limited
-from wildscav_engine.files import read_limited
+from wildscav_engine.storage.files import read_limited
 
 LARGEST = 1 << 20  # bytes
 SMALL = 4 << 10  # bytes of one that costs little, whatever is in it

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numba import types
 
-from wildscav_engine import kernel as kernels
+from wildscav_engine.compilation import kernel as kernels
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.compilation.linking import Part
-from wildscav_engine.kernel import array_kernel, kernel
 
 pytestmark = pytest.mark.skipif(kernels.config.DISABLE_JIT, reason="nothing is compiled")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from wildscav_engine.compilation.kernel import config
 from wildscav_engine.compilation.notice import Progress
-from wildscav_engine.kernel import config
 
 pytestmark = pytest.mark.skipif(config.DISABLE_JIT, reason="nothing is compiled")
 
@@ -18,7 +18,7 @@ USE = """
 from wildscav_engine.compilation import notice
 notice.MOMENT = notice.PAUSE = 0.0
 notice.TICK = 0.01
-from wildscav_engine.trig import sine
+from wildscav_engine.arithmetic.elementary_functions import sine
 sine(90.0)
 """
 PATIENT = USE.replace("notice.MOMENT = notice.PAUSE = 0.0", "notice.MOMENT = 1e9")

@@ -119,8 +119,15 @@ def test_another_compiler_is_another_digest(
 
 
 def test_what_plays_a_frame_depends_on_files_that_it_imports_through_others() -> None:
-    files = {sources.name_of(path) for path in sources.closure(ENGINE / "step.py")}
-    names = {"step.py", "systems/motion.py", "geometry/sweep.py", "body.py", "rules.py", "kernel.py"}
+    files = {sources.name_of(path) for path in sources.closure(ENGINE / "simulation" / "step.py")}
+    names = {
+        "simulation/step.py",
+        "motion/body_motion.py",
+        "geometry/sweep.py",
+        "specs/body.py",
+        "specs/rules.py",
+        "compilation/kernel.py",
+    }
     assert {f"wildscav_engine/{name}" for name in names} <= files
     assert "wildscav_engine/view/__init__.py" not in files
 
@@ -130,6 +137,6 @@ def test_kernels_of_other_packages_depend_on_the_engine_too() -> None:
     files = {sources.name_of(path) for path in sources.closure(encoding)}
     assert {
         "wildscav/server/hosting/observation_encoding.py",
-        "wildscav_engine/state.py",
-        "wildscav_engine/kernel.py",
+        "wildscav_engine/simulation/state.py",
+        "wildscav_engine/compilation/kernel.py",
     } <= files

@@ -9,7 +9,7 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, see
 from tests.engine.envs.common import TRACK_NAMES, digest, many_options
 
 from wildscav_engine.envs import BatchedArena, aec_env, parallel_env
-from wildscav_engine.envs.actions import MODES, ActionError
+from wildscav_engine.envs.spaces.actions import MODES, ActionError
 
 # What the library says of every Dict of observations and actions, which are allowed all the same.
 DICTS = [

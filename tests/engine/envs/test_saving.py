@@ -7,7 +7,7 @@ import pytest
 from tests.engine.envs.common import TRACK_NAMES, digest, many_options, options
 
 from wildscav_engine.envs import BatchedArena, SingleEnv, VectorArena, parallel_env
-from wildscav_engine.snapshot import StateError
+from wildscav_engine.simulation.snapshot import StateError
 
 
 def some_steps(env: SingleEnv, seed: int) -> list[Any]:

@@ -8,12 +8,12 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from tests.engine.envs.common import OPEN, SMALL, TRACK_NAMES, digest, env_id, options
 
-from wildscav_engine.envs.actions import MODES
-from wildscav_engine.envs.columns import EVENTS
-from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.options import EnvOptions
+from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import SingleEnv
-from wildscav_engine.palette import of_seat
+from wildscav_engine.envs.spaces.actions import MODES
+from wildscav_engine.envs.spaces.columns import EVENTS
+from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.tracks import TRACKS
 

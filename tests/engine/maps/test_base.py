@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.builders import box
 
-from wildscav_engine import container
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.maps import MapError, base
 from wildscav_engine.maps.base import Base, BaseError, decode, digest_of, encode, load_base, save_base
+from wildscav_engine.storage import binary_format as container
 
 HEIGHTS = np.linspace(-3.0, 12.5, 21 * 21).reshape(21, 21)
 SOLIDS = (box((-5, 0, -5), (5, 3, 5)), box((10, 1, 10), (21, 2, 12), Kind.ROCK))

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import GameMap, House, generate_map
-from wildscav_engine.maps.footprints import footprints_of, gap_between
 from wildscav_engine.maps.layout import NO_HOUSE
-from wildscav_engine.maps.sites import Site
-from wildscav_engine.rng import Dice, Stream
-from wildscav_engine.spec import MapConfig
+from wildscav_engine.maps.settlements.footprints import footprints_of, gap_between
+from wildscav_engine.maps.settlements.sites import Site
+from wildscav_engine.specs.spec import MapConfig
 
 BATCH = 20  # maps a test
 PLANTS = (Kind.TRUNK, Kind.CROWN, Kind.BUSH, Kind.ROCK)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from tests.builders import box, flat_world, map_from
 
-from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.viewpoints import standing_height, viewpoint_of
 from wildscav_engine.sensors import SegmentationCamera
-from wildscav_engine.spec import MapConfig
+from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.spec import MapConfig
 
 FLOOR = box((-3, 0, -3), (3, 0.2, 3), Kind.FLOOR)
 UPPER = box((-3, 3, -3), (3, 3.2, 3), Kind.FLOOR)

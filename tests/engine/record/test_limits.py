@@ -10,8 +10,6 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from wildscav_engine.container import CHUNK, HEADER_LIMIT, decompress, pack, unpack
-from wildscav_engine.match import Match
 from wildscav_engine.record import (
     FILE_LIMIT,
     Record,
@@ -22,7 +20,9 @@ from wildscav_engine.record import (
     verify_record,
 )
 from wildscav_engine.record.format import LAYOUT, decode, encode
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.storage.binary_format import CHUNK, HEADER_LIMIT, decompress, pack, unpack
 
 MIB = 1 << 20
 # Any value that JSON has.

@@ -17,10 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wildscav_engine import SIMULATION_VERSION
-from wildscav_engine.container import PREAMBLE, canonical, pack, unpack
 from wildscav_engine.maps import GENERATOR_VERSION, generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.match import Match
 from wildscav_engine.record import (
     Record,
     RecordError,
@@ -31,7 +29,9 @@ from wildscav_engine.record import (
     write_record,
 )
 from wildscav_engine.record.format import LAYOUT, decode, encode
-from wildscav_engine.spec import MapConfig, MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.spec import MapConfig, MatchSpec
+from wildscav_engine.storage.binary_format import PREAMBLE, canonical, pack, unpack
 
 
 @pytest.fixture(scope="module")

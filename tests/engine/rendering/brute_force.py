@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import World, build_world
-from wildscav_engine.maps.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
-from wildscav_engine.rendering.solids import Solids
+from wildscav_engine.maps.export.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
 from wildscav_engine.rendering.trace import WATER_HIT
+from wildscav_engine.rendering.tracing.solids import Solids
 
 RAYS_AT_ONCE = 64  # so that their tables stay in the processor's cache
 ON_EDGE = 1e-9  # how far outside a triangle, in shares of it, a ray still meets it

@@ -30,8 +30,8 @@ from builders import box
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import CELL, World
-from wildscav_engine.rendering.solids import gather_solids
 from wildscav_engine.rendering.trace import WATER_HIT
+from wildscav_engine.rendering.tracing.solids import gather_solids
 
 # --- Images of generated maps -----------------------------------------------------------------------------
 

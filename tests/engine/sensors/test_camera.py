@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 
 from builders import act, box, flat_world, make_match, map_from, place
 from wildscav_engine.geometry.world import Solid
-from wildscav_engine.match import Match
-from wildscav_engine.palette import of_seat
-from wildscav_engine.rendering.things import things_of
+from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import ColorCamera
+from wildscav_engine.sensors.optics.dynamic_objects import things_of
+from wildscav_engine.simulation.match import Match
 
 CAMERA = ColorCamera(width=64, height=36)
 

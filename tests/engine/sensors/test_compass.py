@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from builders import make_match, place
-from wildscav_engine.match import Match
 from wildscav_engine.sensors import Compass
+from wildscav_engine.simulation.match import Match
 
 HALF = 0.7071067811865476
 

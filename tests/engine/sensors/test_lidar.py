@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from builders import box, flat_world, make_match, map_from, place
-from wildscav_engine.body import EYE_HEIGHT
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import generate_map
-from wildscav_engine.rendering.solids import gather_solids
+from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import DepthCamera, Lidar
-from wildscav_engine.spec import MapConfig
-from wildscav_engine.trig import cosine, sine
+from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.spec import MapConfig
 
 RING = {"channels": 1, "lowest": 0.0, "highest": 0.0}  # one level ring
 

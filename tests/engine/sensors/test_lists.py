@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from builders import act, box, flat_world, make_match, place
-from wildscav_engine.match import Match
-from wildscav_engine.rules import Rules
 from wildscav_engine.sensors import NearbySupplies, VisibleAgents
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.rules import Rules
 
 
 def with_boxes(*distances: float, rules: Rules = Rules()) -> Match:  # noqa: B008

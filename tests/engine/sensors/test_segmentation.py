@@ -5,9 +5,9 @@ import pytest
 
 from builders import act, box, flat_world, make_match, place
 from wildscav_engine.geometry.world import Kind, Solid
-from wildscav_engine.match import Match
 from wildscav_engine.sensors import SegmentationCamera
 from wildscav_engine.sensors.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
+from wildscav_engine.simulation.match import Match
 
 KINDS = SegmentationCamera(width=65, height=37)
 INSTANCES = SegmentationCamera(width=65, height=37, label="instance")

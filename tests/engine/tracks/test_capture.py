@@ -3,8 +3,8 @@
 import pytest
 
 from builders import act, flat_world, make_match, place
-from wildscav_engine.match import Match
 from wildscav_engine.sensors import Compass
+from wildscav_engine.simulation.match import Match
 
 
 def capture(*spots: tuple[float, float, float], **spec: object) -> Match:

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from builders import act, flat_world, make_match, place
-from wildscav_engine.match import Match
-from wildscav_engine.spec import ZoneConfig, ZonePhase
-from wildscav_engine.systems.zone import plan_zone, zone_at
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.systems.zone import plan_zone, zone_at
+from wildscav_engine.specs.spec import ZoneConfig, ZonePhase
 from wildscav_engine.tracks.rewards import FACTS, RewardSum, read_facts
 
 NO_ZONE = ZoneConfig()

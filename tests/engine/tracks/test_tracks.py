@@ -3,7 +3,7 @@
 import pytest
 
 from builders import act, box, flat_world, make_match, place
-from wildscav_engine.match import Match, MatchSetupError
+from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.tracks import TRACKS
 
 

@@ -11,15 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 from tests.builders import box, map_from
 
-from wildscav_engine.actions import FIELDS
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, build_world
 from wildscav_engine.maps import GameMap, generate_map, map_spec
 from wildscav_engine.maps.base import Base, save_base
-from wildscav_engine.match import Match
 from wildscav_engine.record.format import RecordError, decode, encode, record_of
-from wildscav_engine.rules import Rules
-from wildscav_engine.spec import Equipment, MapConfig, MapSpec, MatchSpec, Placement, SupplyConfig, SupplyWave
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.spec import (
+    Equipment,
+    MapConfig,
+    MapSpec,
+    MatchSpec,
+    Placement,
+    SupplyConfig,
+    SupplyWave,
+)
 from wildscav_engine.tracks import TRACKS
 
 Digests = dict[str, str]  # by the name of the case

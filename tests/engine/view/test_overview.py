@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from builders import flat_world, make_match, place
-from wildscav_engine.view.history import collect
 from wildscav_engine.view.overview import ASPECT, VIEW_ANGLE, WHOLE_MAP, Overview, overview
+from wildscav_engine.view.recording.history import collect
 
 
 def on_screen(camera: Overview, points: np.ndarray) -> np.ndarray:

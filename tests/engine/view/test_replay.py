@@ -11,11 +11,11 @@ from rerun.chunk import RrdReader
 
 from builders import make_match
 from wildscav_engine.record import Record, resimulate
-from wildscav_engine.sensors.colors import of_distances
+from wildscav_engine.sensors.display.colors import of_distances
 from wildscav_engine.view import ViewError, write_replay
-from wildscav_engine.view.actors import line_color
-from wildscav_engine.view.depth import distances_of
-from wildscav_engine.view.history import DEPTH_CAMERA, History, collect
+from wildscav_engine.view.entities.agents import line_color
+from wildscav_engine.view.entities.depth import distances_of
+from wildscav_engine.view.recording.history import DEPTH_CAMERA, History, collect
 from wildscav_engine.view.verdict import verdict
 
 from .conftest import robots_play

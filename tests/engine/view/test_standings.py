@@ -5,8 +5,8 @@ import pytest
 from builders import make_match
 from wildscav_engine.maps import GameMap
 from wildscav_engine.record import Record, record_of, resimulate
-from wildscav_engine.result import MatchResult, SeatResult
-from wildscav_engine.view.history import collect
+from wildscav_engine.specs.result import MatchResult, SeatResult
+from wildscav_engine.view.recording.history import collect
 from wildscav_engine.view.standings import MOST_LINES, moving_standings
 from wildscav_engine.view.verdict import clock, verdict
 

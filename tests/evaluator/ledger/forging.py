@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from wildscav_engine.match import Match
 from wildscav_engine.record import read_record, write_record
+from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.ledger.entries import Closed, Ended, Entry, Fact, Opened, digest_of_line
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import LEDGER_FILE, sha256_of

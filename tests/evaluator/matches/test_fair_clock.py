@@ -7,7 +7,7 @@ import pytest
 from tests.evaluator.players import Submit
 from tests.evaluator.sandbox.conftest import missing
 
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission

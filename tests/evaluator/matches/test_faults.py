@@ -14,7 +14,7 @@ import pytest
 from tests.evaluator.players import TALKER, Submit
 
 from wildscav.server import Clock, HostedMatch
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import PlatformFaultError, Played, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent
 from wildscav_evaluator.submissions.submission import Submission
@@ -26,7 +26,7 @@ MISTAKE = "a mistake of ours"
 SENSOR = "\n[sensors.depth]\nwidth = 4\nheight = 4\n"
 # What fails, and at which call of it. With two seats most things are called twice a step.
 OFTEN = [
-    ("wildscav_engine.match:Match.step", 5),
+    ("wildscav_engine.simulation.match:Match.step", 5),
     ("wildscav.server.hosting.lockstep:encode_observation", 5),
     ("wildscav.server.hosting.lockstep:decode_action", 5),
     ("wildscav.server.endpoints.match_service:_read_join", 1),
@@ -36,9 +36,9 @@ ALL = [
     *(
         pytest.param(*seam, marks=pytest.mark.slow)
         for seam in (
-            ("wildscav_engine.match:Match.start_info", 1),  # for the first message to a seat
-            ("wildscav_engine.match:Match.start_info", 2),
-            ("wildscav_engine.match:Match.result", 1),  # for the last one
+            ("wildscav_engine.simulation.match:Match.start_info", 1),  # for the first message to a seat
+            ("wildscav_engine.simulation.match:Match.start_info", 2),
+            ("wildscav_engine.simulation.match:Match.result", 1),  # for the last one
             ("wildscav.server.hosting.seat:Seat.sense", 5),
             ("wildscav.server.hosting.observations:Senses.take", 5),
             ("wildscav.server.endpoints.match_service:MatchService._place", 2),
@@ -190,7 +190,7 @@ def test_a_mistake_that_stays_gives_the_match_up_and_no_agent(
     def breaks(*_: object) -> None:
         raise RuntimeError(MISTAKE)
 
-    monkeypatch.setattr("wildscav_engine.match.Match.step", breaks)
+    monkeypatch.setattr("wildscav_engine.simulation.match.Match.step", breaks)
 
     with pytest.raises(PlatformFaultError, match=f"failed 3 times: RuntimeError: {MISTAKE}"):
         play(submit("walker", TALKER), tmp_path=tmp_path)

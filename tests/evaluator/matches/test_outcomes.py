@@ -7,8 +7,8 @@ import pytest
 from tests.evaluator.players import QUITTER, TALKER, Submit
 
 from wildscav.server import Clock, SeatStatus
-from wildscav_engine.match import Match, MatchSetupError
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.simulation.match import Match, MatchSetupError
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.agents import status_of
 from wildscav_evaluator.matches.play import TRIES, PlatformFaultError, Played, Seating, play_match
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent

@@ -9,7 +9,7 @@ import pytest
 from tests.evaluator.players import SLEEPER, WALKER, Submit
 
 from wildscav.server import Clock, HostedMatch, SeatStatus
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Played, Seating, play_match
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission

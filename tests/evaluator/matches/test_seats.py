@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.players import WALKER, Submit
 
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, Job, JobResult, kept, run_job
 from wildscav_evaluator.output.folder import keep_only
 from wildscav_evaluator.output.journal import MATCHES

@@ -8,7 +8,7 @@ from tests.evaluator.players import Submit
 from tests.evaluator.sandbox.conftest import missing
 
 from wildscav.server import HostedMatch
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Played, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.players import WALKER, Submit
 
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.specs.spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Beat, Broken, Job, Rendering, Told
 from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog
 

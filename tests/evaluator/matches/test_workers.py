@@ -12,7 +12,7 @@ import pytest
 from tests.evaluator.players import SLEEPER, WALKER, Submit
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, after_death
 from wildscav_evaluator.matches.play import Seating
 from wildscav_evaluator.matches.watchdog import Patience

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.specs.spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Beat, Job, JobResult
 from wildscav_evaluator.monitoring.dashboard import dashboard, duration
 from wildscav_evaluator.monitoring.tally import Tally

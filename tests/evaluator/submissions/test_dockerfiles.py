@@ -8,7 +8,7 @@ import pytest
 from tests.evaluator.sandbox.conftest import missing
 from tests.evaluator.submissions.python_image import NAME, python_image
 
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.containers.container_engine import Engine, call, find_engine

@@ -13,9 +13,9 @@ from urllib.parse import urlsplit
 import pytest
 from tests.platform.helpers.command import Done, command_here
 
-from wildscav_engine.match import Match
 from wildscav_engine.record import write_record
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 
 COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
 END = 120  # s, far more than it takes

@@ -19,9 +19,9 @@ from tests.platform.legacy.helpers.original import environment
 from builders import place, seen_now
 from wildscav.legacy.maps import is_written, obj_of, paths_of, write_map
 from wildscav_engine.maps import GameMap, load_map
-from wildscav_engine.match import Match
 from wildscav_engine.sensors import DepthCamera
-from wildscav_engine.spec import MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.spec import MatchSpec
 
 EYE = np.array([0.0, 1.5, 0.0])
 WIDTH, HEIGHT, FAR = 64, 36, 200.0

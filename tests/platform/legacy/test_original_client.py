@@ -13,7 +13,7 @@ from tests.platform.legacy.helpers.original import SCRIPTS, environment, free_po
 from wildscav.legacy.install import install_engine
 from wildscav.legacy.maps import obj_of, paths_of
 from wildscav_engine.maps import load_map
-from wildscav_engine.maps.export import locations_of
+from wildscav_engine.maps.export.files import locations_of
 from wildscav_engine.record import read_record, verify_record
 
 

@@ -10,8 +10,8 @@ from tests.engine.envs.common import OPEN, TRACK_NAMES, options
 from tests.platform.helpers.policy_matches import assert_same, observed, play_env
 
 from wildscav_engine.envs import SingleEnv, describe
-from wildscav_engine.envs.actions import MODES
-from wildscav_engine.envs.columns import GROUPS
+from wildscav_engine.envs.spaces.actions import MODES
+from wildscav_engine.envs.spaces.columns import GROUPS
 from wildscav_engine.sensors import SENSORS
 
 SMALL = {"width": 4, "height": 3}

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from wildscav.policy import trig
-from wildscav_engine import trig as exact
+from wildscav_engine.arithmetic import elementary_functions as exact
 
 ANGLES = some.floats(-1e6, 1e6) | some.integers(-24, 24).map(lambda part: 15.0 * part)
 NUMBERS = some.floats(-1.0, 1.0)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.kernel import config
+from wildscav_engine.compilation.kernel import config
 
 pytestmark = pytest.mark.skipif(config.DISABLE_JIT, reason="nothing is compiled")
 
@@ -22,7 +22,7 @@ notice.MOMENT = notice.PAUSE = 0.0
 notice.TICK = 0.01
 from wildscav.terminal.console import PlainConsole
 from wildscav.terminal.engine_progress import preparing
-from wildscav_engine.trig import sine
+from wildscav_engine.arithmetic.elementary_functions import sine
 
 is_terminal, is_said = json.loads(sys.argv[1])
 console = PlainConsole(file=io.StringIO(), force_terminal=is_terminal, width=100)

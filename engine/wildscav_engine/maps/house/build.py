@@ -6,7 +6,7 @@ from wildscav_engine.maps.game_map import Room as MapRoom
 from wildscav_engine.maps.house.builder import RAILING, Builder
 from wildscav_engine.maps.house.plan import SLAB, STOREY_HEIGHT, HousePlan, Side, Stairs
 from wildscav_engine.maps.house.roof import build_roofs
-from wildscav_engine.maps.sites import Site
+from wildscav_engine.maps.settlements.sites import Site
 
 FLOOR_LIFT = 0.08  # m of the ground floor above the levelled ground
 FOUNDATION = 0.5  # m that the house reaches into the ground

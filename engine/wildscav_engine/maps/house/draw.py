@@ -1,12 +1,12 @@
 """A whole house drawn from a seed."""
 
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.house.footprint import MAIN_LEAST, draw_wings
 from wildscav_engine.maps.house.plan import HousePlan, Roof, Wing
 from wildscav_engine.maps.house.purposes import STYLES
 from wildscav_engine.maps.house.stairs import HallPlace, draw_stairs
 from wildscav_engine.maps.house.storeys import can_be_joined, draw_storey
-from wildscav_engine.rng import Dice, Stream
 
 SMALLEST, LARGEST = MAIN_LEAST, 24.0  # m a side, of what can be asked for
 TRIES = 200  # to place the stairs; one in three fails

@@ -1,8 +1,8 @@
 """The outlines of houses: a block, a block with a wing (an L), a block with a low annex."""
 
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import OUTER_WALL, Roof, Side, Wing
-from wildscav_engine.rng import Dice
 
 MAIN_LEAST = 7.0  # m a side, of a main block: room for stairs and for rooms beside them
 WING_LEAST = 3.6  # m a side

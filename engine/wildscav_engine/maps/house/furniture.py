@@ -7,6 +7,7 @@ walk, and so is the way from every doorway to it: so furniture never cuts a room
 from collections.abc import Callable
 from typing import NamedTuple
 
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     CLEAR_WAY,
@@ -20,7 +21,6 @@ from wildscav_engine.maps.house.plan import (
     span_of,
 )
 from wildscav_engine.maps.house.rooms import Span, without
-from wildscav_engine.rng import Dice
 
 Box = tuple[float, float, float, float, float, float]  # m: left, from the wall, bottom; right, to, top
 CORNER_GAP = 0.05  # m between pieces side by side

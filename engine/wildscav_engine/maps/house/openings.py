@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     DOOR_WIDTH,
@@ -18,7 +19,6 @@ from wildscav_engine.maps.house.plan import (
     span_of,
 )
 from wildscav_engine.maps.house.rooms import Span, clear_of_stairs, draw_span, within, without
-from wildscav_engine.rng import Dice
 
 PILLAR = 0.3  # m, least wall between a window or door and what is beside it
 WINDOW_BAY = 3.0  # m of wall for each window, about

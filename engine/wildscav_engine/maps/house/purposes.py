@@ -1,8 +1,8 @@
 """What rooms are for, by the style of the house, the storey and their size."""
 
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import NARROWEST_ROOM
-from wildscav_engine.rng import Dice
 
 STYLES = ("dwelling", "dwelling", "dwelling", "store", "office")  # as likely as they are many
 

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     CLEAR_WAY,
@@ -16,7 +17,6 @@ from wildscav_engine.maps.house.plan import (
     line_of,
     span_of,
 )
-from wildscav_engine.rng import Dice
 
 Span = tuple[float, float]  # m, a part of a line
 Bar = tuple[Rectangle, bool]  # the outline of a wall, and whether it runs across

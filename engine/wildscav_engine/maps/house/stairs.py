@@ -6,6 +6,7 @@ back to the next. In a *turning* hall two flights meet on a landing half way up.
 
 from typing import NamedTuple
 
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     CLEAR_WAY,
@@ -15,7 +16,6 @@ from wildscav_engine.maps.house.plan import (
     Side,
     Stairs,
 )
-from wildscav_engine.rng import Dice
 
 RISE, GOING = 0.2, 0.28  # m, of a step
 RISES = 15  # from floor to floor

@@ -1,5 +1,6 @@
 """One storey after the other: rooms, walls with openings, furniture."""
 
+from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.furniture import Gap, furnish
 from wildscav_engine.maps.house.openings import (
@@ -28,7 +29,6 @@ from wildscav_engine.maps.house.plan import (
 from wildscav_engine.maps.house.purposes import name_rooms
 from wildscav_engine.maps.house.rooms import Door, Layout, choose_doors, divide, doorway
 from wildscav_engine.maps.house.stairs import HallPlace
-from wildscav_engine.rng import Dice
 
 TRIES = 12  # to divide a storey so that doorways can join all rooms
 SIDES = tuple(Side)

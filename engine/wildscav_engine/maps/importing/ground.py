@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.base import BaseError
 
 EDGE = 1e-6  # how far outside a triangle, by its own height, a point still belongs to it

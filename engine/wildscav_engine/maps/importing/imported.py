@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.maps.base import NAME_LIMIT, Base, BaseError, check_base
-from wildscav_engine.maps.terrain import DEEPEST_WATER
+from wildscav_engine.maps.ground.terrain import DEEPEST_WATER
 
 NOTEWORTHY = 0.01  # m; rounding raises lake beds by less
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.files import read_limited
 from wildscav_engine.maps.base import BaseError
 from wildscav_engine.maps.importing.obj import read_obj
+from wildscav_engine.storage.files import read_limited
 
 MIRROR = np.array([1.0, 1.0, -1.0])  # from a file's frame to the game's, and back
 FILE_LIMIT = 64 << 20  # bytes

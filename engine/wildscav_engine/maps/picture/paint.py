@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.picture.survey import Survey
-from wildscav_engine.palette import of_solids
+from wildscav_engine.rendering.palette import of_solids
 
 Value = TypeVar("Value", bound=np.generic)
 Image = NDArray[np.float32]  # (rows, columns, 3) red, green, blue 0-255

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.maps.walk.lattice import DIRECTIONS
 
 

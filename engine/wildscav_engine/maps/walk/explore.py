@@ -8,12 +8,11 @@ between gentle neighbours need no walk.
 
 import numpy as np
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, COS_SLOPE_LIMIT, TAN_SLOPE_LIMIT
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.walk.lattice import (
     BORDER,
     DIRECTIONS,
@@ -31,8 +30,9 @@ from wildscav_engine.maps.walk.lattice import (
     node_at,
     place_of,
 )
-from wildscav_engine.systems.collision import Bodies, Point
-from wildscav_engine.systems.walking import on_steep_ground, walk
+from wildscav_engine.motion.collision import Bodies, Point
+from wildscav_engine.motion.walking import on_steep_ground, walk
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, COS_SLOPE_LIMIT, TAN_SLOPE_LIMIT
 
 ROOM = 0.04  # m around a node and to each side of an edge that a body may be off, and still arrive
 MIDDLE_ROOM = 0.05  # m half way along a diagonal, so that bodies there and at its ends cover it

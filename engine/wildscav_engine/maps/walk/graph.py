@@ -20,7 +20,7 @@ from wildscav_engine.maps.walk.lattice import (
     make_lattice,
 )
 from wildscav_engine.maps.walk.leaps import Leaps, find_leaps
-from wildscav_engine.systems.collision import Bodies
+from wildscav_engine.motion.collision import Bodies
 
 LAYERS = 2.0  # nodes over a lattice point in a house to begin with; tables grow where it is more
 Number = TypeVar("Number", bound=np.generic)

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import BODY_HEIGHT, BODY_RADIUS, STEP_HEIGHT
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import CELL, Kind, World, cell_of
-from wildscav_engine.kernel import array_kernel, kernel
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, STEP_HEIGHT
 
 SPACING = 0.5  # m between lattice points
 POINTS = int(CELL / SPACING)  # lattice points along a cell

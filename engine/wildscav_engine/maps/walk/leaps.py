@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.body import COS_SLOPE_LIMIT, STEP_HEIGHT, TAN_SLOPE_LIMIT
+from wildscav_engine.arithmetic.elementary_functions import arctangent
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.clearance import has_room, is_clear
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import kernel
 from wildscav_engine.maps.walk.explore import ROOM
 from wildscav_engine.maps.walk.lattice import (
     DIRECTIONS,
@@ -34,11 +34,11 @@ from wildscav_engine.maps.walk.lattice import (
     node_at,
     place_of,
 )
-from wildscav_engine.rules import FRAME
-from wildscav_engine.systems.collision import Bodies, Point
-from wildscav_engine.systems.motion import move
-from wildscav_engine.systems.walking import on_steep_ground
-from wildscav_engine.trig import arctangent
+from wildscav_engine.motion.body_motion import move
+from wildscav_engine.motion.collision import Bodies, Point
+from wildscav_engine.motion.walking import on_steep_ground
+from wildscav_engine.specs.body import COS_SLOPE_LIMIT, STEP_HEIGHT, TAN_SLOPE_LIMIT
+from wildscav_engine.specs.rules import FRAME
 
 LEAP_SPEED = 5.0  # m/s, of a body that leaps
 JUMP_HEIGHT = 1.2  # m, what is jumped onto at most: a little less than a jump is high

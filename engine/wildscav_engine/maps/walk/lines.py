@@ -7,7 +7,7 @@ walked; a walk by the engine's motion has the last word (``search.pull_straight`
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import kernel
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.maps.walk.lattice import SPACING
 
 ON_LINE = 1e-9  # m

@@ -12,7 +12,7 @@ from wildscav_engine.maps.walk.graph import WalkGraph
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
 from wildscav_engine.maps.walk.search import is_edge, pull_straight, shortest_way
 from wildscav_engine.maps.walk.tighten import tighten
-from wildscav_engine.systems.collision import Bodies, Point
+from wildscav_engine.motion.collision import Bodies, Point
 
 ATTACH = 1.5  # m, how far a place may lie from the node that stands for it
 ON_NODE = 1e-6  # m

@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.walk.components import successor
 from wildscav_engine.maps.walk.explore import leaves_room, walk_straight
 from wildscav_engine.maps.walk.lattice import DIRECTIONS, SAME_SURFACE, SPACING
 from wildscav_engine.maps.walk.lines import follow_line
-from wildscav_engine.systems.collision import Bodies, Point
+from wildscav_engine.motion.collision import Bodies, Point
 
 HEAP_FIRST = 1  # the heap's root is at 1, so that the parent of i is i // 2
 UNKNOWN = -1

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.kernel import array_kernel, kernel
 from wildscav_engine.maps.walk.explore import walk_straight
 from wildscav_engine.maps.walk.lattice import SPACING
 from wildscav_engine.maps.walk.search import LEG_STRIDE, is_straight
-from wildscav_engine.systems.collision import Bodies, Point
+from wildscav_engine.motion.collision import Bodies, Point
 
 ROUNDS = 8
 LEAST_GAIN = 0.01  # m, a round that shortens the path by less is the last

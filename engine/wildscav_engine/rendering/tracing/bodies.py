@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.canvas import FEW, Canvas
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, natural
 from wildscav_engine.rendering.tracing.packing import Shapes

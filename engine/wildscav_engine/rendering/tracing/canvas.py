@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import inlined_kernel
+from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, natural
 
 # What a ray has met is one number: a solid; NOTHING; or from there downwards, alternately

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import inlined_kernel
-from wildscav_engine.trig import cosine, sine
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.compilation.kernel import inlined_kernel
 
 NEAREST = 1e-9  # m before the camera, what is nearer or behind has no place on the image
 TOUCH = 1e-6  # m

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import BLOCK
-from wildscav_engine.kernel import inlined_kernel
 
 CORNERS = BLOCK + 1  # of cells, along a side of a block
 SQUARE = 96  # corners of a block's cells, 81, and more to make loops over them even

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle
 from wildscav_engine.rendering.tracing.packing import GROUP, LANES
 

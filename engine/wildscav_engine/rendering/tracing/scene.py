@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import array_kernel
 from wildscav_engine.geometry.world import BLOCK, CELL, World
-from wildscav_engine.kernel import array_kernel
-from wildscav_engine.rendering.solids import Solids, shapes_of, solids_of_world
 from wildscav_engine.rendering.tracing.packing import (
     CORNERS,
     GROUP,
@@ -21,8 +20,9 @@ from wildscav_engine.rendering.tracing.packing import (
     Shapes,
     pack_scene,
 )
-from wildscav_engine.rendering.tracing.room import Rooms
 from wildscav_engine.rendering.tracing.rough import NEVER_SEEN, ROUNDED, SLACK
+from wildscav_engine.rendering.tracing.solids import Solids, shapes_of, solids_of_world
+from wildscav_engine.rendering.tracing.workspace import Rooms
 
 NO_MEMBER = -1
 

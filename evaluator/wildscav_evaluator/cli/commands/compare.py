@@ -48,7 +48,7 @@ def compare(
     The verdict is that of a paired bootstrap: one is better if the 95 % interval of the differences, match by
     match, leaves out zero. A comparison that was interrupted is continued by the same command.
     """
-    from wildscav_engine.threads import cores
+    from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.cli.sessions.compare import both_play, run_comparison, told_apart
     from wildscav_evaluator.evaluation import Plan, in_own_folder
@@ -95,7 +95,7 @@ def rescore(
     submission played, in what, and whose fault it was when an agent ended early, is only proven by a ledger
     that the organizer signed (--key).
     """
-    from wildscav_engine.threads import cores
+    from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.sessions.rescore import run_rescore
     from wildscav_evaluator.ledger.keys import read_public
 

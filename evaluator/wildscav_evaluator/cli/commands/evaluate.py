@@ -108,7 +108,7 @@ def evaluate(
     An evaluation that was interrupted is continued by the same command. Submissions do not meet: where a
     match has several seats for submissions, all of them are filled by the one that is evaluated.
     """
-    from wildscav_engine.threads import cores
+    from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.cli.sessions.evaluate import run_session
     from wildscav_evaluator.evaluation import Plan, in_own_folder

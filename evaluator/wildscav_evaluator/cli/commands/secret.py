@@ -58,7 +58,7 @@ def commitment(file: Secret) -> None:
 @app.command("open")
 def open_(file: Secret, out: Out) -> None:
     """Put a secret beside the results of its evaluation, so that all of it can be published and checked."""
-    from wildscav_engine.files import write_whole
+    from wildscav_engine.storage.files import write_whole
     from wildscav_evaluator.output.results import RESULTS_FILE, read_results
     from wildscav_evaluator.suites.seeds import OPENED_FILE, read_secret
 

@@ -9,8 +9,8 @@ from rich.text import Text
 from wildscav.errors import UserError, describe
 from wildscav.terminal.console import command, console, counted, print_json
 from wildscav.terminal.engine_progress import preparing
-from wildscav_engine.files import write_whole
 from wildscav_engine.record import SUFFIX
+from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.cli.result_tables.changes import since_table
 from wildscav_evaluator.cli.result_tables.ranking import LEGEND, ranked, track_table
 from wildscav_evaluator.cli.result_tables.timing import conditions, time_table

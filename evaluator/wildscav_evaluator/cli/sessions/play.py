@@ -17,11 +17,11 @@ from wildscav.server import HostedMatch
 from wildscav.system import leftovers
 from wildscav.terminal.console import command, console, print_json
 from wildscav.terminal.engine_progress import preparing
-from wildscav_engine.actions import Field
-from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record
-from wildscav_engine.rules import FRAMES_PER_SECOND
-from wildscav_engine.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
+from wildscav_engine.simulation.match import MatchSetupError
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_engine.specs.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.options.output_paths import check_targets
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, number, plain_table
@@ -38,7 +38,7 @@ from wildscav_evaluator.seats import BATTLE_ROBOTS
 from wildscav_evaluator.submissions.submission import Submission
 
 if TYPE_CHECKING:
-    from wildscav_engine.result import SeatResult
+    from wildscav_engine.specs.result import SeatResult
 
 BATTLE_SEATS = 6  # unless asked otherwise
 MAX_SEATS = 1000  # that a spec may have

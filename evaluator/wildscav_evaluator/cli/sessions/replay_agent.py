@@ -10,8 +10,8 @@ from rich.text import Text
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, printable
 from wildscav.terminal.engine_progress import preparing
-from wildscav_engine.match import MatchSetupError
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
+from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_evaluator.cli.sessions.errors import raise_all
 from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
 from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wildscav_engine.geometry.world import World
     from wildscav_engine.maps import GameMap
     from wildscav_engine.maps.viewpoints import Viewpoint
-    from wildscav_engine.sensors.optical import OpticalSensor
+    from wildscav_engine.sensors.optics.optical import OpticalSensor
 
 WIDTH, ASPECT = 960, 9 / 16  # pixels, where none are said; height over width
 Place = tuple[float, float, float]
@@ -105,8 +105,8 @@ def _picture(
         UserError: One of them is to be outside the map.
     """
     from wildscav.terminal.console import error_console
-    from wildscav_engine.rendering.placed import placed_things
-    from wildscav_engine.sensors.legend import draw_reading
+    from wildscav_engine.sensors.display.legend import draw_reading
+    from wildscav_engine.sensors.optics.placed_objects import placed_things
 
     things = placed_things(
         [(_place(game_map, wanted), wanted.numbers[-1]) for wanted in agents],
@@ -145,7 +145,7 @@ def _sensor(name: str, size: dict[str, Any], options: Sequence[str], things: boo
         UserError: There is no such sensor that makes an image, or it has no such option or value.
     """
     from wildscav_engine.sensors import SENSORS, parse_sensor
-    from wildscav_engine.sensors.optical import OpticalSensor
+    from wildscav_engine.sensors.optics.optical import OpticalSensor
 
     images = [each for each, kind in SENSORS.items() if issubclass(kind, OpticalSensor)]
     if name not in images:
@@ -169,7 +169,7 @@ def _sensor(name: str, size: dict[str, Any], options: Sequence[str], things: boo
 
 def _defaults(sensor: object, given: dict[str, Any], things: bool) -> dict[str, Any]:
     """Return options for what is not given: a size for people's eyes, and to see what was put there."""
-    from wildscav_engine.sensors.pinhole import PinholeCamera
+    from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 
     defaults: dict[str, Any] = {}
     if isinstance(sensor, PinholeCamera):
@@ -241,8 +241,8 @@ def _viewpoint(
     Raises:
         UserError: Nothing can be seen from there.
     """
-    from wildscav_engine.body import EYE_HEIGHT
     from wildscav_engine.maps.viewpoints import Viewpoint, viewpoint_of
+    from wildscav_engine.specs.body import EYE_HEIGHT
 
     if wanted is None:
         view = viewpoint_of(game_map)

@@ -94,7 +94,7 @@ def export(
 ) -> None:
     """Write a map's triangle mesh (OBJ and GLB), its valid locations and what it is made from (JSON)."""
     from wildscav.terminal.console import console, error_console
-    from wildscav_engine.maps.export import export_map
+    from wildscav_engine.maps.export.files import export_map
 
     if output is not None:
         check_folder("--output", output)
@@ -111,7 +111,7 @@ def export(
 def info(choose: Callable[[], Choice], as_json: AsJson = False) -> None:
     """Print a map's figures."""
     from wildscav.terminal.console import console, print_json
-    from wildscav_engine.maps.figures import figures_of
+    from wildscav_engine.simulation.map_statistics import figures_of
 
     choice = choose()
     figures = figures_of(choice.game_map) | {"made in": f"{_seconds_to_make(choice.game_map):.2f} s"}

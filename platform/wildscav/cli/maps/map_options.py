@@ -141,7 +141,7 @@ def _made(map_id: int | None, seed: int | None, file: Path | None, fields: dict[
 
     from wildscav.terminal.console import error_console
     from wildscav_engine.maps import MapError, generate_map, load_map
-    from wildscav_engine.spec import MapSpec, one_line
+    from wildscav_engine.specs.spec import MapSpec, one_line
 
     try:
         with error_console.status("making the map"):
@@ -205,7 +205,7 @@ def try_config(file: str) -> None:
         OSError: It cannot be read.
     """
     from wildscav.system.config_files import LARGEST
-    from wildscav_engine.files import read_limited
+    from wildscav_engine.storage.files import read_limited
 
     _parsed_config(Path(file), read_limited(Path(file), LARGEST))
 

@@ -25,7 +25,7 @@ def save(picture: "Image", path: Path) -> str:
         A line that says what was written, and whether it took the place of another file.
     """
     replaced = ", in place of the file that was there" if path.exists() else ""
-    from wildscav_engine.files import write_whole
+    from wildscav_engine.storage.files import write_whole
 
     content = BytesIO()
     picture.save(content, format_of(path), quality=90, optimize=True)

@@ -21,7 +21,7 @@ from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 CLOSING_TIME = 1.0  # s that seats have to take the match's last message
 

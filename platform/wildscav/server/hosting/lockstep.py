@@ -28,7 +28,7 @@ from wildscav.wire.actions import ACTION_FIELDS, decode_action
 from wildscav.wire.observations import encode_observation
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 BREATH = 0.005  # s of playing without waiting after which other matches get their turn
 LAG = 0.01  # s that the loop may be late with a deadline before the seats are given that time back

@@ -14,14 +14,14 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.handles import Addresses
-from wildscav_engine.kernel import inlined_kernel, kernel
-from wildscav_engine.play import agents_of, matches_at, seen_of, supplies_of
-from wildscav_engine.rng import Word
-from wildscav_engine.rules import FRAME
-from wildscav_engine.sensors.visibility import Seen
-from wildscav_engine.state import Agents, Matches, Supplies
-from wildscav_engine.systems.supplies import team_supplies
+from wildscav_engine.arithmetic.random_numbers import Word
+from wildscav_engine.compilation.array_tables import Addresses
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.simulation.play import agents_of, matches_at, seen_of, supplies_of
+from wildscav_engine.simulation.state import Agents, Matches, Supplies
+from wildscav_engine.simulation.systems.supplies import team_supplies
+from wildscav_engine.simulation.visibility import Seen
+from wildscav_engine.specs.rules import FRAME
 
 ROOM = 4096  # bytes for one observation; 16 agents, 32 boxes and the largest numbers need fewer than 3,100
 VARINT, DOUBLE, MESSAGE = 0, 1, 2  # what follows a key

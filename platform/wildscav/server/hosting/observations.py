@@ -9,7 +9,7 @@ from wildscav.agent import MatchInfo, SupplyWave
 from wildscav.server.hosting.time_limits import Clock
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 
 class Senses:
@@ -49,7 +49,7 @@ class Senses:
 
 def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
     """Return what a seat is told before the first step. The map's id and seed are not in it."""
-    from wildscav_engine.rules import FRAMES_PER_SECOND
+    from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
     spec, start = match.spec, match.start_info(seat)
     equipment = spec.equipment_of(seat)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
+    from wildscav_engine.simulation.match import Match
 
 
 class Fault(StrEnum):

@@ -16,8 +16,8 @@ from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct
 
 if TYPE_CHECKING:
-    from wildscav_engine.match import Match
     from wildscav_engine.sensors import Sensor
+    from wildscav_engine.simulation.match import Match
 
 
 class Seat:

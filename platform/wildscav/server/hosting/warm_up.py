@@ -9,8 +9,8 @@ from wildscav.server.hosting.observations import Senses
 
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
-    from wildscav_engine.match import Match
     from wildscav_engine.sensors import Sensor
+    from wildscav_engine.simulation.match import Match
 
 _lock = threading.Lock()
 _warmed: set["Sensor"] = set()
@@ -43,9 +43,9 @@ def every_sensor() -> "list[Sensor]":
 @functools.cache
 def _tiny_match() -> "Match":
     """Return a match that was played to its end."""
-    from wildscav_engine.actions import no_actions
-    from wildscav_engine.match import Match
-    from wildscav_engine.spec import MatchSpec
+    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.specs.actions import no_actions
+    from wildscav_engine.specs.spec import MatchSpec
 
     game_map = warm_map()
     match = Match(MatchSpec(track="navigation", map=game_map.spec, time_limit=0.1), game_map)
@@ -59,6 +59,6 @@ def _tiny_match() -> "Match":
 def warm_map() -> "GameMap":
     """Make a small map with a little of everything, anew: one that was kept on disk would warm nothing."""
     from wildscav_engine.maps import generate_map
-    from wildscav_engine.spec import MapConfig
+    from wildscav_engine.specs.spec import MapConfig
 
     return generate_map(MapConfig(size=60, houses=3, density="high", ruggedness=1.0, water=0.1), seed=5)

@@ -9,7 +9,7 @@ from tests.evaluator.players import Command, Submit
 
 from wildscav.errors import UserError
 from wildscav_engine.record import write_record
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.cli.sessions.replay_agent import run_again
 from wildscav_evaluator.matches.play import Seating, play_match
 

@@ -12,8 +12,8 @@ from wildscav.cli import verify
 from wildscav.cli.maps import map as map_command
 from wildscav.server import SeatReport, SeatStatus
 from wildscav.terminal.console import PlainConsole
-from wildscav_engine.match import Match
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.commands import doctor
 from wildscav_evaluator.cli.result_tables.changes import since_table, verdict

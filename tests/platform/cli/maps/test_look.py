@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from PIL import Image
 from tests.platform.helpers.command import Done, command_here
 
-from wildscav_engine.body import EYE_HEIGHT
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.viewpoints import viewpoint_of
-from wildscav_engine.rendering.placed import placed_things
 from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera
-from wildscav_engine.sensors.colors import of_distances
-from wildscav_engine.sensors.optical import OpticalSensor
-from wildscav_engine.spec import MapConfig
+from wildscav_engine.sensors.display.colors import of_distances
+from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.placed_objects import placed_things
+from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.spec import MapConfig
 
 BARE = ("--seed", 3, "--size", 40, "--houses", 0, "--vegetation", 0, "--water", 0)
 BARE_MAP = generate_map(MapConfig(size=40, houses=0, vegetation=0.0, water=0.0), 3)

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from wildscav_engine.compilation.folders import cache_root
+from wildscav_engine.compilation.cache_folders import cache_root
 
 PACKAGES = (
     "inspirai-fps==0.0.3",

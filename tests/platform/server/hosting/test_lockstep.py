@@ -11,9 +11,9 @@ from tests.platform.helpers.seats import connected, ended, host, serving, small_
 from wildscav.server import Clock, MatchCancelledError, MatchServer, SeatStatus
 from wildscav.wire.actions import ACTION_FIELDS
 from wildscav.wire.observations import decode_observation
-from wildscav_engine.actions import Field, no_actions
-from wildscav_engine.match import Match
 from wildscav_engine.sensors import SENSORS
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import Field, no_actions
 from wildscav_engine.tracks import TRACKS
 
 PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=400.0)

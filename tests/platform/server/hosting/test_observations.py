@@ -13,11 +13,11 @@ from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgen
 from wildscav.server.hosting.observation_encoding import ROOM, put_observations
 from wildscav.server.hosting.observations import Senses
 from wildscav.server.hosting.warm_up import warm
-from wildscav_engine.actions import FIELDS
-from wildscav_engine.match import Match
-from wildscav_engine.rules import FRAME
-from wildscav_engine.sensors.visibility import AGENT_LIMIT, SUPPLY_LIMIT
-from wildscav_engine.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.visibility import AGENT_LIMIT, SUPPLY_LIMIT
+from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.rules import FRAME
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_engine.tracks import TRACKS
 
 BANK = 29.5  # s, of seat 0; each other one has a second more

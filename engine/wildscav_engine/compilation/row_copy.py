@@ -1,0 +1,72 @@
+"""One match's row of a batch's arrays: cleared, and as bytes."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.array_tables import Addresses, bytes_at
+from wildscav_engine.compilation.kernel import kernel
+
+# What columns of a table hold.
+ADDRESS, ITEM, ROWS, LENGTH = 0, 1, 2, 3
+
+
+def fills_of(like: Any) -> NDArray[np.uint8]:
+    """Return (F,) the byte that each array of a new batch is full of.
+
+    Args:
+        like: A NamedTuple of new arrays, none of them empty.
+    """
+    return np.array([array.reshape(-1)[:1].view(np.uint8)[0] for array in like])
+
+
+@kernel
+def clear_rows(table: Addresses, fills: NDArray[np.uint8], rows: NDArray[np.int64]) -> None:
+    """Make some rows of all arrays of a table what they are in a new batch.
+
+    Args:
+        table: (F, 6).
+        fills: (F,) the byte that each array is full of.
+        rows: (N,) which rows.
+    """
+    for field in range(table.shape[0]):
+        size = row_size(table, field)
+        for row in rows:
+            memory = bytes_at(table[field, ADDRESS] + row * size, size)
+            for index in range(size):
+                memory[index] = fills[field]
+
+
+@kernel
+def row_size(table: Addresses, field: int) -> int:
+    """Return how many bytes a row of an array has."""
+    size = table[field, ITEM]
+    for column in range(LENGTH, table.shape[1]):
+        size *= table[field, column]
+    return int(size)
+
+
+@kernel
+def copy_row(
+    table: Addresses, row: int, sizes: NDArray[np.int64], content: NDArray[np.uint8], writes: bool
+) -> None:
+    """Copy the beginning of a row of every array of a table into some bytes, or back.
+
+    Args:
+        table: (F, 6).
+        row: Which one.
+        sizes: (F,) bytes of each array that are copied.
+        content: (N,) one after the other.
+        writes: Whether the row is written, else the content is.
+    """
+    first = 0
+    for field in range(table.shape[0]):
+        memory = bytes_at(table[field, ADDRESS] + row * row_size(table, field), sizes[field])
+        part = content[first : first + sizes[field]]
+        first += sizes[field]
+        for index in range(sizes[field]):
+            if writes:
+                memory[index] = part[index]
+            else:
+                part[index] = memory[index]

@@ -1,0 +1,1 @@
+"""What an environment looks like: pictures, and a live view."""

@@ -1,0 +1,180 @@
+"""All options of an environment, in one frozen object."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from wildscav_engine.maps.pools import Level, Split
+from wildscav_engine.sensors import Sensor, parse_sensors
+from wildscav_engine.specs.actions import Field as ActionField
+from wildscav_engine.specs.rules import Rules, RulesField
+from wildscav_engine.specs.spec import (
+    SUBMISSION,
+    MapConfig,
+    MapSpec,
+    MatchSpec,
+    Place,
+    Spec,
+    SupplyConfig,
+    ZoneConfig,
+    one_line,
+)
+from wildscav_engine.tracks import TRACKS
+from wildscav_engine.tracks.rewards import RewardSum
+
+ActionMode = Literal["dict", "box", "baseline", "multidiscrete"]
+RenderMode = Literal["rgb_array", "depth_array", "human"]
+RenderView = Literal["eyes", "top"]
+
+MOST_MATES = 7  # that a learner is told of by default, the nearest
+
+
+class EnvConfig(Spec):
+    """What an environment is: where, who, for how long, what is seen, done, paid and shown."""
+
+    track: str
+    # Where: a numbered map, several, one map by its spec, or random maps of a kind; None: those of the level.
+    map: int | tuple[int, ...] | MapSpec | MapConfig | None = None
+    level: Level = "normal"
+    split: Split = "train"
+    random_maps: Annotated[int, Field(ge=1, le=100_000)] = 64
+    start: Place | None = None  # m, of the first seat; None: a random place
+    starts: tuple[Place | None, ...] | None = None  # m, of every seat
+    start_range: Annotated[float, Field(ge=0, le=2000)] | None = None  # m from where the target is reached
+    target: Place | None = None  # m; None: a random place
+    # Who: learners first, then the robots on their team, then the robots against them.
+    agents: Annotated[int, Field(ge=1, le=1000)] = 1
+    teammates: tuple[str, ...] = ()
+    opponents: tuple[str, ...] | None = None  # None: the track's
+    teams: tuple[int, ...] | None = None  # one a seat; None: see the page of environments
+    # How long, and by which rules.
+    time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = None  # s; None: the track's
+    frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5
+    rules: RulesField = Rules()
+    supplies: SupplyConfig | None = None  # None: the map's or the track's
+    supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    zone: ZoneConfig | None = None  # None: the track's
+    # What is seen, done and paid.
+    sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's
+    rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's
+    action_mode: ActionMode = "dict"
+    flat: bool = False  # one row of numbers for the Dict of observations, and arrays for those of infos
+    # What is shown, and how it is run.
+    render_mode: RenderMode | None = None
+    render_view: RenderView = "eyes"
+    render_size: tuple[Annotated[int, Field(ge=16, le=1920)], Annotated[int, Field(ge=16, le=1080)]] = (
+        320,
+        180,
+    )
+    threads: Annotated[int, Field(ge=1, le=1024)] = 1
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.track not in TRACKS:
+            raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(TRACKS)}")
+        self.match_spec()
+        self.read_sensors()
+        RewardSum(self.reward_weights)
+        return self
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The robots against the learners."""
+        if self.opponents is not None:
+            return self.opponents
+        # What fills the seats of a battle that no other learner fills.
+        missing = TRACKS[self.track].opponents + 1 - self.agents - len(self.teammates)
+        return (TRACKS[self.track].robot,) * max(0, missing)
+
+    @property
+    def seats(self) -> tuple[str, ...]:
+        """Who fills each seat."""
+        return (SUBMISSION,) * self.agents + self.teammates + self.robots
+
+    @property
+    def team_of_seats(self) -> tuple[int, ...] | None:
+        """The team of each seat; None for what the track does by itself.
+
+        With teammates, and in a track that is played together, the learners are one team and every opponent
+        is a team of its own. Else every seat is.
+        """
+        if self.teams is not None:
+            return self.teams
+        together = self.agents + len(self.teammates)
+        alone = TRACKS[self.track].teams(2) == (0, 1)
+        if alone and not self.teammates:
+            return None
+        return (0,) * together + tuple(range(1, 1 + len(self.robots)))
+
+    @property
+    def reward_weights(self) -> Mapping[str, float]:
+        """The weight of each reward term."""
+        return TRACKS[self.track].rewards if self.rewards is None else self.rewards
+
+    @property
+    def fields(self) -> tuple[ActionField, ...]:
+        """The track's action set, in order."""
+        return tuple(field for field in ActionField if field in TRACKS[self.track].fields)
+
+    def read_sensors(self) -> dict[str, Sensor]:
+        """Return the sensors by name.
+
+        Raises:
+            ValueError: One is wrong.
+        """
+        if self.sensors is not None:
+            return parse_sensors(self.sensors)
+        teams = self.match_spec().team_of_seats
+        mates = max(teams.count(teams[seat]) for seat in range(self.agents)) - 1
+        told = {"teammates": {"limit": min(mates, MOST_MATES)}} if mates else {}
+        return parse_sensors(TRACKS[self.track].sensors | told)
+
+    def match_spec(self) -> MatchSpec:
+        """Return the match that is played, but for its map and its seed.
+
+        Raises:
+            ValueError: It cannot be played.
+        """
+        return MatchSpec(
+            track=self.track,
+            seats=self.seats,
+            teams=self.team_of_seats,
+            time_limit=TRACKS[self.track].time_limit if self.time_limit is None else self.time_limit,
+            frames_per_action=self.frames_per_action,
+            start=self.start,
+            starts=self.starts,
+            start_range=self.start_range,
+            target=self.target,
+            supplies=self.supplies,
+            supply_goal=self.supply_goal,
+            zone=self.zone,
+            rules=self.rules,
+        )
+
+
+def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvConfig:
+    """Return the options of an environment, checked.
+
+    Args:
+        track: Its track.
+        options: By the names of the fields of ``EnvConfig``; ``preset`` names one to start from.
+        defaults: What counts where neither says anything.
+
+    Raises:
+        ValueError: One is wrong; a single line that says which and what is allowed.
+    """
+    from wildscav_engine.envs.settings.presets import preset_options
+
+    given = dict(options)
+    preset = given.pop("preset", None)
+    base = {} if preset is None else preset_options(preset, track)
+    unknown = sorted(given.keys() - set(EnvConfig.model_fields))
+    if unknown:
+        known = ", ".join(name for name in EnvConfig.model_fields if name != "track")
+        # Said as Python does: some trainers try what an environment takes.
+        raise TypeError(f"unexpected keyword argument {unknown[0]!r}; the options are preset, {known}")
+    try:
+        return EnvConfig(**{**defaults, **base, **given, "track": track})
+    except ValidationError as error:
+        raise ValueError(one_line(error)) from None

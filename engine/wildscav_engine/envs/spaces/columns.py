@@ -1,0 +1,148 @@
+"""The columns of what a learner is told: named groups of numbers, each a Box of the observation.
+
+All groups of a learner lie side by side in one float32 row, which one kernel writes; after them come numbers
+that are not part of the observation: how the learner's match stands, what happened in the step, and what
+was paid for it.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+from wildscav_engine.sensors.base import Column
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.tracks import Track
+
+FAR = 5000.0  # m, more than any place of a map has
+FAST = 1000.0  # m/s, more than anybody has
+LONG = 100_000.0  # s, more than any match takes
+MANY = 2.0**31  # of anything that is counted
+YES = "0 or 1"  # the unit of what is so or not
+
+
+class Group(NamedTuple):
+    """Numbers that belong together."""
+
+    name: str
+    columns: tuple[Column, ...]
+
+
+class Part(IntEnum):
+    """The groups, by their numbers in kernels."""
+
+    POSITION = 0
+    VELOCITY = 1
+    VIEW = 2
+    BODY = 3
+    TIME = 4
+    TARGET = 5
+    SUPPLIES = 6
+    VITALS = 7
+    WEAPON = 8
+    STANDING = 9
+    EVENTS = 10
+    TERMS = 11
+
+
+PARTS = len(Part)
+
+GROUPS: dict[Part, Group] = {
+    Part.POSITION: Group(
+        "position",
+        (
+            Column("x", "m", -FAR, FAR, "position of the soles, east of the middle of the map"),
+            Column("y", "m", -FAR, FAR, "height of the soles"),
+            Column("z", "m", -FAR, FAR, "position of the soles, north of the middle of the map"),
+        ),
+    ),
+    Part.VELOCITY: Group(
+        "velocity",
+        (
+            Column("x", "m/s", -FAST, FAST, "velocity to the east in the last frame"),
+            Column("y", "m/s", -FAST, FAST, "velocity upwards in the last frame"),
+            Column("z", "m/s", -FAST, FAST, "velocity to the north in the last frame"),
+        ),
+    ),
+    Part.VIEW: Group(
+        "view",
+        (
+            Column("yaw", "degrees", -180.0, 180.0, "where the agent faces: 0 is north, 90 is east"),
+            Column("pitch", "degrees", -90.0, 90.0, "how far the view looks down; negative looks up"),
+            Column("sine of yaw", "", -1.0, 1.0, "the same yaw without the jump from 180 to -180"),
+            Column("cosine of yaw", "", -1.0, 1.0, "the same yaw without the jump from 180 to -180"),
+            Column("sine of pitch", "", -1.0, 1.0, "the same pitch"),
+            Column("cosine of pitch", "", -1.0, 1.0, "the same pitch"),
+        ),
+    ),
+    Part.BODY: Group(
+        "body",
+        (
+            Column("alive", YES, 0.0, 1.0, "whether the agent is alive"),
+            Column("on_ground", YES, 0.0, 1.0, "whether it stands on something"),
+            Column("in_water", YES, 0.0, 1.0, "whether it wades in water"),
+        ),
+    ),
+    Part.TIME: Group(
+        "time",
+        (
+            Column("left", "s", 0.0, LONG, "game time until the time limit"),
+            Column("passed", "s", 0.0, LONG, "game time since the start"),
+        ),
+    ),
+    Part.TARGET: Group(
+        "target",
+        (
+            Column("known", YES, 0.0, 1.0, "whether the target is known; the rest is 0 until it is"),
+            Column("x", "m", -FAR, FAR, "position of the target, east of the middle of the map"),
+            Column("y", "m", -FAR, FAR, "height of the target"),
+            Column("z", "m", -FAR, FAR, "position of the target, north of the middle of the map"),
+            Column("x from here", "m", -FAR, FAR, "position of the target, east of the soles"),
+            Column("y from here", "m", -FAR, FAR, "position of the target, above the soles"),
+            Column("z from here", "m", -FAR, FAR, "position of the target, north of the soles"),
+            Column("distance", "m", 0.0, 2 * FAR, "straight distance of the target from the soles"),
+        ),
+    ),
+    Part.SUPPLIES: Group(
+        "supplies",
+        (
+            Column("carried", "", 0.0, MANY, "supplies that the agent carries"),
+            Column("picked up in the step", "", 0.0, MANY, "supplies that it picked up in the last step"),
+            Column("carried by the team", "", 0.0, MANY, "supplies that its team carries, its own included"),
+            Column("can_pick_up", YES, 0.0, 1.0, "whether a supply box is within reach"),
+        ),
+    ),
+    Part.VITALS: Group(
+        "vitals",
+        (
+            Column("health", "hp", 0.0, 10_000.0, "health; 0 is dead"),
+            Column("respawn_left", "s", 0.0, LONG, "time until a dead agent comes back"),
+            Column("invincible_left", "s", 0.0, LONG, "time until shots do it harm again"),
+        ),
+    ),
+    Part.WEAPON: Group(
+        "weapon",
+        (
+            Column("clip", "", 0.0, MANY, "rounds in the weapon"),
+            Column("spare_ammo", "", 0.0, MANY, "rounds carried besides"),
+            Column("reload_left", "s", 0.0, LONG, "time until the weapon is reloaded"),
+            Column("fired", YES, 0.0, 1.0, "whether the agent fired in the last step"),
+            Column("hit", YES, 0.0, 1.0, "whether its last shot of the step hit another agent"),
+            Column("was_hit", YES, 0.0, 1.0, "whether another agent hit it in the last step"),
+        ),
+    ),
+}
+
+STANDING = ("terminated", "truncated", "reward")
+# What happened to a learner in the step, counted.
+EVENTS = ("shots", "hits", "was_hit", "supplies", "kills", "deaths", "respawns")
+
+
+def parts_of(track: Track) -> tuple[Part, ...]:
+    """Return the groups that learners of a track are told."""
+    fights = Field.SHOOT in track.fields
+    wanted = {
+        Part.TARGET: track.has_target,
+        Part.SUPPLIES: track.has_supplies,
+        Part.VITALS: fights or track.has_zone,
+        Part.WEAPON: fights,
+    }
+    return tuple(part for part in GROUPS if wanted.get(part, True))

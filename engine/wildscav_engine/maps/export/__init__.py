@@ -1,0 +1,1 @@
+"""Maps as meshes and as files for other programs."""

@@ -1,0 +1,1 @@
+"""The ground of generated maps: relief, erosion, lakes."""

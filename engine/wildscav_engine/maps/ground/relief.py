@@ -1,0 +1,237 @@
+"""The lie of the land: where there are plains, hills, mountain chains and cliffs, and how high."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream, uniform
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.world import CELL
+from wildscav_engine.specs.spec import MapConfig
+
+STREAM = int(Stream.TERRAIN)
+GRADIENTS_KEY = 1  # the frame that keys the noise
+LATTICE = 128  # points along a side of the noise's lattice, after which it repeats; a power of two
+SPREAD = 1.5  # makes most of one octave of noise lie between -1 and 1
+SHORTEST_COUNTRY, LONGEST_COUNTRY = 40.0, 540.0  # m from one upland to the next, by the size of the map
+STEEPNESS = 0.12  # m of height by m from one upland to the next, at relief 1, and for small countries more:
+STEEPNESS_OF_SMALL = 2.2  # m of height
+LEAST_RANGE = 0.65  # of the country's height between a map's highest and lowest ground, at the least
+SHORE_WAVE, SHORE_HEIGHT = 26.0, 0.5  # m, of what bends the shores of lakes, at relief 1
+FINEST_HILLS = 11.0  # m, the shortest waves
+HILL_OCTAVES = 4
+CLIFF_WIDTH = 0.45  # m on either side of a cliff's middle within which it rises, by m of its height
+WIDEST_CLIFF = 2.2  # m
+
+# The layers of noise, each read from a corner of the lattice of its own.
+WARP_EAST, WARP_NORTH, UPLANDS, CHAINS, HILLS, DETAIL, MOUNTAINOUS, PLAIN, CLIFFY, BREAKS, SHORES = range(11)
+LAYERS = 11
+
+
+class Country(NamedTuple):
+    """What sets one map's land apart from another's."""
+
+    wave: float  # m from one upland to the next
+    height: float  # m of the uplands over the hollows, about
+    step: float  # m, height of cliffs
+    east: float  # where the chains run: sine and cosine of a yaw
+    north: float
+    stretch: float  # length of chains by the distance between them
+    mountains: float  # about -1: mountains are everywhere … 1: nowhere
+    plains: float
+    cliffs: float
+
+
+def draw_country(config: MapConfig, relief: float, seed: int) -> Country:
+    """Draw what a map's land is like on the whole."""
+    dice = Dice(seed, Stream.TERRAIN, agent=1)
+    wave = min(max(SHORTEST_COUNTRY, 0.75 * config.size), LONGEST_COUNTRY) * dice.uniform(0.8, 1.2)
+    height = relief * (STEEPNESS * wave + STEEPNESS_OF_SMALL) * dice.uniform(0.85, 1.15)
+    yaw = dice.uniform(-180.0, 180.0)
+    rugged = config.ruggedness
+    return Country(
+        wave=wave,
+        height=height,
+        step=min(max(2.6, 0.2 * height), 9.0) * dice.uniform(0.85, 1.15),
+        east=sine(yaw),
+        north=cosine(yaw),
+        stretch=dice.uniform(1.0, 2.4),
+        mountains=0.55 - 0.9 * rugged + dice.uniform(-0.25, 0.25),
+        plains=-0.5 + 1.0 * rugged + dice.uniform(-0.25, 0.25),
+        cliffs=0.75 - 1.05 * rugged + dice.uniform(-0.15, 0.15),
+    )
+
+
+def draw_gradients(seed: int) -> NDArray[np.float64]:
+    """Return (LATTICE, LATTICE, 2) the noise's slopes: unit vectors in random directions."""
+    gradients = np.empty((LATTICE, LATTICE, 2))
+    _draw_gradients(np.uint64(seed), gradients)
+    return gradients
+
+
+@kernel
+def _draw_gradients(seed: np.uint64, gradients: NDArray[np.float64]) -> None:
+    for row in range(LATTICE):
+        for column in range(LATTICE):
+            turn = 360.0 * uniform(seed, STREAM, GRADIENTS_KEY, row, column)
+            gradients[row, column, 0] = cosine(turn)
+            gradients[row, column, 1] = sine(turn)
+
+
+def draw_origins(seed: int) -> NDArray[np.float64]:
+    """Return (LAYERS, 2) where in the lattice each layer of noise starts."""
+    dice = Dice(seed, Stream.TERRAIN, agent=2)
+    return np.array([[dice.uniform(0.0, LATTICE) for _ in range(2)] for _ in range(LAYERS)])
+
+
+@kernel
+def _noise(gradients: NDArray[np.float64], x: float, z: float) -> float:
+    """Return gradient noise (Perlin, "Improving Noise", SIGGRAPH 2002), mostly from -1 to 1."""
+    west, south = np.floor(x), np.floor(z)
+    east, north = x - west, z - south
+    blend_x = east * east * east * (east * (east * 6.0 - 15.0) + 10.0)
+    blend_z = north * north * north * (north * (north * 6.0 - 15.0) + 10.0)
+    c0, r0 = int(west) & (LATTICE - 1), int(south) & (LATTICE - 1)
+    c1, r1 = (c0 + 1) & (LATTICE - 1), (r0 + 1) & (LATTICE - 1)
+    h00 = gradients[r0, c0, 0] * east + gradients[r0, c0, 1] * north
+    h01 = gradients[r0, c1, 0] * (east - 1.0) + gradients[r0, c1, 1] * north
+    h10 = gradients[r1, c0, 0] * east + gradients[r1, c0, 1] * (north - 1.0)
+    h11 = gradients[r1, c1, 0] * (east - 1.0) + gradients[r1, c1, 1] * (north - 1.0)
+    at_south, at_north = h00 + blend_x * (h01 - h00), h10 + blend_x * (h11 - h10)
+    return float(SPREAD * (at_south + blend_z * (at_north - at_south)))
+
+
+@kernel
+def _layer(
+    gradients: NDArray[np.float64],
+    origins: NDArray[np.float64],
+    layer: int,
+    octaves: int,
+    gain: float,
+    x: float,
+    z: float,
+) -> float:
+    """Add octaves of noise, each half as long as the one before, ``gain`` times as high, and turned."""
+    x, z = x + origins[layer, 0], z + origins[layer, 1]
+    total, height = 0.0, 1.0
+    for _ in range(octaves):
+        total += height * _noise(gradients, x, z)
+        x, z = 1.6 * x - 1.2 * z, 1.2 * x + 1.6 * z
+        height *= gain
+    return total
+
+
+@kernel
+def _crests(gradients: NDArray[np.float64], origins: NDArray[np.float64], x: float, z: float) -> float:
+    """Return ridged noise, 0 to about 1, 1 along crests; the crests alone branch into finer ones.
+
+    Musgrave, in Ebert et al., "Texturing and Modeling: A Procedural Approach", 3rd ed., chapter 16.
+    """
+    x, z = x + origins[CHAINS, 0], z + origins[CHAINS, 1]
+    total, height, weight = 0.0, 0.62, 1.0
+    for _ in range(4):
+        # The root rounds the crest, so that one can walk along it.
+        away = _noise(gradients, x, z)
+        crest = max(0.0, 1.0 - np.sqrt(away * away + 0.004) * 1.15)
+        crest = crest * crest * weight
+        total += height * crest
+        weight = min(1.0, 1.7 * crest)
+        x, z = 1.6 * x - 1.2 * z, 1.2 * x + 1.6 * z
+        height *= 0.45
+    return total
+
+
+@kernel
+def smooth_step(low: float, high: float, value: float) -> float:
+    """Return 0 below ``low``, 1 above ``high``, and a smooth rise between."""
+    share = min(max((value - low) / (high - low), 0.0), 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
+@kernel
+def lay_out(
+    country: Country,
+    gradients: NDArray[np.float64],
+    origins: NDArray[np.float64],
+    broad: NDArray[np.float64],
+    hills: NDArray[np.float64],
+    cliffs: NDArray[np.float64],
+) -> None:
+    """Compose the land from slow and quick noise.
+
+    Args:
+        country: What the land is like.
+        gradients: Of the noise.
+        origins: Of its layers.
+        broad: (R, C) m, uplands and mountain chains, written.
+        hills: (R, C) m, what is to be added to them, written.
+        cliffs: (R, C) 0 to 1, how far slopes are gathered into cliffs, written.
+    """
+    octaves = 1
+    while octaves < HILL_OCTAVES + 3 and 0.4 * country.wave / 2.0**octaves >= FINEST_HILLS:
+        octaves += 1
+    for row in range(broad.shape[0]):
+        for column in range(broad.shape[1]):
+            x, z = column * CELL / country.wave, row * CELL / country.wave
+            warp_x = 0.3 * _layer(gradients, origins, WARP_EAST, 2, 0.5, 1.3 * x, 1.3 * z)
+            warp_z = 0.3 * _layer(gradients, origins, WARP_NORTH, 2, 0.5, 1.3 * x, 1.3 * z)
+            plain = _layer(gradients, origins, PLAIN, 1, 0.5, 0.8 * x + warp_x, 0.8 * z + warp_z)
+            plain = smooth_step(country.plains - 0.3, country.plains + 0.3, plain)
+            rocky = _layer(gradients, origins, CLIFFY, 1, 0.5, x + warp_x, z + warp_z)
+            gap = _layer(gradients, origins, BREAKS, 1, 0.5, CELL * column / 46.0, CELL * row / 46.0)
+            rocky = smooth_step(country.cliffs - 0.2, country.cliffs + 0.2, rocky)
+            cliffs[row, column] = rocky * smooth_step(-0.3, 0.1, gap)
+            mountain = _layer(gradients, origins, MOUNTAINOUS, 1, 0.5, 0.55 * x + warp_x, 0.55 * z + warp_z)
+            mountain = smooth_step(country.mountains - 0.45, country.mountains + 0.45, mountain)
+            x, z = x + warp_x, z + warp_z
+            upland = _layer(gradients, origins, UPLANDS, 2, 0.4, x, z)
+            along = (x * country.east + z * country.north) / country.stretch
+            across = x * country.north - z * country.east
+            crest = _crests(gradients, origins, 0.9 * across, 0.9 * along)
+            flat = 1.0 - 0.75 * plain * (1.0 - mountain)
+            broad[row, column] = country.height * (0.5 * upland * flat + 1.1 * mountain * crest)
+            hill = _layer(gradients, origins, HILLS, octaves, 0.42, 2.5 * x, 2.5 * z)
+            hills[row, column] = country.height * hill * (0.04 + 0.18 * (1.0 - plain))
+
+
+@kernel
+def draw_bumps(
+    relief: float, gradients: NDArray[np.float64], origins: NDArray[np.float64], bumps: NDArray[np.float64]
+) -> None:
+    """Write (R, C) m, what bends the shores of lakes where their banks are flat."""
+    for row in range(bumps.shape[0]):
+        for column in range(bumps.shape[1]):
+            x, z = column * CELL / SHORE_WAVE, row * CELL / SHORE_WAVE
+            bumps[row, column] = SHORE_HEIGHT * relief * _layer(gradients, origins, SHORES, 2, 0.5, x, z)
+
+
+@kernel
+def raise_cliffs(
+    step: float, broad: NDArray[np.float64], cliffs: NDArray[np.float64], heights: NDArray[np.float64]
+) -> None:
+    """Gather the slopes into steps where the land is rocky, each as steep whatever the slope was.
+
+    Args:
+        step: m, from one terrace to the next.
+        broad: (R, C) m.
+        cliffs: (R, C) how far the ground follows the terraces, 0 to 1.
+        heights: (R, C) m, of the terraced ground, written.
+    """
+    rows, columns = broad.shape
+    width = min(CLIFF_WIDTH * step, WIDEST_CLIFF)
+    for row in range(rows):
+        south, north = max(0, row - 1), min(rows - 1, row + 1)
+        for column in range(columns):
+            west, east = max(0, column - 1), min(columns - 1, column + 1)
+            up_east = (broad[row, east] - broad[row, west]) / ((east - west) * CELL)
+            up_north = (broad[north, column] - broad[south, column]) / ((north - south) * CELL)
+            slope = np.sqrt(up_east * up_east + up_north * up_north)
+            level = np.floor(broad[row, column] / step)
+            above = broad[row, column] - (level + 0.5) * step
+            # How far in m the middle of the rise is away, on a slope as steep as here.
+            away = above / max(slope, 0.03)
+            rise = smooth_step(-width, width, away)
+            terrace = (level + rise) * step + 0.25 * (above / step + 0.5 - rise) * step
+            heights[row, column] = broad[row, column] + cliffs[row, column] * (terrace - broad[row, column])

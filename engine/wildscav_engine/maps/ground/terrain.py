@@ -1,0 +1,228 @@
+"""The height field: open country, lakes in its hollows, level ground under houses."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.world import CELL
+from wildscav_engine.maps.ground.connected_parts import largest_part
+from wildscav_engine.maps.ground.erosion import add_finely, crumble, rain
+from wildscav_engine.maps.ground.lakes import DEEPEST_WATER, flood, smooth_least, softened
+from wildscav_engine.maps.ground.relief import (
+    LEAST_RANGE,
+    draw_bumps,
+    draw_country,
+    draw_gradients,
+    draw_origins,
+    lay_out,
+    raise_cliffs,
+)
+from wildscav_engine.specs.body import TAN_SLOPE_LIMIT
+from wildscav_engine.specs.spec import MapConfig
+
+__all__ = [
+    "DEEPEST_WATER",
+    "LEVEL_MARGIN",
+    "Terrain",
+    "distance_to_footprint",
+    "level_ground",
+    "make_terrain",
+    "water_of_cells",
+]
+
+FLATTEST_SHAPE = 0.25  # the least relief with which land is shaped; what is flatter is pressed flat after
+# Rain carves valleys into coarse ground first, then gullies into the fine: points of the height field by one
+# of the ground, and drops for each of these.
+VALLEY_RAINS, GULLY_RAIN = ((4, 0.45), (2, 0.2)), (1, 0.15)
+ROUNDINGS = 2  # of a rain's traces, by how coarse its ground is: else one sees the squares of that ground
+LEAST_POINTS = 25  # along a side of ground that is worth rain
+STEEPEST_SOIL = 0.62 * CELL  # m from one point to the next
+CRUMBLING = 12  # rounds
+LEAST_CONNECTED = 0.75  # share of the ground that can be walked from one place; rock wears down until then
+WEARING = 0.7  # how far rock stays rock each time
+MOST_WEARING = 10  # times
+LEVEL_MARGIN = 3.0  # m of level ground around a house: more than the diagonal of a cell
+JOIN_SLOPE = 0.65  # m up per m, of the ground that joins level ground to a steeper slope
+JOIN_START = 3.0  # m; the greater, the more gently the join starts
+LONGEST_JOIN = 80.0  # m; beyond, the ground is natural whatever it is like
+
+
+class Terrain(NamedTuple):
+    """The ground before anything stands on it."""
+
+    corner: tuple[float, float]  # m, x and z of the south-west corner
+    heights: NDArray[np.float64]  # (R + 1, C + 1) m, at the cell corners
+    water_level: float  # m, -inf without lakes
+
+
+def make_terrain(config: MapConfig, seed: int) -> Terrain:
+    """Return the land of a map: height 0 is the water's level, or the lowest ground of a dry map."""
+    corner = (-config.size / 2.0, -config.size / 2.0)
+    cells = int(config.size // CELL)
+    heights, cliffs = _shape_land(config, seed, cells + 1)
+    scale = config.relief / max(config.relief, FLATTEST_SHAPE)
+    if config.water == 0.0:
+        heights = (heights - heights.min()) * scale
+        _open_ways(cliffs, heights)
+        return Terrain(corner, heights, -np.inf)
+    bumps = np.empty(heights.shape)
+    draw_bumps(max(config.relief, FLATTEST_SHAPE), draw_gradients(seed), draw_origins(seed), bumps)
+    heights = flood(heights, bumps, config.water, scale)
+    _open_ways(cliffs, heights)
+    return Terrain(corner, heights, 0.0)
+
+
+def _shape_land(config: MapConfig, seed: int, points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (points, points) heights in m, laid out, broken into cliffs and worn down, and what is rock."""
+    key = np.uint64(seed)
+    country = draw_country(config, max(config.relief, FLATTEST_SHAPE), seed)
+    broad, hills, cliffs, heights = (np.empty((points, points)) for _ in range(4))
+    lay_out(country, draw_gradients(seed), draw_origins(seed), broad, hills, cliffs)
+    broad *= max(1.0, LEAST_RANGE * country.height / (broad.max() - broad.min()))
+    for coarseness, drops in VALLEY_RAINS:
+        _erode(key, coarseness, drops, broad)
+    raise_cliffs(country.step, softened(broad), cliffs, heights)
+    heights += hills
+    _erode(key, *GULLY_RAIN, heights)
+    crumble(STEEPEST_SOIL, cliffs, CRUMBLING, heights)
+    return heights, cliffs
+
+
+def _open_ways(cliffs: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
+    """Wear rock down, in place, until most of the ground can be walked from one place; lakes stay."""
+    for _ in range(MOST_WEARING):
+        if _connected_share(heights) >= LEAST_CONNECTED:
+            break
+        cliffs *= WEARING
+        beds = heights.copy()
+        crumble(STEEPEST_SOIL, cliffs, CRUMBLING, heights)
+        # Screes end at the shore. What is dry stays dry: it slides only while it is higher above its
+        # neighbour than any lake is deep.
+        np.copyto(heights, beds, where=beds < 0.0)
+
+
+def _connected_share(heights: NDArray[np.float64]) -> float:
+    """Return the share of all cells in the largest connected part of those not too steep to walk."""
+    east, north = np.diff(heights, axis=1), np.diff(heights, axis=0)
+    rise = np.maximum(
+        east[:-1] * east[:-1] + north[:, 1:] * north[:, 1:],
+        east[1:] * east[1:] + north[:, :-1] * north[:, :-1],
+    )
+    steepest = TAN_SLOPE_LIMIT * CELL
+    cells = (rise < steepest * steepest).astype(np.int8)
+    return largest_part(np.empty(cells.size, np.int32), cells) / cells.size
+
+
+def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.float64]) -> None:
+    """Let it rain on every second, fourth … point, and change those between in the same way."""
+    ground = heights[::coarseness, ::coarseness].copy()
+    if len(ground) < LEAST_POINTS:
+        return
+    change = -ground
+    rain(seed, coarseness, int(drops * ground.size), ground)
+    change += ground
+    finely = np.zeros(heights.shape)
+    add_finely(coarseness, softened(change), finely)
+    for _ in range(ROUNDINGS * (coarseness - 1)):
+        finely = softened(finely)
+    heights += finely
+
+
+def water_of_cells(heights: NDArray[np.float64], level: float) -> NDArray[np.float64]:
+    """Return (R, C) the height in m of the surface over each cell with ground below it, -inf elsewhere."""
+    south = np.minimum(heights[:-1, :-1], heights[:-1, 1:])
+    north = np.minimum(heights[1:, :-1], heights[1:, 1:])
+    return np.where(np.minimum(south, north) < level, level, -np.inf)
+
+
+@kernel
+def distance_to_footprint(footprint: NDArray[np.float64], x: float, z: float) -> float:
+    """Return how far in m (x, z) is from a footprint (see ``sites.Site``), 0 inside it."""
+    east, north = x - footprint[0], z - footprint[1]
+    across = abs(east * footprint[3] - north * footprint[2]) - footprint[4]
+    along = abs(east * footprint[2] + north * footprint[3]) - footprint[5]
+    across, along = max(0.0, across), max(0.0, along)
+    return float(np.sqrt(across * across + along * along))
+
+
+def level_ground(
+    corner: tuple[float, float],
+    footprints: NDArray[np.float64],
+    grounds: NDArray[np.float64],
+    heights: NDArray[np.float64],
+) -> None:
+    """Make the ground level around each footprint and join it smoothly to what is around.
+
+    Away from each level the ground may rise and fall only so much, and the farther the more: it is cut and
+    filled to that, and left alone where it is within. So the join is as wide as the difference needs, and
+    no steeper than its own slope and the natural one.
+
+    Args:
+        corner: m, x and z of the south-west corner.
+        footprints: (H, 6), see ``sites.Site``.
+        grounds: (H,) m, the level around each.
+        heights: (R + 1, C + 1) m, changed.
+    """
+    least, most = np.full(heights.shape, -np.inf), np.full(heights.shape, np.inf)
+    _limit(corner, footprints, grounds, least, most)
+    _keep_within(least, most, heights)
+
+
+@kernel
+def _limit(
+    corner: tuple[float, float],
+    footprints: NDArray[np.float64],
+    grounds: NDArray[np.float64],
+    least: NDArray[np.float64],
+    most: NDArray[np.float64],
+) -> None:
+    """Narrow down how low and how high the ground may be, (R + 1, C + 1) m each, to join each level."""
+    for house in range(footprints.shape[0]):
+        reach = footprints[house, 4] + footprints[house, 5] + LEVEL_MARGIN + LONGEST_JOIN
+        first_row = max(0, int((footprints[house, 1] - reach - corner[1]) / CELL))
+        first_column = max(0, int((footprints[house, 0] - reach - corner[0]) / CELL))
+        last_row = min(least.shape[0] - 1, int((footprints[house, 1] + reach - corner[1]) / CELL) + 1)
+        last_column = min(least.shape[1] - 1, int((footprints[house, 0] + reach - corner[0]) / CELL) + 1)
+        for row in range(first_row, last_row + 1):
+            for column in range(first_column, last_column + 1):
+                x, z = corner[0] + column * CELL, corner[1] + row * CELL
+                away = max(0.0, distance_to_footprint(footprints[house], x, z) - LEVEL_MARGIN)
+                if away < LONGEST_JOIN:
+                    room = room_of_join(away)
+                    least[row, column] = max(least[row, column], grounds[house] - room)
+                    most[row, column] = min(most[row, column], grounds[house] + room)
+
+
+@kernel
+def room_of_join(away: float) -> float:
+    """Return how much in m the ground may differ from a level that begins so many m away.
+
+    Two levels that differ by no more than this at their distance are both level.
+    """
+    if away >= LONGEST_JOIN:
+        return np.inf
+    away = max(0.0, away)
+    share = (away / LONGEST_JOIN) * (away / LONGEST_JOIN)
+    return JOIN_SLOPE * away * away / (away + JOIN_START) / (1.0 - share * share)
+
+
+@kernel
+def _keep_within(least: NDArray[np.float64], most: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
+    """Cut and fill the ground to its limits."""
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            if most[row, column] < np.inf:
+                heights[row, column] = _within(heights[row, column], least[row, column], most[row, column])
+
+
+@kernel
+def _within(height: float, least: float, most: float) -> float:
+    """Return a height cut and filled to what two or more levels allow; halfway where they disagree."""
+    if least >= most:
+        return 0.5 * (least + most)
+    # Rounded where cut and where filled, but never by so much that it leaves the range.
+    width = min(1.0, 0.5 * (most - least))
+    height = smooth_least(height, most, width)
+    return -smooth_least(-height, -least, width)

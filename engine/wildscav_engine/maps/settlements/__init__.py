@@ -1,0 +1,1 @@
+"""Where houses stand: towns, hamlets, farmsteads, and the streets between them."""

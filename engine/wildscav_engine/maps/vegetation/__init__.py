@@ -1,0 +1,1 @@
+"""Trees, bushes and rocks: what they look like and where they grow."""

@@ -1,0 +1,1 @@
+"""How a body moves through the world: walking, jumping, falling, and what it collides with."""

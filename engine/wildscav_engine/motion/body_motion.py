@@ -1,0 +1,138 @@
+"""Motion: one frame of one body, of walking or of flight.
+
+Most frames are played in open country, where only the ground counts: that is all this file looks at.
+``walking.py`` and ``flight.py`` play all others, and would play these the same, bit for bit.
+"""
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.sweep import is_body_near
+from wildscav_engine.geometry.terrain import Ground, ground_at, is_steep
+from wildscav_engine.geometry.world import World, cell_of
+from wildscav_engine.motion.collision import (
+    FARTHEST,
+    TOUCHING,
+    Bodies,
+    Moved,
+    Point,
+    inside_edges,
+    look_around,
+)
+from wildscav_engine.motion.flight import flown, fly_among, rise_after
+from wildscav_engine.motion.walking import LIFT, is_sliding, walk_among
+from wildscav_engine.specs.body import BODY_HEIGHT, JUMP_SPEED, STEP_HEIGHT
+from wildscav_engine.specs.rules import FRAME
+
+HEADROOM = STEP_HEIGHT + LIFT + TOUCHING  # m over a body that are free in open country
+
+
+@kernel
+def move(
+    world: World,
+    bodies: Bodies,
+    rise: float,
+    on_ground: bool,
+    walk_direction: float,
+    walk_speed: float,
+    jump: bool,
+    water_speed_factor: float,
+) -> Moved:
+    """Move one body for one frame.
+
+    Args:
+        world: The static world.
+        bodies: All bodies, and which of them moves.
+        rise: m/s, its vertical speed; 0 on the ground.
+        on_ground: Whether it stands on something.
+        walk_direction: Degrees, compass.
+        walk_speed: m/s. In the air it steers as on the ground: there is no inertia sideways.
+        jump: Whether to jump; only from the ground, and not in water or where it slides.
+        water_speed_factor: What is left of the walk speed in water.
+
+    Returns:
+        Where it is after the frame.
+    """
+    east, north = walk_speed * sine(walk_direction), walk_speed * cosine(walk_direction)
+    return move_by(world, bodies, rise, on_ground, east, north, jump, water_speed_factor)
+
+
+@inlined_kernel
+def move_by(
+    world: World,
+    bodies: Bodies,
+    rise: float,
+    on_ground: bool,
+    east: float,
+    north: float,
+    jump: bool,
+    water_speed_factor: float,
+) -> Moved:
+    """Move one body for one frame, as ``move`` does, at a walk speed of so many m/s east and north."""
+    place = bodies.position[bodies.mover]
+    here = Point(place[0], place[1], place[2])
+    ground = ground_at(world, here.x, here.z)
+    if here.y < ground.water:
+        east, north, jump = east * water_speed_factor, north * water_speed_factor, False
+    way_x, _, way_z = inside_edges(world, here, Point(east * FRAME, 0.0, north * FRAME))
+    is_held = is_steep(ground) and here.y <= ground.height + TOUCHING
+    walks = on_ground and not jump
+    if not is_held:
+        there = ground_at(world, here.x + way_x, here.z + way_z)
+        moved = _move_freely(here, there, way_x, way_z, walks, _speed_up(rise, on_ground))
+        if _is_open(world, bodies, here, ground, there, moved.y, walks):
+            return moved
+    return _move_among_things(world, bodies, here, way_x, way_z, on_ground, jump, rise)
+
+
+@kernel
+def _speed_up(rise: float, jumps: bool) -> float:
+    """Return the vertical speed in m/s with which a flight begins."""
+    return JUMP_SPEED if jumps else rise
+
+
+@kernel
+def _move_freely(here: Point, there: Ground, way_x: float, way_z: float, walks: bool, rise: float) -> Moved:
+    """Return where a move leads if nothing but the ground is near."""
+    x, z = here.x + way_x, here.z + way_z
+    if walks:
+        return Moved(x, there.height, z, 0.0, True)
+    y = here.y + flown(rise)
+    if y <= there.height:
+        return Moved(x, there.height, z, 0.0, True)
+    return Moved(x, y, z, rise_after(rise), False)
+
+
+@kernel
+def _is_open(
+    world: World, bodies: Bodies, here: Point, ground: Ground, there: Ground, height: float, walks: bool
+) -> bool:
+    """Return whether nothing but gentle ground counts on a way that ends ``height`` m high."""
+    if there.height > here.y + LIFT or (is_steep(there) and height <= there.height):
+        return False
+    if walks and (here.y > ground.height + TOUCHING or there.height < here.y - LIFT):
+        return False
+    rows, columns = world.water.shape
+    row, column = cell_of(world.corner[1], here.z, rows), cell_of(world.corner[0], here.x, columns)
+    if max(here.y, height) + BODY_HEIGHT + HEADROOM >= world.ceiling[row, column]:
+        return False
+    position, others, mover = bodies
+    return not is_body_near(position, others, mover, here.x, here.y, here.z, 2.0 * FARTHEST)
+
+
+@kernel
+def _move_among_things(
+    world: World,
+    bodies: Bodies,
+    here: Point,
+    way_x: float,
+    way_z: float,
+    on_ground: bool,
+    jump: bool,
+    rise: float,
+) -> Moved:
+    """Move a body where more than the ground may count."""
+    around = look_around(world, bodies, here, FARTHEST)
+    jump = jump and not is_sliding(world, here, ground_at(world, here.x, here.z))
+    if on_ground and not jump:
+        return walk_among(world, bodies, around, here, way_x, way_z)
+    return fly_among(world, bodies, around, here, way_x, way_z, _speed_up(rise, on_ground))

@@ -1,0 +1,1 @@
+"""The colours of pictures: light, sky, water, and the grain of surfaces."""

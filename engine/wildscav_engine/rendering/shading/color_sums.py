@@ -1,0 +1,34 @@
+"""Sums of colours in kernels: red, green and blue, 0-255, as floats."""
+
+from wildscav_engine.compilation.kernel import kernel
+
+Color = tuple[float, float, float]
+Vector = tuple[float, float, float]
+
+
+@kernel
+def mixed(first: Color, second: Color, share: float) -> Color:
+    """Return a colour between two, by how much of the second there is in it."""
+    return (
+        first[0] + (second[0] - first[0]) * share,
+        first[1] + (second[1] - first[1]) * share,
+        first[2] + (second[2] - first[2]) * share,
+    )
+
+
+@kernel
+def dimmed(color: Color, factor: float) -> Color:
+    """Return a colour as bright as a factor says."""
+    return color[0] * factor, color[1] * factor, color[2] * factor
+
+
+@kernel
+def clipped(value: float, low: float, high: float) -> float:
+    """Return a number, or the nearer end of a range that it is outside of."""
+    return min(high, max(low, value))
+
+
+@kernel
+def dot(first: Vector, second: Vector) -> float:
+    """Return the scalar product."""
+    return first[0] * second[0] + first[1] * second[1] + first[2] * second[2]

@@ -1,0 +1,43 @@
+"""What the surfaces of a map look like: a colour for each solid, the way its grain runs, and the ground."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.world import World
+from wildscav_engine.rendering.palette import of_solids
+from wildscav_engine.rendering.shading.ground import GroundLook, ground_look
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps.game_map import GameMap
+
+UPRIGHT = 1e-6  # a face whose normal rises less than this stands upright
+
+
+class Materials(NamedTuple):
+    """The look of a map with S solids."""
+
+    color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255, unlit
+    axis: NDArray[np.float64]  # (S, 2) level unit vector (x, z) that a solid's boards run along
+    ground: GroundLook
+
+
+def materials_of(game_map: "GameMap") -> Materials:
+    """Return what a map is made of."""
+    world = game_map.world
+    axis = np.empty((len(world.solid_kind), 2))
+    _write_axes(world, axis)
+    return Materials(of_solids(world.solid_kind, game_map.solid_house), axis, ground_look(world))
+
+
+@kernel
+def _write_axes(world: World, axis: NDArray[np.float64]) -> None:
+    """Write the normal of each solid's first upright face; it runs east if it has none."""
+    for solid in range(axis.shape[0]):
+        axis[solid, 0], axis[solid, 1] = 1.0, 0.0
+        for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
+            if abs(world.faces[face, 1]) < UPRIGHT:
+                axis[solid, 0], axis[solid, 1] = world.faces[face, 0], world.faces[face, 2]
+                break

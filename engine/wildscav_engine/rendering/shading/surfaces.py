@@ -1,0 +1,124 @@
+"""The grain of surfaces, from where on them a ray arrives: boards, courses, tiles, bark, leaves.
+
+What is finer than a pixel fades, so that it does not flicker.
+"""
+
+import math
+
+import numpy as np
+
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.world import Kind
+from wildscav_engine.rendering.shading.color_sums import Color, Vector, clipped, dimmed, mixed
+from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
+
+WALL, FLOOR, STAIR, ROOF = int(Kind.WALL), int(Kind.FLOOR), int(Kind.STAIR), int(Kind.ROOF)
+TRUNK, CROWN, BUSH = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
+ROCK, FURNITURE, BOX = int(Kind.ROCK), int(Kind.FURNITURE), int(Kind.SUPPLY_BOX)
+
+CEILING = (226.0, 222.0, 212.0)
+LEVEL = 0.9  # a face whose normal rises more than this is walked on
+
+
+@kernel
+def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vector, pixel: float) -> Color:
+    """Return the colour of a solid's surface at a place.
+
+    Args:
+        kind: What it is.
+        color: Of its material.
+        normal: Unit vector away from the surface.
+        place: m, on the map.
+        axis: Level unit vector that its boards run along.
+        pixel: m, how large a pixel is there.
+    """
+    x, y, z = place
+    across = axis[2] * x - axis[0] * z
+    along = axis[0] * x + axis[2] * z
+    if kind == WALL:
+        return _plastered(color, normal, place, pixel)
+    if kind == FLOOR:
+        if normal[1] < -0.5:
+            return mixed(color, CEILING, 0.8)
+        return _boarded(color, across, along, 0.18, pixel) if normal[1] > 0.5 else dimmed(color, 0.8)
+    if kind == STAIR:
+        return _boarded(color, along, across, 0.3, pixel) if normal[1] > 0.5 else dimmed(color, 0.68)
+    if kind == ROOF:
+        return _tiled(color, normal, place, pixel)
+    if kind == FURNITURE:
+        return _mottled(color, 0.14, 0.22, (x, 6.0 * y, z), pixel)
+    if kind == TRUNK:
+        return _mottled(color, 0.09, 0.5, (x, 0.22 * y, z), pixel)
+    if kind in (CROWN, BUSH):
+        return _mottled(_mottled(color, 0.20, 0.55, place, pixel), 0.75, 0.30, place, pixel)
+    if kind == ROCK:
+        return _mottled(_mottled(color, 0.12, 0.30, place, pixel), 0.6, 0.24, place, pixel)
+    return color
+
+
+@kernel
+def sharpness(size: float, pixel: float) -> float:
+    """Return how much of a detail of some size in m is seen, 0-1, where a pixel is so large."""
+    return clipped(1.6 - 2.4 * pixel / size, 0.0, 1.0)
+
+
+@kernel
+def _mottled(color: Color, size: float, strength: float, place: Vector, pixel: float) -> Color:
+    seen = strength * sharpness(size, pixel)
+    if seen == 0.0:
+        return color
+    return dimmed(
+        color, 1.0 + seen * (noise_in_space(place[0] / size, place[1] / size, place[2] / size) - 0.5)
+    )
+
+
+@kernel
+def _line(coordinate: float, spacing: float, width: float, pixel: float) -> float:
+    """Return how much of a pixel is a line, 0-1, of lines of some width in m at even distances."""
+    phase = coordinate / spacing
+    aside = abs(phase - math.floor(phase + 0.5)) * spacing
+    soft = max(0.5 * pixel, 0.25 * width)
+    return clipped((0.5 * width + soft - aside) / (2.0 * soft), 0.0, 1.0) * sharpness(spacing, pixel)
+
+
+@kernel
+def _boarded(color: Color, across: float, along: float, width: float, pixel: float) -> Color:
+    """Boards side by side, each of its own brightness, with dark joints."""
+    board = math.floor(across / width)
+    length = math.floor(along / 2.6 + grain(board, 7, 3))
+    own = 1.0 + 0.18 * (grain(board, length, 11) - 0.5) * sharpness(width, pixel)
+    joint = _line(across, width, 0.014, pixel)
+    fibre = 0.10 * (noise(across / 0.03, along / 0.5) - 0.5) * sharpness(0.05, pixel)
+    return dimmed(color, (own + fibre) * (1.0 - 0.40 * joint))
+
+
+@kernel
+def _plastered(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
+    """Courses of stones under plaster, just to be seen."""
+    across = math.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
+    if across < 0.5:
+        return _mottled(color, 0.5, 0.08, place, pixel)
+    course = math.floor(place[1] / 0.32)
+    along = (normal[2] * place[0] - normal[0] * place[2]) / across + 0.31 * (course & 1)
+    joint = max(_line(place[1], 0.32, 0.016, pixel), _line(along, 0.62, 0.016, pixel))
+    own = 1.0 + 0.07 * (grain(course, math.floor(along / 0.62), 5) - 0.5) * sharpness(0.32, pixel)
+    return _mottled(dimmed(color, own * (1.0 - 0.13 * joint)), 0.9, 0.07, place, pixel)
+
+
+@kernel
+def _tiled(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
+    """Rows of tiles, dark below their lower edges; boards under the eaves and on flat roofs."""
+    if normal[1] < 0.05:
+        return dimmed(color, 0.62)
+    if normal[1] > 0.995:
+        return _mottled(_mottled(color, 0.15, 0.2, place, pixel), 1.2, 0.12, place, pixel)
+    level = np.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
+    # How far up the slope, and how far along the eaves.
+    up, along = place[1] / level, (normal[2] * place[0] - normal[0] * place[2]) / level
+    row = math.floor(up / 0.34)
+    along += 0.14 * (row & 1)
+    column = math.floor(along / 0.28)
+    seen = sharpness(0.34, pixel)
+    own = 1.0 + seen * (0.22 * (grain(row, column, 2) - 0.5) + 0.16 * (up / 0.34 - row - 0.5))
+    joint = max(_line(up, 0.34, 0.03, pixel), 0.6 * _line(along, 0.28, 0.02, pixel))
+    return dimmed(color, own * (1.0 - 0.38 * joint))

@@ -1,0 +1,65 @@
+"""The look of water: its bed through it, bluer the deeper, and the sky in its ripples."""
+
+import numpy as np
+
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.terrain import ground_at
+from wildscav_engine.geometry.world import World
+from wildscav_engine.rendering.shading.color_sums import Color, Vector, clipped, dot, mixed
+from wildscav_engine.rendering.shading.ground import GroundLook, ground_color
+from wildscav_engine.rendering.shading.light import lit
+from wildscav_engine.rendering.shading.noise import noise
+from wildscav_engine.rendering.shading.sky import sky
+from wildscav_engine.rendering.shading.surfaces import sharpness
+
+DEEP = (26.0, 84.0, 132.0)
+CLEAR = 0.9  # m of depth through which some of the bed is still seen
+UP = (0.0, 1.0, 0.0)
+WAVES = 0.9  # m from one ripple to the next
+STEEPNESS = 0.16  # of ripples
+MURK = 9.0  # m, how far one sees under water
+
+
+@kernel
+def water_color(
+    world: World, look: GroundLook, place: Vector, way: Vector, sun: float, around: float, pixel: float
+) -> Color:
+    """Return the colour of a water surface.
+
+    Args:
+        world: The static world.
+        look: Of its ground.
+        place: m, on the surface.
+        way: Unit vector of the ray that arrives.
+        sun: Share of the sun's light that comes there, 0-1.
+        around: Light from all around, as ``lit`` takes it.
+        pixel: m, how large a pixel is there.
+    """
+    depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
+    bed = ground_color(world, look, place, pixel)
+    clear = CLEAR / (CLEAR + depth)
+    body = lit(mixed(DEEP, bed, clear * clear), UP, 0.6 + 0.4 * sun, around)
+    normal = _rippled(place, pixel)
+    facing = clipped(-dot(way, normal), 0.0, 1.0)
+    # Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Eurographics 1994.
+    rest = 1.0 - facing
+    reflected = 0.02 + 0.98 * rest * rest * rest * rest * rest
+    mirrored = (
+        way[0] + 2.0 * facing * normal[0],
+        max(0.02, way[1] + 2.0 * facing * normal[1]),
+        way[2] + 2.0 * facing * normal[2],
+    )
+    return mixed(body, sky(mirrored), min(0.75, reflected))
+
+
+@kernel
+def _rippled(place: Vector, pixel: float) -> Vector:
+    """Return the unit normal of a water surface at a place."""
+    steep = STEEPNESS * sharpness(WAVES, pixel)
+    if steep == 0.0:
+        return UP
+    x, z = place[0] / WAVES, place[2] / WAVES
+    east = steep * (noise(x, 0.6 * z) + 0.6 * noise(2.3 * x, 1.7 * z + 31.0) - 0.8)
+    north = steep * (noise(x + 71.0, 0.6 * z) + 0.6 * noise(2.3 * x, 1.7 * z + 93.0) - 0.8)
+    length = np.sqrt(1.0 + east * east + north * north)
+    return east / length, 1.0 / length, north / length

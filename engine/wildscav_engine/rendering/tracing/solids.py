@@ -1,0 +1,132 @@
+"""Convex solids with their corners, as images need them: those of a world, and those that move in it."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.polyhedra import polyhedron
+from wildscav_engine.geometry.world import Solid, World
+from wildscav_engine.rendering.tracing.packing import Shapes
+
+NO_OWNER = -1
+UPRIGHT = 1e-6  # upward part of the unit normal of an upright face, at the most
+
+
+class Solids(NamedTuple):
+    """S convex solids with F faces and C corners in all."""
+
+    kind: NDArray[np.int8]  # (S,) a Kind
+    owner: NDArray[np.int32]  # (S,) the viewer whose own body this is, and who does not see it, or NO_OWNER
+    low: NDArray[np.float64]  # (S, 3) m, least corner of the box around a solid
+    high: NDArray[np.float64]  # (S, 3) m, greatest corner
+    face_start: NDArray[np.int64]  # (S + 1,) where each solid's faces start in faces
+    faces: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m
+    corner_start: NDArray[np.int64]  # (S + 1,) where each solid's corners start in corners
+    corners: NDArray[np.float64]  # (C, 3) m
+
+
+def solids_of_world(world: World) -> Solids:
+    """Return all solids of a world."""
+    ends = world.solid_start
+    corners = [polyhedron(world.faces[ends[row] : ends[row + 1]])[0] for row in range(len(world.solid_kind))]
+    owner = np.full(len(corners), NO_OWNER, np.int32)
+    return Solids(
+        world.solid_kind,
+        owner,
+        world.solid_low,
+        world.solid_high,
+        world.solid_start,
+        world.faces,
+        _starts([len(part) for part in corners]),
+        np.concatenate([np.zeros((0, 3)), *corners]),
+    )
+
+
+def gather_solids(solids: Sequence[Solid], owners: Sequence[int] | None = None) -> Solids:
+    """Return some solids as arrays; nobody owns them if no owners are given."""
+    corners = [polyhedron(solid.planes)[0] for solid in solids]
+    return Solids(
+        np.array([solid.kind for solid in solids], np.int8),
+        np.array([NO_OWNER] * len(solids) if owners is None else owners, np.int32),
+        np.array([solid.low for solid in solids], np.float64).reshape(-1, 3),
+        np.array([solid.high for solid in solids], np.float64).reshape(-1, 3),
+        _starts([len(solid.planes) for solid in solids]),
+        np.concatenate([np.zeros((0, 4)), *(solid.planes for solid in solids)]),
+        _starts([len(part) for part in corners]),
+        np.concatenate([np.zeros((0, 3)), *corners]),
+    )
+
+
+def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.integer]) -> Shapes:
+    """Return some solids as kernels take them.
+
+    Args:
+        solids: All.
+        order: (N,) those that are wanted, in which order.
+        names: (N,) whole numbers that go with them.
+    """
+    corners, corner_start = _picked(solids.corners, solids.corner_start, order)
+    faces, face_start = _picked(solids.faces, solids.face_start, order)
+    picked = solids._replace(faces=faces, face_start=face_start, corners=corners, corner_start=corner_start)
+    return _as_shapes(picked, np.asarray(names, np.int64), solids.face_start[order])
+
+
+def all_shapes_of(solids: Solids) -> Shapes:
+    """Return all of some solids as kernels take them, named by their owners."""
+    return _as_shapes(solids, solids.owner.astype(np.int64), solids.face_start[:-1])
+
+
+def _as_shapes(solids: Solids, names: NDArray[np.int64], face_names: NDArray[np.int64]) -> Shapes:
+    boxes = np.empty((len(names), 9))
+    _box_in(solids.faces, solids.face_start, solids.corners, solids.corner_start, boxes)
+    return Shapes(boxes, solids.face_start, solids.faces, names, face_names)
+
+
+@kernel
+def _box_in(
+    faces: NDArray[np.float64],
+    face_start: NDArray[np.int64],
+    corners: NDArray[np.float64],
+    corner_start: NDArray[np.int64],
+    boxes: NDArray[np.float64],
+) -> None:
+    """Write an upright box around each solid, turned like its first upright face; see ``Shapes``."""
+    for solid in range(boxes.shape[0]):
+        sine, cosine = 0.0, 1.0  # of the box's yaw
+        for face in range(face_start[solid], face_start[solid + 1]):
+            if abs(faces[face, 1]) < UPRIGHT:
+                length = np.sqrt(faces[face, 0] * faces[face, 0] + faces[face, 2] * faces[face, 2])
+                sine, cosine = faces[face, 0] / length, faces[face, 2] / length
+                break
+        low, high = (np.inf, np.inf, np.inf), (-np.inf, -np.inf, -np.inf)
+        for corner in range(corner_start[solid], corner_start[solid + 1]):
+            x, y, z = corners[corner, 0], corners[corner, 1], corners[corner, 2]
+            across, along = x * cosine - z * sine, x * sine + z * cosine
+            low = (min(low[0], across), min(low[1], y), min(low[2], along))
+            high = (max(high[0], across), max(high[1], y), max(high[2], along))
+        across, along = 0.5 * (low[0] + high[0]), 0.5 * (low[2] + high[2])
+        wide, tall, deep = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
+        boxes[solid, 0] = across * cosine + along * sine
+        boxes[solid, 1] = 0.5 * (low[1] + high[1])
+        boxes[solid, 2] = along * cosine - across * sine
+        boxes[solid, 3] = np.sqrt(wide * wide + tall * tall + deep * deep)
+        boxes[solid, 4] = tall
+        boxes[solid, 5], boxes[solid, 6] = wide * cosine, -wide * sine
+        boxes[solid, 7], boxes[solid, 8] = deep * sine, deep * cosine
+
+
+def _picked(
+    values: NDArray[np.float64], start: NDArray[np.int64], order: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the parts of some values that belong to what is in an order, and where these parts start."""
+    counts = (start[1:] - start[:-1])[order]
+    picked = _starts(counts)
+    rows = np.arange(picked[-1]) + np.repeat(start[order] - picked[:-1], counts)
+    return values[rows], picked
+
+
+def _starts(counts: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])

@@ -1,0 +1,1 @@
+"""Readings of sensors as pictures for people."""

@@ -1,0 +1,254 @@
+"""What moves in a match, as images show it: the living agents and the supply boxes that are there.
+
+Each is a few convex parts. An agent's lie within the cylinder that collides and is hit: legs, a body in the
+colour of its team, a helmet with a dark visor, a rifle and a pack, so that one sees which way it looks.
+"""
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numba.extending import typeof_impl
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.world import Kind, write_plane
+from wildscav_engine.rendering.palette import SUPPLY_BOX, of_seat
+from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
+from wildscav_engine.simulation.state import Supplies
+from wildscav_engine.simulation.systems.supplies import is_there
+
+if TYPE_CHECKING:
+    from wildscav_engine.simulation.match import Match
+
+FACES, CORNERS = 6, 8  # of a part
+AGENT, BOX = int(Kind.AGENT), int(Kind.SUPPLY_BOX)
+
+# A part is a box that may taper. Each row: height of the bottom, its left, back, right and front; the same of
+# the top. All in m from the middle of the soles, across to the right and along the view.
+BODY = np.array(
+    [
+        [0.00, -0.27, -0.15, -0.05, 0.21, 0.86, -0.25, -0.15, -0.02, 0.14],  # left leg
+        [0.00, 0.05, -0.15, 0.27, 0.21, 0.86, 0.02, -0.15, 0.25, 0.14],  # right leg
+        [0.80, -0.26, -0.17, 0.26, 0.16, 1.46, -0.38, -0.19, 0.38, 0.19],  # torso
+        [1.46, -0.15, -0.17, 0.15, 0.14, 1.78, -0.12, -0.14, 0.12, 0.12],  # helmet
+        [1.54, -0.12, 0.10, 0.12, 0.18, 1.67, -0.12, 0.10, 0.12, 0.17],  # visor
+        [1.16, 0.06, 0.00, 0.15, 0.42, 1.29, 0.06, 0.00, 0.15, 0.42],  # rifle
+        [0.92, -0.20, -0.37, 0.20, -0.16, 1.40, -0.22, -0.34, 0.22, -0.16],  # pack
+    ]
+)
+LEGS = (52, 54, 60)
+BODY_COLORS = np.array(
+    [LEGS, LEGS, (0, 0, 0), (40, 42, 46), (16, 18, 24), (34, 34, 38), (58, 56, 50)], np.float64
+)
+TEAM_SHARE = np.array([0.30, 0.30, 1.0, 0.75, 0.0, 0.0, 0.45])  # of the team's colour in that of each part
+# A crate reaches a little into the ground, which need not be level. Its bands stand out from its sides.
+CRATE = np.array(
+    [
+        [-0.10, -0.28, -0.28, 0.28, 0.28, 0.44, -0.30, -0.30, 0.30, 0.30],  # crate
+        [0.44, -0.33, -0.33, 0.33, 0.33, 0.56, -0.31, -0.31, 0.31, 0.31],  # lid
+        [-0.10, -0.07, -0.31, 0.07, 0.31, 0.58, -0.07, -0.34, 0.07, 0.34],  # band
+    ]
+)
+CRATE_COLORS = np.array([SUPPLY_BOX, (206, 240, 255), (30, 74, 128)], np.float64)
+TURN_OF_BOXES = 137.5  # degrees between one box and the next, so that they do not stand in rank and file
+PALE = 0.5  # share of white in the colours of an agent that cannot be hurt
+
+
+class Things(Solids):
+    """What moves, part by part: S solids that also know what they belong to and what they look like."""
+
+    instance: NDArray[np.int32]  # (S,) the seat of an agent, the serial number of a box
+    color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255
+
+    def __new__(cls, solids: Solids, instance: NDArray[np.int32], color: NDArray[np.float64]) -> "Things":
+        """Return solids with what is known about them besides."""
+        things = super().__new__(cls, *solids)
+        things.instance, things.color = instance, color
+        return things
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.solids, self.instance, self.color)
+
+    @property
+    def solids(self) -> Solids:
+        """The solids alone."""
+        return Solids(*self)
+
+
+@typeof_impl.register(Things)
+def _type_for_kernels(things: Things, context: Any) -> Any:
+    """Let kernels take things for the solids that they are, so that none is compiled twice."""
+    return typeof_impl(things.solids, context)
+
+
+def things_of(match: "Match") -> Things:
+    """Return the living agents of a match and the boxes that are there now; seats own their bodies."""
+    agents = match.state.agents
+    supplies = Supplies(*(array[0] for array in match.state.supplies))
+    seats = np.nonzero(agents.present[0] & (agents.health[0] > 0))[0]
+    slots = np.empty(len(supplies.quantity), np.int64)
+    slots = slots[: _find_boxes(supplies, match.frame, slots)]
+    bodies, crates = len(seats) * len(BODY), len(slots) * len(CRATE)
+    solids = allocate_parts(bodies + crates)
+    write_parts(AGENT, BODY, agents.position[0], agents.yaw[0], seats, 0, solids)
+    turns = TURN_OF_BOXES * supplies.serial.astype(np.float64)
+    write_parts(BOX, CRATE, supplies.position.astype(np.float64), turns, slots, bodies, solids)
+    instance, color = np.empty(bodies + crates, np.int32), np.empty((bodies + crates, 3))
+    teams, invincible_left = agents.team[0], agents.invincible_left[0]
+    looks = colors_of_bodies(int(teams.max(initial=0)) + 1)
+    _write_looks_of_agents(seats, looks, teams, invincible_left, instance[:bodies], color[:bodies])
+    _write_looks_of_boxes(supplies.serial, slots, instance[bodies:], color[bodies:])
+    return Things(solids, instance, color)
+
+
+def as_things(solids: Solids) -> Things:
+    """Return things as they are, and other solids in the colour of their owner, or else of supply boxes.
+
+    The instance of such a solid is its owner, or its own index if it has none.
+    """
+    if isinstance(solids, Things):
+        return solids
+    owned = solids.owner != NO_OWNER
+    color = np.tile(CRATE_COLORS[0], (len(solids.kind), 1))
+    color[owned] = [of_seat(seat) for seat in solids.owner[owned].tolist()] or np.zeros((0, 3))
+    instance = np.where(owned, solids.owner, np.arange(len(solids.kind)))
+    return Things(solids, instance.astype(np.int32), color)
+
+
+@lru_cache(maxsize=8)
+def colors_of_bodies(teams: int) -> NDArray[np.float64]:
+    """Return (T, P, 3) the colours of the parts of each team's bodies."""
+    colors = np.array([of_seat(team) for team in range(teams)], np.float64)[:, None]
+    return np.asarray(BODY_COLORS + (colors - BODY_COLORS) * TEAM_SHARE[:, None])
+
+
+@kernel
+def _write_looks_of_agents(
+    seats: NDArray[np.int64],
+    looks: NDArray[np.float64],
+    teams: NDArray[np.int32],
+    invincible_left: NDArray[np.int32],
+    instance: NDArray[np.int32],
+    color: NDArray[np.float64],
+) -> None:
+    """Write the seat and the colour of each part of some agents, by (T, P, 3) colours of each team's."""
+    parts = looks.shape[1]
+    for part in range(instance.shape[0]):
+        seat = seats[part // parts]
+        instance[part] = seat
+        pale = PALE if invincible_left[seat] > 0 else 0.0
+        for channel in range(3):
+            own = looks[teams[seat], part % parts, channel]
+            color[part, channel] = own + (255.0 - own) * pale
+
+
+@kernel
+def _write_looks_of_boxes(
+    serials: NDArray[np.int32],
+    slots: NDArray[np.int64],
+    instance: NDArray[np.int32],
+    color: NDArray[np.float64],
+) -> None:
+    """Write the serial number and the colour of each part of some boxes."""
+    parts = CRATE_COLORS.shape[0]
+    for part in range(instance.shape[0]):
+        instance[part] = serials[slots[part // parts]]
+        for channel in range(3):
+            color[part, channel] = CRATE_COLORS[part % parts, channel]
+
+
+@kernel
+def _find_boxes(supplies: Supplies, frame: int, slots: NDArray[np.int64]) -> int:
+    count = 0
+    for slot in range(supplies.quantity.shape[0]):
+        if is_there(supplies, slot, frame):
+            slots[count] = slot
+            count += 1
+    return count
+
+
+def allocate_parts(count: int) -> Solids:
+    """Return room for so many parts."""
+    return Solids(
+        np.empty(count, np.int8),
+        np.empty(count, np.int32),
+        np.empty((count, 3)),
+        np.empty((count, 3)),
+        np.arange(count + 1, dtype=np.int64) * FACES,
+        np.empty((count * FACES, 4)),
+        np.arange(count + 1, dtype=np.int64) * CORNERS,
+        np.empty((count * CORNERS, 3)),
+    )
+
+
+@kernel
+def write_parts(
+    kind: int,
+    shapes: NDArray[np.float64],
+    places: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    rows: NDArray[np.int64],
+    first: int,
+    solids: Solids,
+) -> None:
+    """Write the parts of some things of one shape.
+
+    Args:
+        kind: What they are.
+        shapes: (P, 10) m, the parts of each as in ``BODY``.
+        places: (A, 3) m, where all of their sort stand.
+        yaws: (A,) degrees, which way these look.
+        rows: (N,) which of them are wanted; agents own their bodies.
+        first: Where the first part goes.
+        solids: Of parts, N * P of them written.
+    """
+    part = first
+    for thing in rows:
+        turn = (sine(yaws[thing]), cosine(yaws[thing]))
+        for shape in range(shapes.shape[0]):
+            solids.kind[part], solids.owner[part] = kind, thing if kind == AGENT else NO_OWNER
+            _write_corners(shapes[shape], places[thing], turn, part, solids)
+            _write_faces(part, solids)
+            part += 1
+
+
+@inlined_kernel
+def _write_corners(
+    shape: NDArray[np.float64],
+    place: NDArray[np.float64],
+    turn: tuple[float, float],
+    part: int,
+    solids: Solids,
+) -> None:
+    """Write the corners of a part, numbered by the bits (along, up, across), and the box around them."""
+    low, high = solids.low[part], solids.high[part]
+    for corner in range(8):
+        side = 5 * (corner >> 1 & 1)
+        across, along = shape[side + 1 + 2 * (corner & 1)], shape[side + 2 + 2 * (corner >> 2)]
+        at = solids.corners[solids.corner_start[part] + corner]
+        at[0] = place[0] + across * turn[1] + along * turn[0]
+        at[1] = place[1] + shape[side]
+        at[2] = place[2] - across * turn[0] + along * turn[1]
+        for axis in range(3):
+            low[axis] = at[axis] if corner == 0 else min(low[axis], at[axis])
+            high[axis] = at[axis] if corner == 0 else max(high[axis], at[axis])
+
+
+@inlined_kernel
+def _write_faces(part: int, solids: Solids) -> None:
+    """Write the faces of a part: bottom, top, left, right, back, front."""
+    corner, face = solids.corner_start[part], solids.face_start[part]
+    behind = (
+        0.5 * (solids.low[part, 0] + solids.high[part, 0]),
+        0.5 * (solids.low[part, 1] + solids.high[part, 1]),
+        0.5 * (solids.low[part, 2] + solids.high[part, 2]),
+    )
+    corners, faces = solids.corners, solids.faces
+    faces[face] = (0.0, -1.0, 0.0, -corners[corner, 1])
+    faces[face + 1] = (0.0, 1.0, 0.0, corners[corner + 2, 1])
+    write_plane(corners[corner], corners[corner + 2], corners[corner + 4], behind, faces[face + 2])
+    write_plane(corners[corner + 1], corners[corner + 3], corners[corner + 5], behind, faces[face + 3])
+    write_plane(corners[corner], corners[corner + 1], corners[corner + 2], behind, faces[face + 4])
+    write_plane(corners[corner + 4], corners[corner + 5], corners[corner + 6], behind, faces[face + 5])

@@ -1,0 +1,364 @@
+"""A batch: many matches played as one, serially or over threads. A single match is a batch of one."""
+
+import copy
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wildscav_engine.compilation.array_tables import Addresses, Handle, addresses_of
+from wildscav_engine.compilation.row_copy import clear_rows, fills_of
+from wildscav_engine.maps import MapError, map_of
+from wildscav_engine.maps.bank import MapBank
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.parallel.threads import share
+from wildscav_engine.simulation.play import look, play_batch
+from wildscav_engine.simulation.set_up import MatchSetupError, place_match, plan_match
+from wildscav_engine.simulation.snapshot import History, check_size, decode, encode, map_for, write
+from wildscav_engine.simulation.state import State, allocate_state, with_room
+from wildscav_engine.simulation.thread_pool import Crew, Job, crew, most_together
+from wildscav_engine.simulation.visibility import Seen, allocate_seen
+from wildscav_engine.specs.actions import FIELDS, Field, no_actions
+from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.tracks import TRACKS
+
+
+class NewActions(NamedTuple):
+    """What is new in every ``Job``."""
+
+    actions: NDArray[np.float32]
+
+
+class Batch:
+    """Matches of one track under the same rules; their maps, seeds, targets and time limits may differ."""
+
+    def __init__(
+        self,
+        specs: Sequence[MatchSpec],
+        maps: Sequence[GameMap] | None = None,
+        *,
+        pool: Sequence[GameMap] = (),
+    ) -> None:
+        """Set the matches up.
+
+        Args:
+            specs: One for each match.
+            maps: One for each match, where they are at hand; else they are made.
+            pool: Maps that matches will be restarted on later.
+
+        Raises:
+            MatchSetupError: A match cannot be set up, or the specs cannot share a batch.
+        """
+        self.specs = list(specs)
+        self.maps = _maps_for(self.specs, maps)
+        first = _shared(self.specs)
+        self.track = TRACKS[first.track]
+        self.rules = first.rules
+        self.frames_per_action = first.frames_per_action
+        self.allowed = np.array([field in self.track.fields for field in Field])
+        self.setups = [plan_match(*pair) for pair in zip(self.specs, self.maps, strict=True)]
+        seats = max(len(spec.seats) for spec in self.specs)
+        slots = max(setup.slots for setup in self.setups)
+        phases = max(len(setup.zone) for setup in self.setups)
+        self._seen = allocate_seen(len(self.specs), seats)
+        self._is_seen = False
+        self._keep(allocate_state(len(self.specs), seats, slots, phases))
+        self._numbers = np.array(self.rules, np.float64)
+        self._bank = MapBank([*self.maps, *pool])
+        self._rows = np.arange(len(self.specs))
+        self._frames = np.array([self.frames_per_action])
+        self._job: Handle | None = None  # the last step that was played by several threads
+        self._nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
+        self._open(self._rows)
+
+    @property
+    def seen(self) -> Seen:
+        """What every agent sees now. It is found out when it is asked for, once a step at most."""
+        self._look()
+        return self._seen
+
+    @property
+    def tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
+        """Where the agents, the boxes, the matches and what is seen now lie, for kernels."""
+        self._look()
+        return self._tables
+
+    def _look(self) -> None:
+        if not self._is_seen:
+            look(self._bank.addresses, *self._tables, self._numbers)
+            self._is_seen = True
+
+    def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
+        """Play one step of every match that is not over.
+
+        Args:
+            actions: (B, A, FIELDS). Rows of robots are replaced by their own choices, fields outside the
+                track's action set count as zero, and a row with a number that is not finite or a walk speed
+                outside 0–10 m/s does nothing.
+            threads: How many threads play. The outcome is the same, bit for bit.
+
+        Returns:
+            (B, A, FIELDS), the actions as they were played.
+
+        Raises:
+            ValueError: The actions have another shape or are no real numbers, or there is no thread.
+        """
+        rows = check_actions(actions, self.state.agents.present.shape)
+        if threads < 1:
+            raise ValueError(f"threads is {threads}, must be at least 1")
+        threads = min(threads, len(self._rows))
+        if 1 < threads <= most_together():
+            self._play_with(crew(threads), rows)
+        elif threads == 1:
+            self._play(self._rows, rows, opening=False)
+        else:
+            share(lambda part: self._play_part(part, rows), len(self._rows), threads)
+        return rows
+
+    def _play_part(self, part: slice, actions: NDArray[np.float32]) -> bool:
+        self._play(self._rows[part], actions, opening=False)
+        return True
+
+    def restart(
+        self, rows: Sequence[int], specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None
+    ) -> None:
+        """Put new matches into some rows; they are as in a new batch, and the other rows are left alone.
+
+        A match with more boxes or phases of the zone than any before gets the batch larger arrays for those:
+        take ``state`` from the batch again after this.
+
+        Args:
+            rows: Which rows, each once.
+            specs: One for each of them. They have the track, the rules and the frames per action of the
+                batch, and no more seats than its largest match had at first.
+            maps: One for each of them, where they are at hand; else they are made.
+
+        Raises:
+            MatchSetupError: A match cannot be set up, or cannot be in this batch; no row has changed then.
+            ValueError: There is no such row, or one comes twice.
+        """
+        _check_rows(rows, len(self.specs))
+        if not rows:
+            return
+        given = _maps_for(specs, maps, len(rows))
+        _shared([self.specs[0], *specs])
+        _check_seats(specs, self.state.agents.present.shape[1])
+        setups = [plan_match(*pair) for pair in zip(specs, given, strict=True)]
+        for row, spec, game_map, setup in zip(rows, specs, given, setups, strict=True):
+            self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
+        slots, phases = max(setup.slots for setup in setups), max(len(setup.zone) for setup in setups)
+        self._make_room(slots, phases)
+        self._clear(rows)
+        if self._bank.add(given, in_use=self.maps):
+            self._number_maps(self._rows)  # of the other rows, too: they may have moved in the bank
+        self._open(np.array(rows, np.int64))
+
+    def get_state(self, row: int, history: History | None = None) -> bytes:
+        """Return one match as bytes, to go on from later, in any batch of such matches.
+
+        Args:
+            row: Which one.
+            history: What was played so far, to be kept beside it.
+        """
+        tables = self._tables
+        return encode(self.specs[row], self.maps[row], tables, row, self._counts(row), history)
+
+    def set_state(self, row: int, data: bytes) -> History | None:
+        """Put a match that ``get_state`` gave into a row; the other rows are left alone.
+
+        What holds for ``restart`` holds for this, too: where it fails, no row has changed.
+
+        Returns:
+            What was played so far, if it was kept.
+
+        Raises:
+            StateError: The bytes are no state, damaged, or of another version of the rules or of the map.
+            MatchSetupError: The match cannot be in this batch.
+        """
+        _check_rows([row], len(self.specs))
+        snapshot = decode(data)
+        spec, (_, slots, phases) = snapshot.spec, snapshot.counts
+        _shared([self.specs[0], spec])
+        _check_seats([spec], self.state.agents.present.shape[1])
+        game_map = map_for(snapshot, self.maps)
+        setup = plan_match(spec, game_map)
+        check_size(snapshot, self._tables)
+        self._make_room(slots, phases)
+        self._clear([row])
+        self._is_seen = False
+        write(snapshot, self._tables, row)
+        self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
+        self._bank.add([game_map], in_use=self.maps)
+        self._number_maps(self._rows)
+        return snapshot.history
+
+    def fork(self) -> "Batch":
+        """Return a batch in the same state that goes its own way; the maps are shared."""
+        other = copy.copy(self)
+        other._take_copies()  # noqa: SLF001 - it is one of these, too
+        return other
+
+    def _take_copies(self) -> None:
+        """Let go of everything that is shared and changes."""
+        self.specs, self.maps, self.setups = list(self.specs), list(self.maps), list(self.setups)
+        self._bank = self._bank.fork()
+        self._seen = _copies(self._seen)
+        self._keep(State(*map(_copies, self.state)))
+
+    def _counts(self, row: int) -> tuple[int, int, int]:
+        """Return how many seats, slots for boxes and phases of the zone a match has."""
+        matches = self.state.matches
+        return int(matches.seats[row]), int(matches.slots[row]), int(matches.phases[row])
+
+    def _clear(self, rows: Sequence[int]) -> None:
+        for table, fills in zip(self._tables, _FILLS, strict=True):
+            clear_rows(table, fills, np.array(rows, np.int64))
+
+    def _open(self, rows: NDArray[np.int64]) -> None:
+        """Write the first state of matches into their rows, which are clear."""
+        for row in rows.tolist():
+            place_match(self.state, row, self.setups[row])
+        self._number_maps(rows)
+        self._play(rows, self._nothing, opening=True)
+
+    def _number_maps(self, rows: NDArray[np.int64]) -> None:
+        for row in rows.tolist():
+            self.state.matches.map_index[row] = self._bank.index_of(self.maps[row])
+
+    def _play(
+        self,
+        rows: NDArray[np.int64],
+        actions: NDArray[np.float32],
+        *,
+        opening: bool,
+    ) -> None:
+        self._is_seen = False
+        play_batch(
+            self._bank.addresses,
+            *self._tables,
+            rows,
+            actions,
+            self.allowed,
+            self.frames_per_action,
+            self._numbers,
+            opening,
+        )
+
+    def _play_with(self, threads: Crew, actions: NDArray[np.float32]) -> None:
+        self._is_seen = False
+        arrays = (self._bank.addresses, *self._tables, self._rows, self.allowed, self._numbers, self._frames)
+        job = self._job
+        if job is None or any(one is not other for one, other in zip(arrays, job.arrays, strict=False)):
+            job = self._job = Handle(Job(*arrays, actions))
+        job.addresses[-1] = addresses_of(NewActions(actions))
+        threads.play(job.addresses)
+
+    def _make_room(self, slots: int, phases: int) -> None:
+        state = with_room(self.state, slots, phases)
+        if state is not self.state:
+            self._keep(state)
+
+    def _keep(self, state: State) -> None:
+        """Make a state the batch's own."""
+        self.state = state
+        self.handles = tuple(Handle(part) for part in (*state, self._seen))
+
+    @property
+    def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
+        """The same without looking: what is seen may be that of an earlier step."""
+        agents, supplies, matches, seen = self.handles
+        return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
+
+
+def _copies(arrays: Any) -> Any:
+    """Return a NamedTuple of copies of arrays."""
+    return type(arrays)(*(array.copy() for array in arrays))
+
+
+def _check_rows(rows: Sequence[int], matches: int) -> None:
+    """Refuse rows that a batch does not have, or one that comes twice.
+
+    Raises:
+        ValueError: It does.
+    """
+    if len(set(rows)) != len(rows) or not all(0 <= row < matches for row in rows):
+        raise ValueError(f"rows are {list(rows)}, must be different and of 0 to {matches - 1}")
+
+
+def _check_seats(specs: Sequence[MatchSpec], seats: int) -> None:
+    """Refuse matches that are too large for their batch.
+
+    Raises:
+        MatchSetupError: One is.
+    """
+    most = max(len(spec.seats) for spec in specs)
+    if most > seats:
+        raise MatchSetupError(f"a match has {most} seats, but those of this batch have at most {seats}")
+
+
+def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Return a copy of some actions, having checked that they are what a kernel expects.
+
+    Args:
+        actions: Rows of FIELDS numbers.
+        shape: What they must have before the last axis: (B, A), or (A,).
+
+    Raises:
+        ValueError: They have another shape, or are no real numbers.
+    """
+    rows = np.asarray(actions)
+    if rows.shape != (*shape, FIELDS) or rows.dtype.kind not in "biuf":
+        wanted = (*shape, FIELDS)
+        raise ValueError(
+            f"actions are {rows.dtype} of shape {rows.shape}, must be real numbers of shape {wanted}"
+        )
+    if rows.dtype == np.float32:
+        return rows.copy()
+    with np.errstate(over="ignore"):  # too large for 32 bits becomes infinite, which is no action
+        return np.array(rows, np.float32, order="C")
+
+
+def _maps_for(
+    specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None, matches: int | None = None
+) -> list[GameMap]:
+    """Return the map of every match: as given, or made.
+
+    Raises:
+        MatchSetupError: One cannot be made, or there is another number of maps or specs than of matches.
+    """
+    count = len(specs) if matches is None else matches
+    if len(specs) != count:
+        raise MatchSetupError(f"{len(specs)} specs are given for {count} matches")
+    if maps is not None:
+        if len(maps) != count:
+            raise MatchSetupError(f"{len(maps)} maps are given for {count} matches")
+        return list(maps)
+    try:
+        return [map_of(spec.map) for spec in specs]
+    except MapError as error:
+        raise MatchSetupError(str(error)) from error
+
+
+def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
+    """Return the first spec, having checked that the others can share a batch with it.
+
+    Raises:
+        MatchSetupError: They cannot, or there is none.
+    """
+    if not specs:
+        raise MatchSetupError("a batch needs at least one match")
+    first = specs[0]
+    for field in ("track", "rules", "frames_per_action"):
+        wanted = getattr(first, field)
+        for spec in specs:
+            value = getattr(spec, field)
+            if value is not wanted and value != wanted:
+                raise MatchSetupError(
+                    f"the matches of a batch must have the same {field}, not {wanted} and {value}"
+                )
+    return first
+
+
+_EXAMPLE = allocate_state(1, 1, 1, 1)
+_FILLS = [fills_of(part) for part in (*_EXAMPLE, allocate_seen(1, 1))]

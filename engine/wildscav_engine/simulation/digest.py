@@ -1,0 +1,136 @@
+"""A 64-bit digest of a match's state: two simulations are the same exactly if their digests are.
+
+It is chained from step to step, the actions included, so that a change is noticed even where it has no effect
+at once. The facts of agents go in as 64-bit words by the rounds of XXH64 (Collet 2012), in four lanes that a
+processor works on at a time. Boxes go in when they change: at the start, when taken and when dropped.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.random_numbers import Word
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.simulation.state import Agents, Supplies
+
+FIRST_FACTOR, SECOND_FACTOR = np.uint64(0xFF51AFD7ED558CCD), np.uint64(0xC4CEB9FE1A85EC53)
+SHIFT = np.uint64(33)
+ROUND_FACTOR, WORD_FACTOR = np.uint64(0x9E3779B185EBCA87), np.uint64(0xC2B2AE3D27D4EB4F)
+LEFT_31, RIGHT_33 = np.uint64(31), np.uint64(33)
+LOW_32, SHIFT_32 = np.uint64(0xFFFFFFFF), np.uint64(32)
+
+Lanes = tuple[Word, Word, Word, Word]
+
+
+@kernel
+def mix(digest: Word, word: Word) -> Word:
+    """Return a digest with one more 64-bit word in it: the mixing step of MurmurHash3 (Appleby 2011)."""
+    mixed = (np.uint64(digest) ^ np.uint64(word)) * FIRST_FACTOR
+    mixed ^= mixed >> SHIFT
+    mixed *= SECOND_FACTOR
+    return mixed ^ (mixed >> SHIFT)
+
+
+@inlined_kernel
+def _round(lane: Word, word: Word) -> Word:
+    mixed = np.uint64(lane) + np.uint64(word) * WORD_FACTOR
+    return ((mixed << LEFT_31) | (mixed >> RIGHT_33)) * ROUND_FACTOR
+
+
+@inlined_kernel
+def _rounds(lanes: Lanes, one: Word, two: Word, three: Word, four: Word) -> Lanes:
+    return _round(lanes[0], one), _round(lanes[1], two), _round(lanes[2], three), _round(lanes[3], four)
+
+
+@inlined_kernel
+def _pair(low: int, high: int) -> Word:
+    """Return two 32-bit numbers as one word."""
+    return (np.uint64(np.int64(low)) & LOW_32) | (np.uint64(np.int64(high)) << SHIFT_32)
+
+
+@inlined_kernel
+def _flags(agents: Agents, seat: int) -> int:
+    flags = 1 if agents.on_ground[seat] else 0
+    flags |= 2 if agents.in_water[seat] else 0
+    flags |= 4 if agents.reached[seat] else 0
+    flags |= 8 if agents.knows_target[seat] else 0
+    flags |= 16 if agents.fired[seat] else 0
+    return flags
+
+
+@inlined_kernel
+def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], frame: int) -> Word:
+    """Return the digest after a step.
+
+    Args:
+        digest: Before the step.
+        agents: The agents of the match.
+        actions: (A, FIELDS) as played.
+        frame: Of the match.
+
+    Returns:
+        64 bits.
+    """
+    start = mix(digest, np.uint64(frame))
+    lanes: Lanes = (start, start ^ FIRST_FACTOR, start ^ SECOND_FACTOR, start ^ WORD_FACTOR)
+    played, place, velocity = (
+        actions.view(np.uint64),
+        agents.position.view(np.uint64),
+        agents.velocity.view(np.uint64),
+    )
+    yaw, pitch, walked = (
+        agents.yaw.view(np.uint64),
+        agents.pitch.view(np.uint64),
+        agents.walked.view(np.uint64),
+    )
+    memory, shot_end = agents.memory.view(np.uint64), agents.shot_end.view(np.uint64)
+    for seat in range(agents.health.shape[0]):
+        lanes = _rounds(lanes, played[seat, 0], played[seat, 1], played[seat, 2], played[seat, 3])
+        lanes = _rounds(lanes, place[seat, 0], place[seat, 1], place[seat, 2], walked[seat])
+        lanes = _rounds(lanes, velocity[seat, 0], velocity[seat, 1], velocity[seat, 2], yaw[seat])
+        lanes = _rounds(
+            lanes,
+            pitch[seat],
+            _pair(agents.health[seat], agents.respawn_left[seat]),
+            _pair(agents.invincible_left[seat], agents.clip[seat]),
+            _pair(agents.spare_ammo[seat], agents.reload_left[seat]),
+        )
+        lanes = _rounds(
+            lanes,
+            _pair(agents.fire_left[seat], agents.supplies[seat]),
+            _pair(agents.picked_up[seat], agents.kills[seat]),
+            _pair(agents.deaths[seat], agents.shots[seat]),
+            _pair(agents.hits[seat], agents.gained[seat]),
+        )
+        lanes = _rounds(
+            lanes,
+            _pair(agents.hit_seat[seat], agents.hit_by_seat[seat]),
+            _pair(agents.placement[seat], agents.eliminated[seat]),
+            _pair(_flags(agents, seat), agents.damage[seat]),
+            np.uint64(seat),
+        )
+        # Where no shot was fired and no robot sits, these have not changed.
+        if agents.fired[seat]:
+            lanes = _rounds(lanes, shot_end[seat, 0], shot_end[seat, 1], shot_end[seat, 2], np.uint64(1))
+        if agents.robot[seat] != 0:
+            for first in (0, 4):
+                one, two, three = memory[seat, first], memory[seat, first + 1], memory[seat, first + 2]
+                lanes = _rounds(lanes, one, two, three, memory[seat, first + 3])
+    return mix(mix(mix(lanes[0], lanes[1]), lanes[2]), lanes[3])
+
+
+@kernel
+def digest_box(digest: Word, supplies: Supplies, slot: int) -> Word:
+    """Return the digest with the box of a slot in it, as it is now."""
+    place = supplies.position[slot].view(np.uint32)
+    digest = mix(digest, _pair(slot, supplies.quantity[slot]))
+    digest = mix(digest, _pair(supplies.serial[slot], supplies.appears[slot]))
+    digest = mix(digest, np.uint64(place[0]) | (np.uint64(place[1]) << SHIFT_32))
+    return mix(digest, np.uint64(place[2]))
+
+
+@kernel
+def digest_boxes(digest: Word, supplies: Supplies) -> Word:
+    """Return the digest with all boxes in it."""
+    for slot in range(supplies.quantity.shape[0]):
+        digest = digest_box(digest, supplies, slot)
+    return digest

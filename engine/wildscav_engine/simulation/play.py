@@ -1,0 +1,89 @@
+"""The kernels that Python calls to play: they find the matches of a batch by the tables of its arrays."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.array_tables import Addresses, number_reader, reader, row_reader
+from wildscav_engine.compilation.kernel import kernel, only_for
+from wildscav_engine.maps.bank import world_at
+from wildscav_engine.simulation.state import allocate_state
+from wildscav_engine.simulation.step import play_step
+from wildscav_engine.simulation.visibility import allocate_seen, look_at_match
+from wildscav_engine.specs.rules import Rules
+
+_EXAMPLE = allocate_state(1, 1, 1, 1)
+# They take the arrays of one match, or those of all matches, out of their tables.
+agents_of = row_reader(_EXAMPLE.agents)
+supplies_of = row_reader(_EXAMPLE.supplies)
+seen_of = row_reader(allocate_seen(1, 1))
+matches_at = reader(_EXAMPLE.matches)
+rules_from = number_reader(Rules())
+
+
+@kernel
+def play_batch(
+    bank: NDArray[np.int64],
+    agents: Addresses,
+    supplies: Addresses,
+    every: Addresses,
+    seen: Addresses,
+    rows: NDArray[np.int64],
+    actions: NDArray[np.float32],
+    allowed: NDArray[np.bool_],
+    frames_per_action: int,
+    rules: NDArray[np.float64],
+    opening: bool,
+) -> None:
+    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
+
+    Both are in one kernel, because they share most of what there is to compile.
+    """
+    matches = matches_at(every)
+    for index in range(rows.shape[0]):
+        match = rows[index]
+        if not matches.over[match]:
+            seats = matches.seats[match]
+            play_step(
+                world_at(bank[matches.map_index[match]]),
+                agents_of(agents, match, seats),
+                supplies_of(supplies, match, matches.slots[match]),
+                matches,
+                match,
+                seen_of(seen, match, seats),
+                actions[match][:seats],
+                allowed,
+                frames_per_action,
+                rules_from(rules),
+                opening,
+            )
+
+
+@kernel
+def look(
+    bank: NDArray[np.int64],
+    agents: Addresses,
+    supplies: Addresses,
+    every: Addresses,
+    seen: Addresses,
+    rules: NDArray[np.float64],
+) -> None:
+    """Find out what the agents of all matches see."""
+    matches = matches_at(every)
+    for match in range(matches.seats.shape[0]):
+        seats = matches.seats[match]
+        look_at_match(
+            world_at(bank[matches.map_index[match]]),
+            agents_of(agents, match, seats),
+            supplies_of(supplies, match, matches.slots[match]),
+            matches,
+            match,
+            rules_from(rules),
+            seen_of(seen, match, seats),
+        )
+
+
+def compile_matches() -> None:
+    """Compile what plays matches, or load it."""
+    table, rows, actions = np.zeros((1, 1), np.int64), np.zeros(1, np.int64), np.zeros((1, 1, 1), np.float32)
+    allowed, rules = np.zeros(1, np.bool_), np.zeros(1)
+    only_for(play_batch, table[None], *[table] * 4, rows, actions, allowed, 1, rules, False)

@@ -1,0 +1,188 @@
+"""What robots share: how they see themselves, turn, walk, and get free where they are stuck.
+
+A robot is a kernel that reads what its seat may know and writes one action row. It draws from the match's
+seed and remembers a few numbers in ``Agents.memory``.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import arctangent, wrap
+from wildscav_engine.arithmetic.random_numbers import Stream, uniform_in
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.simulation.robots.skill import LEVELS, Skill
+from wildscav_engine.simulation.state import Agents, Matches, Supplies
+from wildscav_engine.simulation.systems.zone import zone_at
+from wildscav_engine.simulation.visibility import Seen
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import FRAME
+
+STUCK_SPEED = 0.3  # of the speed wanted; slower is stuck
+PATIENCE = 3.0  # steps stuck before a way round is tried
+DETOUR = 6.0  # m of a way round
+SAFE_MARGIN = 5.0  # m inside the edge of the safe zone that a robot keeps
+
+
+class Memory(IntEnum):
+    """What the numbers of a robot's memory are."""
+
+    HEADING = 0  # degrees, where it wanders
+    WANDER_LEFT = 1  # steps until it chooses another heading
+    WANTED_SPEED = 2  # m/s of its last action
+    STUCK = 3  # steps in a row that it got nowhere
+    DETOUR_LEFT = 4  # steps left on a way round
+    DETOUR_HEADING = 5  # degrees
+    FETCHING = 6  # steps since it last had a box, or gave one up
+    DISTRACTED_LEFT = 7  # steps left without a look at boxes
+
+
+class Situation(NamedTuple):
+    """What a robot knows when it chooses: one match's slices and its own seat."""
+
+    agents: Agents
+    supplies: Supplies
+    seen: Seen
+    seat: int
+    seed: int
+    frame: int
+    frames_per_action: int
+    matches: Matches
+    match: int
+    skill: Skill
+
+
+class Robot(NamedTuple):
+    """A built-in opponent."""
+
+    name: str
+    title: str
+    number: int  # in Agents.robot: tens for the kind, ones for the level; those of records never change
+
+
+def levels_of(name: str, title: str, kind: int) -> tuple[Robot, ...]:
+    """Return a kind of robot in its three levels, the normal one under the plain name.
+
+    Args:
+        name: Of the kind.
+        title: What it does.
+        kind: Its number.
+    """
+    return tuple(
+        Robot(name if level == "normal" else f"{name}-{level}", title, 10 * kind + number)
+        for number, level in enumerate(LEVELS)
+    )
+
+
+@kernel
+def random_in(now: Situation, low: float, high: float, draw: int) -> float:
+    """Return a random number in [low, high) for this robot and frame."""
+    return uniform_in(low, high, now.seed, Stream.ROBOT, now.frame, now.seat, draw)
+
+
+@kernel
+def turn_toward(now: Situation, yaw: float, pitch: float, limit: float, action: NDArray[np.float32]) -> None:
+    """Turn the view towards a direction, by at most ``limit`` degrees in this step."""
+    turn = wrap(yaw - now.agents.yaw[now.seat])
+    look = pitch - now.agents.pitch[now.seat]
+    action[Field.TURN] = min(limit, max(-limit, turn)) / now.frames_per_action
+    action[Field.LOOK] = min(limit, max(-limit, look)) / now.frames_per_action
+
+
+@kernel
+def walk_toward(now: Situation, heading: float, speed: float, action: NDArray[np.float32]) -> None:
+    """Walk, and where that gets nowhere jump, then try a way round."""
+    memory = now.agents.memory[now.seat]
+    velocity = now.agents.velocity[now.seat]
+    pace = np.sqrt(velocity[0] * velocity[0] + velocity[2] * velocity[2])
+    if pace < STUCK_SPEED * memory[Memory.WANTED_SPEED]:
+        memory[Memory.STUCK] += 1.0
+        action[Field.JUMP] = 1.0
+    else:
+        memory[Memory.STUCK] = 0.0
+    if memory[Memory.STUCK] > PATIENCE:
+        memory[Memory.STUCK] = 0.0
+        step_time = now.frames_per_action * FRAME
+        memory[Memory.DETOUR_LEFT] = max(1.0, DETOUR / (max(speed, 1.0) * step_time))
+        memory[Memory.DETOUR_HEADING] = heading + random_in(now, 60.0, 300.0, 1)
+    if memory[Memory.DETOUR_LEFT] > 0.0:
+        memory[Memory.DETOUR_LEFT] -= 1.0
+        heading = memory[Memory.DETOUR_HEADING]
+    memory[Memory.WANTED_SPEED] = speed
+    action[Field.WALK_DIRECTION] = wrap(heading)
+    action[Field.WALK_SPEED] = speed
+
+
+@kernel
+def wander(now: Situation, action: NDArray[np.float32]) -> None:
+    """Walk in a direction for a while, then in another, looking ahead."""
+    memory = now.agents.memory[now.seat]
+    memory[Memory.WANDER_LEFT] -= 1.0
+    if memory[Memory.WANDER_LEFT] <= 0.0 or memory[Memory.STUCK] > PATIENCE - 1.0:
+        memory[Memory.WANDER_LEFT] = random_in(now, 20.0, 80.0, 2)
+        memory[Memory.HEADING] = random_in(now, 0.0, 360.0, 3)
+    heading = memory[Memory.HEADING]
+    walk_toward(now, heading, now.skill.wander_speed, action)
+    turn_toward(now, heading, 0.0, now.skill.turn_limit, action)
+
+
+@kernel
+def gather(now: Situation, action: NDArray[np.float32]) -> bool:
+    """Walk to the nearest box in sight and pick it up; return False if none is in sight, or in reach."""
+    action[Field.PICK_UP] = 1.0
+    if now.seen.supply_count[now.seat] == 0 or _gives_up(now):
+        return False
+    box = now.supplies.position[now.seen.supplies[now.seat, 0]]
+    _go(now, box[0], box[2], action)
+    return True
+
+
+@kernel
+def seek(now: Situation, action: NDArray[np.float32]) -> bool:
+    """Walk to the target; return False if there is none, or the robot's team has yet to find it."""
+    if not now.agents.knows_target[now.seat]:
+        return False
+    target = now.matches.target[now.match]
+    _go(now, target[0], target[2], action)
+    return True
+
+
+@kernel
+def keep_safe(now: Situation, action: NDArray[np.float32]) -> bool:
+    """Walk to the middle of the safe zone; return False if well inside it."""
+    zone = zone_at(now.matches, now.match, now.frame)
+    if zone.damage == 0.0:
+        return False
+    here = now.agents.position[now.seat]
+    dx, dz = zone.x - here[0], zone.z - here[2]
+    if np.sqrt(dx * dx + dz * dz) < zone.radius - SAFE_MARGIN:
+        return False
+    _go(now, zone.x, zone.z, action)
+    return True
+
+
+@kernel
+def _go(now: Situation, x: float, z: float, action: NDArray[np.float32]) -> None:
+    """Walk to a place, looking ahead."""
+    here = now.agents.position[now.seat]
+    heading = arctangent(x - here[0], z - here[2])
+    walk_toward(now, heading, now.skill.speed, action)
+    turn_toward(now, heading, 0.0, now.skill.turn_limit, action)
+
+
+@kernel
+def _gives_up(now: Situation) -> bool:
+    """Return whether to leave the boxes in sight alone: one upstairs or behind a wall may be out of reach."""
+    memory = now.agents.memory[now.seat]
+    if memory[Memory.DISTRACTED_LEFT] > 0.0:
+        memory[Memory.DISTRACTED_LEFT] -= 1.0
+        return True
+    memory[Memory.FETCHING] += 1.0
+    if now.agents.gained[now.seat] > 0:
+        memory[Memory.FETCHING] = 0.0
+    elif memory[Memory.FETCHING] > now.skill.patience:
+        memory[Memory.FETCHING] = 0.0
+        memory[Memory.DISTRACTED_LEFT] = random_in(now, 20.0, 80.0, 6)
+    return False

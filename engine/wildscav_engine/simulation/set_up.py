@@ -1,0 +1,193 @@
+"""Setting a match up: from its spec and its map to the state before the first step."""
+
+import functools
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream, Word, philox
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.locations import OUTDOOR_SPACING
+from wildscav_engine.simulation.robots import ROBOTS
+from wildscav_engine.simulation.starts import MatchSetupError, choose_starts
+from wildscav_engine.simulation.state import State
+from wildscav_engine.simulation.systems.supplies import choose_indoor, choose_outdoor, fill_boxes
+from wildscav_engine.simulation.systems.zone import COLUMNS as ZONE_COLUMNS
+from wildscav_engine.simulation.systems.zone import plan_zone
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_engine.specs.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.tracks import TRACKS
+
+__all__ = ["Boxes", "MatchSetupError", "Setup", "WaveInfo", "place_match", "plan_match", "seed_of_seat"]
+
+SPARE_SLOTS = 4  # a seat: free slots for boxes dropped at deaths, beside those of boxes already taken
+NO_ZONE = np.zeros((0, ZONE_COLUMNS))
+
+
+class Boxes(NamedTuple):
+    """Supply boxes of a wave at one kind of place."""
+
+    places: NDArray[np.float64]  # (N, 3) m
+    quantity: tuple[int, int]  # least and greatest
+    appears: int  # frame
+
+
+class WaveInfo(NamedTuple):
+    """What is known in advance of a wave of supplies."""
+
+    time: float  # s
+    center: tuple[float, float]  # m, x and z
+    radius: float  # m
+
+
+class Setup(NamedTuple):
+    """Everything about a match that is decided before its first step."""
+
+    spec: MatchSpec
+    starts: NDArray[np.float64]  # (A, 3) m
+    target: NDArray[np.float64] | None  # (3,) m
+    boxes: tuple[Boxes, ...]
+    waves: tuple[WaveInfo, ...]
+    zone: NDArray[np.float64]  # (Z, 9) as in Matches.zone
+
+    @property
+    def slots(self) -> int:
+        """Slots for supply boxes that the match needs."""
+        if not self.boxes:
+            return 0
+        return sum(len(boxes.places) for boxes in self.boxes) + SPARE_SLOTS * len(self.starts)
+
+
+def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
+    """Decide starts, target and supplies of a match.
+
+    Raises:
+        MatchSetupError: A start or target is outside the map or inside something, or there is no way from the
+            start, or none to the target.
+    """
+    track = TRACKS[spec.track]
+    starts, target = choose_starts(spec, game_map, has_target=track.has_target)
+    config = track.supplies(spec)
+    boxes, waves = _choose_boxes(spec, game_map, config) if config else ((), ())
+    zone = plan_zone(track.zone(spec), game_map.config.size, spec.seed) if track.has_zone else NO_ZONE
+    return Setup(spec, starts, target, boxes, waves, zone)
+
+
+def _choose_boxes(
+    spec: MatchSpec, game_map: GameMap, config: SupplyConfig
+) -> tuple[tuple[Boxes, ...], tuple[WaveInfo, ...]]:
+    boxes, waves = [], []
+    seed = np.uint64(spec.seed)
+    indoor_points = game_map.supply_points
+    # The places of a map lie about so far apart: a grid as fine has more points than there are places.
+    is_fine = config.spacing <= OUTDOOR_SPACING
+    outdoor_points = game_map.ground_points if is_fine else game_map.outdoor
+    for number, wave in enumerate(sorted(config.waves, key=lambda wave: wave.time)):
+        x, z = _center_of(spec, game_map, wave, number)
+        waves.append(WaveInfo(wave.time, (x, z), wave.radius))
+        appears = round(wave.time * FRAMES_PER_SECOND)
+        outdoor = choose_outdoor(
+            outdoor_points, config.spacing, x, z, wave.radius, wave.outdoor_richness, seed, number
+        )
+        indoor = choose_indoor(len(indoor_points), wave.indoor_richness, seed, number)
+        boxes.append(Boxes(outdoor_points[outdoor], config.outdoor_quantity, appears))
+        boxes.append(Boxes(indoor_points[indoor], config.indoor_quantity, appears))
+    return tuple(boxes), tuple(waves)
+
+
+def _center_of(spec: MatchSpec, game_map: GameMap, wave: SupplyWave, number: int) -> tuple[float, float]:
+    """Return a wave's center: as given, or a random indoor location (outdoor on a map without houses)."""
+    if wave.center is not None:
+        return wave.center
+    places = game_map.indoor if len(game_map.indoor) else game_map.outdoor
+    place = places[Dice(spec.seed, Stream.WAVE_CENTER, agent=number).integer(0, len(places) - 1)]
+    return float(place[0]), float(place[2])
+
+
+def place_match(state: State, match: int, setup: Setup) -> None:
+    """Write a match's first state into its row of a batch, which is clear; nobody is equipped yet."""
+    agents, matches, spec = state.agents, state.matches, setup.spec
+    track, seats, seed = TRACKS[spec.track], len(spec.seats), np.uint64(spec.seed)
+    matches.seats[match] = seats
+    matches.slots[match] = setup.slots
+    matches.seed[match] = matches.digest[match] = seed
+    matches.frame_limit[match] = spec.frame_limit
+    matches.respawns[match] = track.respawns
+    matches.respawns_at_start[match] = spec.respawn_at == "start"
+    if setup.target is not None:
+        matches.has_target[match] = True
+        matches.target[match] = setup.target
+        agents.knows_target[match, :seats] = not track.hides_target
+    if spec.supply_goal is not None:
+        matches.supply_goal[match] = spec.supply_goal
+    if len(setup.zone):
+        matches.phases[match] = len(setup.zone)
+        matches.zone[match, : len(setup.zone)] = setup.zone
+    lineup = _line_up(spec.track, spec.seats, spec.teams)
+    matches.teams[match] = matches.teams_left[match] = lineup.teams
+    matches.members_left[match, :seats] = lineup.members
+    agents.team[match, :seats] = lineup.team
+    agents.robot[match, :seats] = lineup.robot
+    agents.present[match, :seats] = True
+    agents.position[match, :seats] = agents.start[match, :seats] = setup.starts
+    _hand_out(state, match, spec)
+    if setup.boxes:
+        _place_boxes(state, match, setup, seed)
+
+
+def _hand_out(state: State, match: int, spec: MatchSpec) -> None:
+    """Write what every seat of a match has at the start: what the rules say, or its own equipment."""
+    agents, rules, seats = state.agents, spec.rules, len(spec.seats)
+    agents.full_health[match, :seats] = rules.start_health
+    agents.clip_size[match, :seats] = rules.clip_size
+    agents.full_spare_ammo[match, :seats] = rules.spare_ammo
+    agents.shot_damage[match, :seats] = rules.shot_damage
+    for seat in range(seats) if spec.equipment is not None else ():
+        health, clip_size, spare_ammo, shot_damage = spec.equipment_of(seat)
+        agents.full_health[match, seat], agents.clip_size[match, seat] = health, clip_size
+        agents.full_spare_ammo[match, seat] = spare_ammo
+        agents.shot_damage[match, seat] = shot_damage
+
+
+class Lineup(NamedTuple):
+    """Who plays: what is the same in all matches with the same seats."""
+
+    team: NDArray[np.int32]  # (A,) of each seat
+    robot: NDArray[np.int32]  # (A,) number of the robot that fills it, 0 for none
+    teams: int
+    members: NDArray[np.int32]  # (A,) of each team
+
+
+@functools.lru_cache(maxsize=64)
+def _line_up(track: str, seats: tuple[str, ...], teams: tuple[int, ...] | None) -> Lineup:
+    team = np.array(TRACKS[track].teams(len(seats)) if teams is None else teams, np.int32)
+    robot = [0 if name == SUBMISSION else ROBOTS[name].number for name in seats]
+    members = np.bincount(team, minlength=len(seats)).astype(np.int32)
+    return Lineup(team, np.array(robot, np.int32), int(team.max()) + 1, members)
+
+
+def _place_boxes(state: State, match: int, setup: Setup, seed: np.uint64) -> None:
+    """Fill a match's boxes, and number them: a box's number must not tell where others lie."""
+    supplies, first = state.supplies, 0
+    position, quantity, appears = (array[match] for array in supplies[:3])
+    for places, (low, high), frame in setup.boxes:
+        fill_boxes(places, low, high, frame, seed, first, position, quantity, appears)
+        first += len(places)
+    words = np.empty(first, np.uint64)
+    draw_words(seed, Stream.BOX_SERIAL, words)
+    supplies.serial[match, np.argsort(words, kind="stable")] = np.arange(first)
+    state.matches.next_serial[match] = first
+
+
+@kernel
+def draw_words(seed: Word, stream: int, words: NDArray[np.uint64]) -> None:
+    """Draw 64 random bits for each of (N,) words."""
+    for index in range(words.shape[0]):
+        words[index] = philox(seed, stream, 0, 0, index)[0]
+
+
+def seed_of_seat(spec: MatchSpec, seat: int) -> int:
+    """Return a seat's private random seed, 63 bits; it tells nothing of the match's own seed."""
+    return int(philox(np.uint64(spec.seed), Stream.AGENT_SEED, 0, seat, 0)[0]) >> 1

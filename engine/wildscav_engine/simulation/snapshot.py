@@ -1,0 +1,217 @@
+"""One match as bytes: all of its state, to go on from later, elsewhere, or twice.
+
+The layout is that of ``container``. The payload holds what the match uses of each array of the state, without
+padding, then the actions and digests so far where a ``Match`` keeps them. There is no state of random
+numbers: they are functions of the seed and the frame. The checksum finds damage, not forgery; take no state
+from strangers.
+"""
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from wildscav_engine import SIMULATION_VERSION
+from wildscav_engine.compilation.array_tables import Addresses
+from wildscav_engine.compilation.row_copy import ITEM, LENGTH, copy_row
+from wildscav_engine.maps import GENERATOR_VERSION, GameMap, MapError, map_of
+from wildscav_engine.simulation.state import allocate_state
+from wildscav_engine.simulation.visibility import allocate_seen
+from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.spec import MatchSpec, one_line
+from wildscav_engine.storage.binary_format import ContainerError, Layout, pack, unpack
+
+LAYOUT = Layout(b"WILDSNAP", 1, "a state of a match")
+VERSIONS = {"simulation_version": SIMULATION_VERSION, "generator_version": GENERATOR_VERSION}
+
+
+class StateError(ValueError):
+    """A match cannot go on from some bytes; the message is one line that says why."""
+
+
+class History(NamedTuple):
+    """What was played so far."""
+
+    actions: NDArray[np.float32]  # (T, A, FIELDS)
+    digests: NDArray[np.uint64]  # (T,)
+
+
+class Snapshot(NamedTuple):
+    """What the bytes of a state hold."""
+
+    spec: MatchSpec
+    map_digest: str
+    counts: tuple[int, int, int]  # seats, slots for boxes, and phases of the safe zone
+    content: NDArray[np.uint8]  # (N,) what the match uses of all arrays
+    history: History | None
+
+
+class Length(IntEnum):
+    """What of an array's second axis belongs to a match."""
+
+    SEATS = 0
+    SLOTS = 1
+    PHASES = 2
+    WHOLE = 3
+    NOTHING = 4  # it follows from the rest: an index that is made anew
+
+
+def _lengths() -> list[NDArray[np.int64]]:
+    """Return (F,) for each part of a batch: a Length for each array, as two batches of other sizes tell."""
+    small = (*allocate_state(1, 50, 60, 70), allocate_seen(1, 50))
+    large = (*allocate_state(1, 200, 210, 220), allocate_seen(1, 200))
+    of_pair = {
+        (50, 200): Length.SEATS,
+        (60, 210): Length.SLOTS,
+        (70, 220): Length.PHASES,
+    }
+    found = []
+    for parts in zip(small, large, strict=True):
+        kinds = []
+        for one, other in zip(*parts, strict=True):
+            pair = one.shape[1:2] + other.shape[1:2]
+            fixed = Length.WHOLE if len(set(pair)) < 2 else Length.NOTHING
+            kinds.append(of_pair.get(pair, fixed))
+        found.append(np.array(kinds, np.int64))
+    found[-1][:] = Length.NOTHING  # what is seen is found out anew
+    return found
+
+
+_LENGTHS = _lengths()
+
+
+def sizes_of(tables: Sequence[Addresses], counts: tuple[int, int, int]) -> list[NDArray[np.int64]]:
+    """Return (F,) for each part of a batch: how many bytes of a row of each array belong to a match."""
+    sizes = []
+    for table, kinds in zip(tables, _LENGTHS, strict=True):
+        lengths = np.choose(kinds, [*counts, table[:, LENGTH], 0])
+        sizes.append(table[:, ITEM] * table[:, LENGTH + 1 :].prod(axis=1) * lengths)
+    return sizes
+
+
+def encode(
+    spec: MatchSpec,
+    game_map: GameMap,
+    tables: Sequence[Addresses],
+    row: int,
+    counts: tuple[int, int, int],
+    history: History | None,
+) -> bytes:
+    """Return a match of a batch as bytes.
+
+    Args:
+        spec: The match.
+        game_map: Its map.
+        tables: Of the parts of the batch.
+        row: Of the match.
+        counts: Its seats, slots and phases.
+        history: What was played, where it is known.
+    """
+    sizes = sizes_of(tables, counts)
+    content = np.empty(sum(int(part.sum()) for part in sizes), np.uint8)
+    _copy(tables, row, sizes, content, writes=False)
+    header = {
+        **VERSIONS,
+        "spec": spec.model_dump(mode="json"),
+        "map_digest": game_map.digest,
+        "counts": counts,
+        "size": len(content),
+        "steps": None if history is None else len(history.digests),
+    }
+    parts = [content, *(history or ())]
+    return pack(LAYOUT, header, *(part.reshape(-1).view(np.uint8).data for part in parts))
+
+
+def decode(data: bytes) -> Snapshot:
+    """Return what some bytes hold.
+
+    Raises:
+        StateError: They are no state, damaged, or of other versions of the rules or of the maps.
+    """
+    try:
+        header, payload = unpack(LAYOUT, data)
+    except ContainerError as error:
+        raise StateError(f"the state is {error}") from None
+    for name, wanted in VERSIONS.items():
+        if header.get(name) != wanted:
+            word = name.replace("_", " ")
+            raise StateError(f"the state is of {word} {header.get(name)}; this engine has {wanted}")
+    try:
+        spec = MatchSpec.model_validate(header["spec"])
+        size, steps, counts = header["size"], header["steps"], header["counts"]
+    except ValidationError as error:
+        raise StateError(f"the state's spec is not valid: {one_line(error)}") from None
+    except KeyError as error:
+        raise StateError(f"the state's header has no {error}") from None
+    try:
+        content = np.frombuffer(payload, np.uint8, size).copy()
+        history = None if steps is None else _history(payload[size:], steps, len(spec.seats))
+        seats, slots, phases = counts
+    except (TypeError, ValueError) as error:
+        raise StateError(f"the state's payload does not fit its header: {error}") from None
+    if seats != len(spec.seats):
+        raise StateError(f"the state is of {seats} seats, but its spec has {len(spec.seats)}")
+    return Snapshot(spec, header["map_digest"], (seats, slots, phases), content, history)
+
+
+def _history(payload: memoryview, steps: int, seats: int) -> History:
+    count = steps * seats * FIELDS
+    actions = np.frombuffer(payload, np.float32, count).reshape(steps, seats, FIELDS)
+    digests = np.frombuffer(payload[actions.nbytes :], np.uint64, steps)
+    return History(actions.copy(), digests.copy())
+
+
+def check_size(snapshot: Snapshot, tables: Sequence[Addresses]) -> None:
+    """Refuse a snapshot that does not have the size that this engine's states have.
+
+    The size does not depend on how much room a batch has, so this may come before room is made.
+
+    Raises:
+        StateError: It does not.
+    """
+    sizes = sizes_of(tables, snapshot.counts)
+    if sum(int(part.sum()) for part in sizes) != len(snapshot.content):
+        raise StateError("the state is of another build of this engine: its arrays have other sizes")
+
+
+def write(snapshot: Snapshot, tables: Sequence[Addresses], row: int) -> None:
+    """Write a snapshot, whose size was checked, into a row that is clear and large enough."""
+    _copy(tables, row, sizes_of(tables, snapshot.counts), snapshot.content, writes=True)
+
+
+def _copy(
+    tables: Sequence[Addresses],
+    row: int,
+    sizes: Sequence[NDArray[np.int64]],
+    content: NDArray[np.uint8],
+    *,
+    writes: bool,
+) -> None:
+    first = 0
+    for table, of_part in zip(tables, sizes, strict=True):
+        last = first + int(of_part.sum())
+        copy_row(table, row, of_part, content[first:last], writes)
+        first = last
+
+
+def map_for(snapshot: Snapshot, known: Sequence[GameMap]) -> GameMap:
+    """Return the map of a snapshot: one of those at hand, or made.
+
+    Raises:
+        StateError: It cannot be made, or another one comes out.
+    """
+    for game_map in known:
+        if game_map.digest == snapshot.map_digest:
+            return game_map
+    try:
+        game_map = map_of(snapshot.spec.map)
+    except MapError as error:
+        raise StateError(f"the map of the state cannot be made: {error}") from None
+    if game_map.digest != snapshot.map_digest:
+        raise StateError(
+            f"the state is on map {snapshot.map_digest}, but its spec makes {game_map.digest} here"
+        )
+    return game_map

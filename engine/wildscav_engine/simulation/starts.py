@@ -1,0 +1,396 @@
+"""Where the agents of a match start, and its target: as its spec says, or drawn from its seed."""
+
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.arithmetic.random_numbers import Stream, Word, integer_in, normal, uniform_in
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.clearance import CLEARANCE, is_clear, is_free
+from wildscav_engine.geometry.sweep import SKIN, sweep_world
+from wildscav_engine.geometry.terrain import ground_at, water_at
+from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.walk import is_reached, leads_out
+from wildscav_engine.maps.walk.explore import walk_straight
+from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
+from wildscav_engine.motion.body_motion import move
+from wildscav_engine.motion.collision import Bodies, Point
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EDGE_MARGIN
+from wildscav_engine.specs.spec import MatchSpec, Place
+
+LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
+LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
+START_TRIES = 64  # draws for a start apart from the others, before one is looked for among all places
+START_DISTANCE = 3.0  # m between two starts, where the map has room
+NEAR_DISTANCE = 4.0 * BODY_RADIUS  # m between two starts around a target, where the map has room
+LEAST_DISTANCE = 2.0 * BODY_RADIUS + 2.0 * SKIN  # m between two starts: nobody starts inside another
+TARGET_DISTANCE = 10.0  # m at least from the first start to the target, where the map has room
+KNOWN_PLACE = 6.0  # m, how far the nearest of the map's places may be from a start around the target
+KEPT_PLACES = 256  # given places of a map that are known to be good
+
+STARTS, TARGET = int(Stream.STARTS), int(Stream.TARGET)
+EVERYBODY = -1  # in place of the first seat that has no room
+
+
+class MatchSetupError(ValueError):
+    """A match cannot be set up from its spec; the message says what, and what is allowed."""
+
+
+class Given(NamedTuple):
+    """A place that a spec gives, and what it is for."""
+
+    place: Place
+    name: str
+    reach: float | None  # m, from where a target counts as reached; None: it is a start
+
+
+_good: WeakKeyDictionary[GameMap, dict[Given, NDArray[np.float64]]] = WeakKeyDictionary()
+
+
+def choose_starts(
+    spec: MatchSpec, game_map: GameMap, *, has_target: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Return (A, 3) m the starts of a match, and (3,) m its target or None.
+
+    Raises:
+        MatchSetupError: A start or target is outside the map or inside something, or there is no way from the
+            start, or none to the target; or the map has no room for so many starts.
+    """
+    starts, is_placed = _given_starts(spec, game_map)
+    seed, spawns = np.uint64(spec.seed), game_map.world.spawns
+    target = None
+    if spec.target is not None:
+        target = _checked(game_map, Given(spec.target, "target", spec.rules.target_distance))
+    if spec.start_range is not None:
+        target = spawns[draw_place(spawns, seed)] if target is None else target
+        reach = spec.rules.target_distance
+        nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+        spread = spec.start_range
+        left_out = draw_starts_near(game_map.world, nobody, target, reach, spread, seed, is_placed, starts)
+    else:
+        left_out = draw_starts(spawns, seed, is_placed, starts)
+        if has_target and target is None:
+            target = spawns[draw_target(spawns, seed, starts[0])]
+    if left_out != EVERYBODY:
+        raise MatchSetupError(
+            f"{len(starts)} seats are too many for this map: it has {len(spawns)} places, "
+            f"and none of them has room for seat {left_out}"
+        )
+    return starts, target
+
+
+def usable_place(game_map: GameMap, place: Place, reach: float | None) -> Place:
+    """Return a place that a spec may give, or the nearest of the map's places if it may not.
+
+    Args:
+        game_map: The map.
+        place: m.
+        reach: m, from where a target counts as reached; None: it is a start.
+    """
+    try:
+        _checked(game_map, Given(place, "place", reach))
+    except MatchSetupError:
+        ways = game_map.world.spawns - np.array(place)
+        x, y, z = game_map.world.spawns[np.argmin((ways * ways).sum(axis=1))].tolist()
+        return x, y, z
+    return place
+
+
+def _given_starts(spec: MatchSpec, game_map: GameMap) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return (A, 3) m the starts that the spec gives, and (A,) which they are.
+
+    Raises:
+        MatchSetupError: One is no good.
+    """
+    seats = len(spec.seats)
+    starts, is_placed = np.zeros((seats, 3)), np.zeros(seats, np.bool_)
+    if spec.start is None and spec.starts is None:
+        return starts, is_placed
+    for seat, place in enumerate(spec.start_of_seats):
+        if place is not None:
+            name = f"start of seat {seat}" if seat else "start"
+            starts[seat] = _checked(game_map, Given(place, name, None))
+            is_placed[seat] = True
+    return starts, is_placed
+
+
+def _checked(game_map: GameMap, given: Given) -> NDArray[np.float64]:
+    """Return (3,) m a place of the spec on the ground; the last good ones of a map are remembered.
+
+    Raises:
+        MatchSetupError: It is no good.
+    """
+    good = _good.setdefault(game_map, {})
+    if given not in good:
+        place = _standing_place(given, game_map)
+        _check_ways(given, game_map, place)
+        if len(good) >= KEPT_PLACES:
+            good.clear()
+        good[given] = place
+    return good[given]
+
+
+def _standing_place(given: Given, game_map: GameMap) -> NDArray[np.float64]:
+    """Return (3,) m a place of the spec, lifted onto the ground, or onto the floor that it is a little below.
+
+    Wherever a body can get, one may start: no more room is asked for than a body needs.
+
+    Raises:
+        MatchSetupError: It is outside the map, or inside something.
+    """
+    x, y, z = given.place
+    limit = game_map.config.size / 2 - EDGE_MARGIN
+    if max(abs(x), abs(z)) > limit:
+        raise MatchSetupError(f"{given.name} is at x = {x}, z = {z}: outside the map, which spans ±{limit} m")
+    standing = max(y, ground_at(game_map.world, x, z).height)
+    soles = standing + LIFT
+    if not is_free(game_map.world, x, soles + CLEARANCE, soles + BODY_HEIGHT, z, 0.0):
+        raise MatchSetupError(f"{_named(given)}: inside something")
+    return np.array([x, _onto_floor(game_map.world, x, soles, z) if given.reach is None else standing, z])
+
+
+def _onto_floor(world: World, x: float, soles: float, z: float) -> float:
+    """Return the height in m of the soles of a body, lifted out of what reaches up to CLEARANCE into it.
+
+    No floor holds a body that is inside it already: from a start that is rounded to centimetres, it would
+    fall through a storey.
+    """
+    if is_free(world, x, soles, soles + CLEARANCE, z, 0.0):
+        return soles
+    down = sweep_world(world, x, soles + CLEARANCE, z, 0.0, -CLEARANCE, 0.0)
+    return float(soles + CLEARANCE * (1.0 - down.fraction))
+
+
+def _check_ways(given: Given, game_map: GameMap, place: NDArray[np.float64]) -> None:
+    """Refuse a start or a target that would make the match impossible.
+
+    Places that are chosen at random need no check: a map's places can all be reached from each other.
+
+    Raises:
+        MatchSetupError: One does not get away from the start, or not to the target.
+    """
+    if given.reach is None:
+        if not leads_out(game_map.graph, _come_to_rest(game_map.world, place)):
+            raise MatchSetupError(f"{_named(given)}: there is no way from there to the rest of the map")
+    elif not is_reached(game_map.graph, place, given.reach):
+        raise MatchSetupError(f"{_named(given)}: there is no way to it from the rest of the map")
+
+
+def _come_to_rest(world: World, start: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (3,) m where a body comes to stand that starts in the air or on a steep slope."""
+    body = Bodies(start[np.newaxis].copy(), np.zeros(0, np.int32), 0)
+    place: NDArray[np.float64] = body.position[0]
+    rise, on_ground = 0.0, False
+    for _ in range(LONGEST_FALL):
+        moved = move(world, body, rise, on_ground, 0.0, 0.0, False, 1.0)
+        rests = moved.on_ground and (moved.x, moved.y, moved.z) == tuple(place)
+        place[:] = moved.x, moved.y, moved.z
+        rise, on_ground = moved.rise, moved.on_ground
+        if rests:
+            break
+    return place
+
+
+def _named(given: Given) -> str:
+    x, y, z = given.place
+    return f"{given.name} is at x = {x}, y = {y}, z = {z}"
+
+
+@kernel
+def draw_starts(
+    spawns: NDArray[np.float64], seed: Word, is_placed: NDArray[np.bool_], starts: NDArray[np.float64]
+) -> int:
+    """Draw the starts that are not given among a map's places, apart from each other.
+
+    Where no draw keeps apart, the start is the place that is farthest from all others.
+
+    Args:
+        spawns: (N, 3) m.
+        seed: Of the match.
+        is_placed: (A,) which starts are given; becomes all True.
+        starts: (A, 3) m; the others are written.
+
+    Returns:
+        The first seat that would start inside another, EVERYBODY if all have room.
+    """
+    for seat in range(starts.shape[0]):
+        if is_placed[seat]:
+            continue
+        is_apart = False
+        for attempt in range(START_TRIES):
+            place = integer_in(0, spawns.shape[0] - 1, seed, STARTS, 0, seat, attempt)
+            _put(spawns[place], starts[seat])
+            is_apart = _distance_to_nearest(starts, is_placed, starts[seat]) >= START_DISTANCE
+            if is_apart:
+                break
+        if not (is_apart or _take_farthest(spawns, starts, is_placed, seat)):
+            return seat
+        is_placed[seat] = True
+    return EVERYBODY
+
+
+@kernel
+def _put(place: NDArray[np.float64], start: NDArray[np.float64]) -> None:
+    for axis in range(3):
+        start[axis] = place[axis]
+
+
+@kernel
+def _distance_to_nearest(
+    starts: NDArray[np.float64], is_placed: NDArray[np.bool_], place: NDArray[np.float64]
+) -> float:
+    """Return how far in m a place (3,) is from the nearest start that is placed, seen from above."""
+    nearest = np.inf
+    for other in range(starts.shape[0]):
+        if is_placed[other]:
+            dx, dz = place[0] - starts[other, 0], place[2] - starts[other, 2]
+            nearest = min(nearest, dx * dx + dz * dz)
+    return float(np.sqrt(nearest))
+
+
+@kernel
+def _take_farthest(
+    spawns: NDArray[np.float64], starts: NDArray[np.float64], is_placed: NDArray[np.bool_], seat: int
+) -> bool:
+    """Write the place farthest from all placed starts; return False if even there is one of them."""
+    best, farthest = 0, -np.inf
+    for place in range(spawns.shape[0]):
+        distance = _distance_to_nearest(starts, is_placed, spawns[place])
+        if distance > farthest:
+            best, farthest = place, distance
+    _put(spawns[best], starts[seat])
+    return bool(farthest >= LEAST_DISTANCE)
+
+
+@kernel
+def draw_target(spawns: NDArray[np.float64], seed: Word, start: NDArray[np.float64]) -> int:
+    """Return which of a map's places (N, 3) m is the target: one away from the start (3,) m."""
+    place = 0
+    for attempt in range(START_TRIES):
+        place = integer_in(0, spawns.shape[0] - 1, seed, TARGET, 0, 0, attempt)
+        dx, dz = spawns[place, 0] - start[0], spawns[place, 2] - start[2]
+        if dx * dx + dz * dz >= TARGET_DISTANCE * TARGET_DISTANCE:
+            break
+    return place
+
+
+@kernel
+def draw_place(spawns: NDArray[np.float64], seed: Word) -> int:
+    """Return which of a map's places (N, 3) m is the target, wherever the starts are."""
+    return integer_in(0, spawns.shape[0] - 1, seed, TARGET, 0, 0, 0)
+
+
+@kernel
+def draw_starts_near(
+    world: World,
+    nobody: Bodies,
+    target: NDArray[np.float64],
+    reach: float,
+    spread: float,
+    seed: Word,
+    is_placed: NDArray[np.bool_],
+    starts: NDArray[np.float64],
+) -> int:
+    """Draw the starts that are not given around a target, as the paper's set-up of navigation has them.
+
+    One lies in a random direction, as far away as ``reach`` and the size of N(0, spread), where a body can
+    stand and get to the target. If none is found in some tries, it is the nearest of the map's places beyond
+    reach that is apart from the other starts.
+
+    Args:
+        world: The static world.
+        nobody: No bodies.
+        target: (3,) m.
+        reach: m, from where the target counts as reached.
+        spread: m.
+        seed: Of the match.
+        is_placed: (A,) which starts are given; becomes all True.
+        starts: (A, 3) m; the others are written.
+
+    Returns:
+        The first seat that would start inside another, EVERYBODY if all have room.
+    """
+    for seat in range(starts.shape[0]):
+        if is_placed[seat]:
+            continue
+        is_found = False
+        for attempt in range(START_TRIES):
+            turn = uniform_in(0.0, 360.0, seed, STARTS, 0, seat, 2 * attempt)
+            far = reach + abs(normal(seed, STARTS, 0, seat, 2 * attempt + 1)) * spread
+            starts[seat, 0] = target[0] + far * sine(turn)
+            starts[seat, 2] = target[2] + far * cosine(turn)
+            starts[seat, 1] = _height_near(world, nobody, target, starts[seat, 0], starts[seat, 2])
+            is_apart = _distance_to_nearest(starts, is_placed, starts[seat]) >= NEAR_DISTANCE
+            is_found = is_apart and starts[seat, 1] > -np.inf
+            if is_found:
+                break
+        for distance in (NEAR_DISTANCE, LEAST_DISTANCE):
+            is_found = is_found or _take_nearest(
+                world.spawns, target, reach, distance, starts, is_placed, seat
+            )
+        if not is_found:
+            return seat
+        is_placed[seat] = True
+    return EVERYBODY
+
+
+@kernel
+def _height_near(world: World, nobody: Bodies, target: NDArray[np.float64], x: float, z: float) -> float:
+    """Return the height in m at which a body stands at a place and gets to the target, -inf if at none.
+
+    It gets there if it can walk straight to it and back, or if one of the map's places is near: from those,
+    one gets everywhere.
+    """
+    rows, columns = world.water.shape
+    east, north = world.corner[0] + columns * CELL, world.corner[1] + rows * CELL
+    inside_x = world.corner[0] + EDGE_MARGIN <= x <= east - EDGE_MARGIN
+    if not (inside_x and world.corner[1] + EDGE_MARGIN <= z <= north - EDGE_MARGIN):
+        return -np.inf
+    goal = Point(target[0], target[1], target[2])
+    height = walk_straight(world, nobody, goal, x, z, SPACING)
+    if height > -np.inf and is_clear(world, x, height, z):
+        back = walk_straight(world, nobody, Point(x, height, z), goal.x, goal.z, SPACING)
+        if abs(back - goal.y) <= SAME_SURFACE:
+            return height
+    height = ground_at(world, x, z).height
+    if height < water_at(world, x, z) or not is_clear(world, x, height, z):
+        return -np.inf
+    here, spawns = Point(x, height, z), world.spawns
+    for place in range(spawns.shape[0]):
+        if abs(spawns[place, 0] - x) <= KNOWN_PLACE and abs(spawns[place, 2] - z) <= KNOWN_PLACE:
+            arrival = walk_straight(world, nobody, here, spawns[place, 0], spawns[place, 2], SPACING)
+            if abs(arrival - spawns[place, 1]) <= SAME_SURFACE:
+                return height
+    return -np.inf
+
+
+@kernel
+def _take_nearest(
+    spawns: NDArray[np.float64],
+    target: NDArray[np.float64],
+    reach: float,
+    distance: float,
+    starts: NDArray[np.float64],
+    is_placed: NDArray[np.bool_],
+    seat: int,
+) -> bool:
+    """Write the place nearest to the target, beyond ``reach`` m and ``distance`` m from all placed starts.
+
+    Returns:
+        Whether there is one.
+    """
+    best, nearest = -1, np.inf
+    for place in range(spawns.shape[0]):
+        dx, dz = spawns[place, 0] - target[0], spawns[place, 2] - target[2]
+        away = dx * dx + dz * dz
+        is_nearer = reach * reach < away < nearest
+        if is_nearer and _distance_to_nearest(starts, is_placed, spawns[place]) >= distance:
+            best, nearest = place, away
+    if best < 0:
+        return False
+    _put(spawns[best], starts[seat])
+    return True

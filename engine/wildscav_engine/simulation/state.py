@@ -1,0 +1,233 @@
+"""The state of a batch of matches: structures of arrays with a leading match axis.
+
+B matches, A seats in the largest of them, S slots for supply boxes in the largest. Kernels work on one
+match's slices, which have the same names and no B axis.
+"""
+
+import math
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+NOBODY = -1  # in place of a seat
+NOT_OUT = -1  # in place of the frame of an elimination
+MEMORY = 8  # numbers that a robot can remember
+MOST_SQUARES = 64  # along each side of a map, in the grid of agents
+BOX_SQUARES = 16  # the same at most in the grid of boxes
+
+
+class Ending(IntEnum):
+    """Why a match is over."""
+
+    NONE = 0  # it is not
+    TIME_UP = 1
+    GOAL = 2  # the target is reached, or enough supplies are collected
+    LAST_STANDING = 3  # no more than one team is left
+
+
+class Agents(NamedTuple):
+    """Every fact about the agents."""
+
+    present: NDArray[np.bool_]  # (B, A) whether the match has this seat at all
+    team: NDArray[np.int32]  # (B, A)
+    robot: NDArray[np.int32]  # (B, A) the number of the robot that fills the seat, 0 for none
+    memory: NDArray[np.float64]  # (B, A, 8) what a robot remembers
+    start: NDArray[np.float64]  # (B, A, 3) m, where it started
+    # What it has at the start and after each return.
+    full_health: NDArray[np.int32]  # (B, A) hp
+    clip_size: NDArray[np.int32]  # (B, A) rounds
+    full_spare_ammo: NDArray[np.int32]  # (B, A) rounds
+    shot_damage: NDArray[np.int32]  # (B, A) hp that its shots cost others
+    position: NDArray[np.float64]  # (B, A, 3) m, soles of the feet, y up
+    velocity: NDArray[np.float64]  # (B, A, 3) m/s, as it came out in the last frame
+    yaw: NDArray[np.float64]  # (B, A) degrees in (-180, 180], 0 faces +z, grows clockwise from above
+    pitch: NDArray[np.float64]  # (B, A) degrees in [-90, 90], positive looks down
+    on_ground: NDArray[np.bool_]  # (B, A)
+    in_water: NDArray[np.bool_]  # (B, A)
+    walked: NDArray[np.float64]  # (B, A) m, horizontal way so far
+    course: NDArray[np.float64]  # (B, A, 2) m/s east and north, of the walk wanted in this step
+    reached: NDArray[np.bool_]  # (B, A) whether it is at the target
+    knows_target: NDArray[np.bool_]  # (B, A) whether it has been told the target, or its team has found it
+    health: NDArray[np.int32]  # (B, A) hp, 0 = dead
+    respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent comes back, 0 if it never does
+    eliminated: NDArray[np.int32]  # (B, A) the frame in which it died for good, or NOT_OUT
+    placement: NDArray[np.int32]  # (B, A) of its team, 1 = best, 0 as long as the team is in the match
+    invincible_left: NDArray[np.int32]  # (B, A) frames
+    clip: NDArray[np.int32]  # (B, A) rounds in the weapon
+    spare_ammo: NDArray[np.int32]  # (B, A) rounds carried besides
+    reload_left: NDArray[np.int32]  # (B, A) frames until a reload is done, 0 = not reloading
+    fire_left: NDArray[np.int32]  # (B, A) frames until the weapon can fire again
+    supplies: NDArray[np.int32]  # (B, A) carried
+    picked_up: NDArray[np.int32]  # (B, A) supplies picked up in all
+    kills: NDArray[np.int32]  # (B, A)
+    deaths: NDArray[np.int32]  # (B, A)
+    shots: NDArray[np.int32]  # (B, A)
+    hits: NDArray[np.int32]  # (B, A)
+    # What happened during the current step; cleared when the next begins.
+    fired: NDArray[np.bool_]  # (B, A)
+    shot_end: NDArray[np.float64]  # (B, A, 3) m, where the last shot ended
+    hit_seat: NDArray[np.int32]  # (B, A) whom it hit, or NOBODY
+    hit_by_seat: NDArray[np.int32]  # (B, A) who hit it, or NOBODY
+    damage: NDArray[np.int32]  # (B, A) hp, lost at the end of a frame
+    gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
+    # No state: the seats in the order of the frame (``systems/turn_order.py``), and what follows from where
+    # the agents are (``systems/crowd.py``).
+    turns: NDArray[np.int32]  # (B, A)
+    next_in_square: NDArray[np.int32]  # (B, A) seat + 1 of the next agent in the same square, 0 = none
+    near: NDArray[np.int32]  # (B, A) seats near the agent that moves
+
+
+class Supplies(NamedTuple):
+    """The supply boxes, those of later waves and those dropped at deaths included."""
+
+    position: NDArray[np.float32]  # (B, S, 3) m, on the ground or floor
+    quantity: NDArray[np.int32]  # (B, S) supplies in it, 0 = taken or a free slot
+    appears: NDArray[np.int32]  # (B, S) frame from which it is there
+    serial: NDArray[np.int32]  # (B, S) number of the box in its match, never used twice
+    next_in_square: NDArray[np.int32]  # (B, S) slot + 1 of the next box in the same square, 0 = none
+
+
+class Matches(NamedTuple):
+    """What is one number for a whole match."""
+
+    map_index: NDArray[np.int64]  # (B,) in the map bank
+    seats: NDArray[np.int64]  # (B,) how many seats this match has; the rest of the A are padding
+    slots: NDArray[np.int64]  # (B,) how many slots for boxes; the rest of the S are padding
+    seed: NDArray[np.uint64]  # (B,)
+    frame: NDArray[np.int64]  # (B,) frames played
+    frame_limit: NDArray[np.int64]  # (B,)
+    step: NDArray[np.int64]  # (B,) steps played
+    over: NDArray[np.bool_]  # (B,)
+    ending: NDArray[np.int64]  # (B,) why it is over, an Ending
+    respawns: NDArray[np.bool_]  # (B,) whether the dead come back
+    respawns_at_start: NDArray[np.bool_]  # (B,) whether they do so where they started
+    teams: NDArray[np.int64]  # (B,) how many teams there are
+    teams_left: NDArray[np.int64]  # (B,) how many of them have someone who is not out
+    members_left: NDArray[np.int32]  # (B, A) of each team, those who are not out
+    supply_goal: NDArray[np.int64]  # (B,) what a team must carry to end the match, 0 = no goal
+    target: NDArray[np.float64]  # (B, 3) m
+    has_target: NDArray[np.bool_]  # (B,) whether reaching the target ends the match
+    reached_by: NDArray[np.int64]  # (B,) a seat that reached it, or NOBODY
+    next_serial: NDArray[np.int64]  # (B,) for the next box dropped
+    zone: NDArray[np.float64]  # (B, Z, 9) phases of the safe zone: frames in which shrinking starts and ends,
+    # then x, z and radius before, x, z and radius after it in m, and hp a second outside
+    phases: NDArray[np.int64]  # (B,) how many phases this match has; the rest of the Z are padding
+    digest: NDArray[np.uint64]  # (B,) of all states and actions so far
+    crowd: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
+    box_squares: NDArray[np.int32]  # (B, 256) slot + 1 of the first box in each square, 0 = none
+
+
+class State(NamedTuple):
+    """All that changes in a batch of matches."""
+
+    agents: Agents
+    supplies: Supplies
+    matches: Matches
+
+
+def squares_for(seats: int) -> int:
+    """Return how many squares the grid of agents has along each side of the map: two agents a square."""
+    return min(MOST_SQUARES, max(1, int(math.sqrt(seats * 0.5))))
+
+
+def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> State:
+    """Return a state with everything zero, nobody present and no boxes."""
+    b, a, s = matches, seats, slots
+    agents = Agents(
+        present=np.zeros((b, a), np.bool_),
+        team=np.zeros((b, a), np.int32),
+        robot=np.zeros((b, a), np.int32),
+        memory=np.zeros((b, a, MEMORY)),
+        start=np.zeros((b, a, 3)),
+        position=np.zeros((b, a, 3)),
+        velocity=np.zeros((b, a, 3)),
+        yaw=np.zeros((b, a)),
+        pitch=np.zeros((b, a)),
+        on_ground=np.zeros((b, a), np.bool_),
+        in_water=np.zeros((b, a), np.bool_),
+        walked=np.zeros((b, a)),
+        course=np.zeros((b, a, 2)),
+        reached=np.zeros((b, a), np.bool_),
+        knows_target=np.zeros((b, a), np.bool_),
+        eliminated=np.full((b, a), NOT_OUT, np.int32),
+        placement=np.zeros((b, a), np.int32),
+        **{name: np.zeros((b, a), np.int32) for name in _COUNTS},
+        fired=np.zeros((b, a), np.bool_),
+        shot_end=np.zeros((b, a, 3)),
+        hit_seat=np.full((b, a), NOBODY, np.int32),
+        hit_by_seat=np.full((b, a), NOBODY, np.int32),
+        damage=np.zeros((b, a), np.int32),
+        gained=np.zeros((b, a), np.int32),
+        turns=np.zeros((b, a), np.int32),
+        next_in_square=np.zeros((b, a), np.int32),
+        near=np.zeros((b, a), np.int32),
+    )
+    supplies = Supplies(
+        position=np.zeros((b, s, 3), np.float32),
+        quantity=np.zeros((b, s), np.int32),
+        appears=np.zeros((b, s), np.int32),
+        serial=np.zeros((b, s), np.int32),
+        next_in_square=np.zeros((b, s), np.int32),
+    )
+    return State(agents, supplies, _allocate_matches(b, a, phases))
+
+
+_COUNTS = (
+    *("full_health", "clip_size", "full_spare_ammo", "shot_damage"),
+    *("health", "respawn_left", "invincible_left", "clip", "spare_ammo", "reload_left", "fire_left"),
+    *("supplies", "picked_up", "kills", "deaths", "shots", "hits"),
+)
+
+
+def _allocate_matches(b: int, a: int, phases: int) -> Matches:
+    return Matches(
+        map_index=np.zeros(b, np.int64),
+        seats=np.zeros(b, np.int64),
+        slots=np.zeros(b, np.int64),
+        seed=np.zeros(b, np.uint64),
+        frame=np.zeros(b, np.int64),
+        frame_limit=np.zeros(b, np.int64),
+        step=np.zeros(b, np.int64),
+        over=np.zeros(b, np.bool_),
+        ending=np.zeros(b, np.int64),
+        respawns=np.ones(b, np.bool_),
+        respawns_at_start=np.zeros(b, np.bool_),
+        teams=np.zeros(b, np.int64),
+        teams_left=np.zeros(b, np.int64),
+        members_left=np.zeros((b, a), np.int32),
+        supply_goal=np.zeros(b, np.int64),
+        target=np.zeros((b, 3)),
+        has_target=np.zeros(b, np.bool_),
+        reached_by=np.full(b, NOBODY, np.int64),
+        next_serial=np.zeros(b, np.int64),
+        zone=np.zeros((b, phases, 9)),
+        phases=np.zeros(b, np.int64),
+        digest=np.zeros(b, np.uint64),
+        crowd=np.zeros((b, squares_for(a) ** 2), np.int32),
+        box_squares=np.zeros((b, BOX_SQUARES * BOX_SQUARES), np.int32),
+    )
+
+
+def with_room(state: State, slots: int, phases: int) -> State:
+    """Return a state with room for so many boxes and phases in each match: the same one if it has that.
+
+    What changes are only the arrays that need more room; they get a quarter more than asked for, so that this
+    is seldom.
+    """
+    supplies, matches = state.supplies, state.matches
+    if slots <= supplies.quantity.shape[1] and phases <= matches.zone.shape[1]:
+        return state
+    if slots > supplies.quantity.shape[1]:
+        supplies = Supplies(*(_widened(array, slots + slots // 4) for array in supplies))
+    if phases > matches.zone.shape[1]:
+        matches = matches._replace(zone=_widened(matches.zone, phases))
+    return State(state.agents, supplies, matches)
+
+
+def _widened(array: NDArray[Any], room: int) -> NDArray[Any]:
+    """Return a copy of an array whose second axis is longer, with zeros at its end."""
+    wide = np.zeros((array.shape[0], room, *array.shape[2:]), array.dtype)
+    wide[:, : array.shape[1]] = array
+    return wide

@@ -1,0 +1,223 @@
+"""The step: the rulebook in its order."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine, wrap
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.terrain import water_at
+from wildscav_engine.geometry.world import World
+from wildscav_engine.motion.body_motion import move_by
+from wildscav_engine.motion.collision import Bodies
+from wildscav_engine.simulation.digest import digest_boxes, digest_step
+from wildscav_engine.simulation.robots.base import Situation
+from wildscav_engine.simulation.robots.decide import decide
+from wildscav_engine.simulation.robots.skill import skill_of
+from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
+from wildscav_engine.simulation.systems.crowd import index_agents, others_near
+from wildscav_engine.simulation.systems.damage import apply_damage, bring_back, equip
+from wildscav_engine.simulation.systems.elimination import rank_teams
+from wildscav_engine.simulation.systems.endings import (
+    end_at_last_standing,
+    end_at_supply_goal,
+    end_at_target,
+    end_at_time_limit,
+)
+from wildscav_engine.simulation.systems.supplies import index_boxes, pick_up
+from wildscav_engine.simulation.systems.turn_order import draw_turns
+from wildscav_engine.simulation.systems.weapons import handle_weapons, shoot
+from wildscav_engine.simulation.systems.zone import hurt_outside
+from wildscav_engine.simulation.visibility import Seen, look_around
+from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, Field
+from wildscav_engine.specs.rules import FRAME, Rules
+
+
+@inlined_kernel
+def play_step(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seen: Seen,
+    actions: NDArray[np.float32],
+    allowed: NDArray[np.bool_],
+    frames_per_action: int,
+    rules: Rules,
+    opening: bool,
+) -> None:
+    """Play one step of one match, in place: one action of every agent, held for some frames.
+
+    Args:
+        world: The static world.
+        agents: The agents of the match.
+        supplies: Its boxes.
+        matches: All matches.
+        match: Which one it is.
+        seen: What the agents see; robots look before they decide, the others' rows are left alone.
+        actions: (A, FIELDS); becomes what was really played (robots decide, invalid rows do nothing).
+        allowed: (FIELDS,) the track's action set.
+        frames_per_action: How many frames the actions are held.
+        rules: The rules.
+        opening: Whether the match is only opened: everybody is equipped, and the boxes are indexed.
+    """
+    if opening:
+        _open(world, agents, supplies, matches, match)
+        return
+    _let_robots_look(world, agents, supplies, matches, match, rules, seen)
+    _clear_step_facts(agents)
+    for seat in range(actions.shape[0]):
+        action = actions[seat]
+        _settle_action(agents, supplies, matches, match, seen, seat, frames_per_action, allowed, action)
+    for _ in range(frames_per_action):
+        if not matches.over[match]:
+            play_frame(world, agents, supplies, matches, match, actions, rules)
+    matches.step[match] += 1
+    matches.digest[match] = digest_step(matches.digest[match], agents, actions, matches.frame[match])
+
+
+@inlined_kernel
+def play_frame(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    actions: NDArray[np.float32],
+    rules: Rules,
+) -> None:
+    """Play one frame, in place. The order below is the rulebook."""
+    draw_turns(matches.seed[match], matches.frame[match], agents.turns)
+    # Collisions and shots of the whole frame go by where everybody is now.
+    index_agents(world, agents, matches, match)
+    # Times are counted from the frame after: whoever dies now has the whole respawn time before it.
+    bring_back(world, agents, matches, match, rules)
+    for turn in range(agents.turns.shape[0]):
+        _turn_and_move(world, agents, matches, match, agents.turns[turn], actions, rules)
+    matches.frame[match] += 1
+    # The target is tested every frame, so that nobody runs through it between two steps.
+    end_at_target(agents, matches, match, rules)
+    pick_up(world, agents, supplies, matches, match, actions, rules)
+    end_at_supply_goal(agents, matches, match)
+    handle_weapons(agents, actions, rules)
+    # Everyone has moved before anyone shoots, so no agent gains by coming first.
+    shoot(world, agents, matches, match, actions, rules)
+    # Damage lands after the last shot: two agents can kill each other in one frame.
+    hurt_outside(agents, matches, match)
+    apply_damage(world, agents, supplies, matches, match, rules)
+    # After all deaths of the frame: teams that go out together share their placement.
+    rank_teams(agents, matches, match)
+    end_at_last_standing(matches, match)
+    end_at_time_limit(matches, match)
+
+
+@kernel
+def _open(world: World, agents: Agents, supplies: Supplies, matches: Matches, match: int) -> None:
+    for seat in range(agents.health.shape[0]):
+        if agents.present[seat]:
+            equip(agents, seat)
+    index_boxes(world, supplies, matches, match)
+    matches.digest[match] = digest_boxes(matches.digest[match], supplies)
+
+
+@inlined_kernel
+def _let_robots_look(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    rules: Rules,
+    seen: Seen,
+) -> None:
+    is_indexed = False
+    for seat in range(agents.robot.shape[0]):
+        if agents.robot[seat] == 0 or agents.health[seat] <= 0:
+            continue
+        if not is_indexed:
+            index_agents(world, agents, matches, match)
+            is_indexed = True
+        look_around(world, agents, supplies, matches, match, seat, rules, seen)
+
+
+@inlined_kernel
+def _clear_step_facts(agents: Agents) -> None:
+    for seat in range(agents.fired.shape[0]):
+        agents.fired[seat] = False
+        agents.hit_seat[seat] = NOBODY
+        agents.hit_by_seat[seat] = NOBODY
+        agents.gained[seat] = 0
+
+
+@inlined_kernel
+def _settle_action(
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seen: Seen,
+    seat: int,
+    frames_per_action: int,
+    allowed: NDArray[np.bool_],
+    action: NDArray[np.float32],
+) -> None:
+    """Turn an action row into what counts: a robot's choice, or what was sent as far as it is valid."""
+    if agents.robot[seat] != 0:
+        for field in range(FIELDS):
+            action[field] = 0.0
+        if agents.health[seat] > 0:
+            frame, seed = matches.frame[match], matches.seed[match]
+            skill = skill_of(agents.robot[seat])
+            now = Situation(
+                agents, supplies, seen, seat, seed, frame, frames_per_action, matches, match, skill
+            )
+            decide(now, action)
+    valid = agents.present[seat]
+    for field in range(FIELDS):
+        if not allowed[field]:
+            action[field] = 0.0
+        valid = valid and np.isfinite(action[field])
+    if not (valid and 0.0 <= action[Field.WALK_SPEED] <= MAX_WALK_SPEED):
+        for field in range(FIELDS):
+            action[field] = 0.0
+    direction, speed = np.float64(action[Field.WALK_DIRECTION]), np.float64(action[Field.WALK_SPEED])
+    agents.course[seat, 0], agents.course[seat, 1] = speed * sine(direction), speed * cosine(direction)
+
+
+@inlined_kernel
+def _turn_and_move(
+    world: World,
+    agents: Agents,
+    matches: Matches,
+    match: int,
+    seat: int,
+    actions: NDArray[np.float32],
+    rules: Rules,
+) -> None:
+    """Turn the view of one agent, then move its body."""
+    if agents.health[seat] <= 0:
+        return
+    action = actions[seat]
+    agents.yaw[seat] = wrap(agents.yaw[seat] + np.float64(action[Field.TURN]))
+    pitch = agents.pitch[seat] + np.float64(action[Field.LOOK])
+    agents.pitch[seat] = min(90.0, max(-90.0, pitch))
+    place = agents.position[seat]
+    others = agents.near[: others_near(world, agents, matches, match, seat)]
+    moved = move_by(
+        world,
+        Bodies(agents.position, others, seat),
+        agents.velocity[seat, 1],
+        agents.on_ground[seat],
+        agents.course[seat, 0],
+        agents.course[seat, 1],
+        action[Field.JUMP] != 0.0,
+        rules.water_speed_factor,
+    )
+    way_x, way_z = moved.x - place[0], moved.z - place[2]
+    agents.walked[seat] += np.sqrt(way_x * way_x + way_z * way_z)
+    agents.velocity[seat, 0] = way_x / FRAME
+    agents.velocity[seat, 1] = moved.rise
+    agents.velocity[seat, 2] = way_z / FRAME
+    place[0], place[1], place[2] = moved.x, moved.y, moved.z
+    agents.on_ground[seat] = moved.on_ground
+    agents.in_water[seat] = moved.y < water_at(world, moved.x, moved.z)

@@ -1,0 +1,271 @@
+"""Supply boxes: where they are put, how they are picked up, and what a dead agent leaves behind.
+
+An outdoor wave looks at a square grid over the map. A grid point on open ground, which is the map's outdoor
+locations or, on a grid finer than those, every whole metre of it, gets a box with probability
+richness · exp(-d² / 2r²), d being its distance from the wave's center and r the heat map's radius. Indoor
+points are indoor locations 5 m apart; each gets a box with probability indoor richness, wherever it is. So
+there are fewer boxes indoors, and what they hold is more.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import exponential
+from wildscav_engine.arithmetic.random_numbers import Stream, Word, integer_in, uniform
+from wildscav_engine.compilation.kernel import array_kernel, inlined_kernel, kernel
+from wildscav_engine.geometry.squares import Squares, link, square_of, squares_around, squares_over, unlink
+from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.simulation.digest import digest_box
+from wildscav_engine.simulation.state import BOX_SQUARES, Agents, Matches, Supplies
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import Rules
+
+BOX_SQUARE = 16.0  # m, the least side of a square in the grid of boxes
+
+
+@array_kernel
+def choose_outdoor(
+    outdoor: NDArray[np.float64],
+    spacing: float,
+    center_x: float,
+    center_z: float,
+    radius: float,
+    richness: float,
+    seed: Word,
+    wave: int,
+) -> NDArray[np.int64]:
+    """Return which outdoor locations get a box in a wave.
+
+    Args:
+        outdoor: (O, 3) m.
+        spacing: m, of the grid; the first location found in a grid square stands for its point.
+        center_x: m, of the heat map.
+        center_z: m.
+        radius: m, its standard deviation.
+        richness: Percent at the center.
+        seed: Of the match.
+        wave: Number of the wave.
+
+    Returns:
+        (N,) indices of locations, ascending.
+    """
+    lowest_x, lowest_z = np.floor(outdoor[:, 0].min() / spacing), np.floor(outdoor[:, 2].min() / spacing)
+    columns = int(np.floor(outdoor[:, 0].max() / spacing) - lowest_x) + 1
+    rows = int(np.floor(outdoor[:, 2].max() / spacing) - lowest_z) + 1
+    taken = np.zeros(rows * columns, np.bool_)
+    chosen = np.empty(outdoor.shape[0], np.int64)
+    count = 0
+    for place in range(outdoor.shape[0]):
+        column = int(np.floor(outdoor[place, 0] / spacing) - lowest_x)
+        square = int(np.floor(outdoor[place, 2] / spacing) - lowest_z) * columns + column
+        if taken[square]:
+            continue
+        taken[square] = True
+        dx, dz = outdoor[place, 0] - center_x, outdoor[place, 2] - center_z
+        heat = exponential(-(dx * dx + dz * dz) / (2.0 * radius * radius))
+        if uniform(seed, Stream.SUPPLY_PLACE, wave, 0, square) < richness / 100.0 * heat:
+            chosen[count] = place
+            count += 1
+    return chosen[:count]
+
+
+@array_kernel
+def choose_indoor(places: int, richness: float, seed: Word, wave: int) -> NDArray[np.int64]:
+    """Return (N,) the indices of the indoor points that get a box in a wave, ascending."""
+    chosen = np.empty(places, np.int64)
+    count = 0
+    for place in range(places):
+        if uniform(seed, Stream.SUPPLY_PLACE, wave, 1, place) < richness / 100.0:
+            chosen[count] = place
+            count += 1
+    return chosen[:count]
+
+
+@kernel
+def fill_boxes(
+    places: NDArray[np.float64],
+    low: int,
+    high: int,
+    appears: int,
+    seed: Word,
+    first: int,
+    position: NDArray[np.float32],
+    quantity: NDArray[np.int32],
+    appearance: NDArray[np.int32],
+) -> None:
+    """Put boxes with random quantities into slots from ``first`` on.
+
+    Args:
+        places: (N, 3) m.
+        low: Least quantity.
+        high: Greatest.
+        appears: Frame from which they are there.
+        seed: Of the match.
+        first: Slot of the first box.
+        position: (S, 3) m, written; the other two are (S,).
+        quantity: Written.
+        appearance: Written.
+    """
+    for index in range(places.shape[0]):
+        slot = first + index
+        for axis in range(3):
+            position[slot, axis] = places[index, axis]
+        quantity[slot] = integer_in(low, high, seed, Stream.SUPPLY_QUANTITY, 0, 0, slot)
+        appearance[slot] = appears
+
+
+@inlined_kernel
+def is_there(supplies: Supplies, slot: int, frame: int) -> bool:
+    """Return whether a slot holds a box in this frame."""
+    return bool(supplies.quantity[slot] > 0 and supplies.appears[slot] <= frame)
+
+
+@inlined_kernel
+def squares_of_boxes(world: World) -> Squares:
+    """Return the grid of the boxes on a map."""
+    return squares_over(world, min(BOX_SQUARES, max(1, int(world.water.shape[1] * CELL / BOX_SQUARE))))
+
+
+@kernel
+def index_boxes(world: World, supplies: Supplies, matches: Matches, match: int) -> None:
+    """Put all boxes into the squares where they are, those that appear later included."""
+    squares, heads = squares_of_boxes(world), matches.box_squares[match]
+    for square in range(heads.shape[0]):
+        heads[square] = 0
+    for slot in range(supplies.quantity.shape[0] - 1, -1, -1):
+        if supplies.quantity[slot] > 0:
+            link(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
+
+
+@inlined_kernel
+def _square_of_box(squares: Squares, supplies: Supplies, slot: int) -> int:
+    return square_of(squares, np.float64(supplies.position[slot, 0]), np.float64(supplies.position[slot, 2]))
+
+
+@inlined_kernel
+def distance_to_box(agents: Agents, supplies: Supplies, seat: int, slot: int) -> float:
+    """Return the distance from an agent's soles to a box, m², squared."""
+    dx = supplies.position[slot, 0] - agents.position[seat, 0]
+    dy = supplies.position[slot, 1] - agents.position[seat, 1]
+    dz = supplies.position[slot, 2] - agents.position[seat, 2]
+    return float(dx * dx + dy * dy + dz * dz)
+
+
+@kernel
+def nearest_box(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    heads: NDArray[np.int32],
+    seat: int,
+    frame: int,
+    reach: float,
+) -> int:
+    """Return the slot of the nearest box within reach (3D, from the soles), or -1.
+
+    Of boxes equally near, it is the one in the first slot.
+    """
+    squares = squares_of_boxes(world)
+    around = squares_around(squares, agents.position[seat, 0], agents.position[seat, 2], reach)
+    best, nearest = -1, reach * reach
+    for row in range(around.south, around.north + 1):
+        for column in range(around.west, around.east + 1):
+            slot = heads[row * squares.side + column] - 1
+            while slot >= 0:
+                if is_there(supplies, slot, frame):
+                    distance = distance_to_box(agents, supplies, seat, slot)
+                    if distance < nearest or (distance == nearest and (best < 0 or slot < best)):
+                        best, nearest = slot, distance
+                slot = supplies.next_in_square[slot] - 1
+    return best
+
+
+@inlined_kernel
+def pick_up(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    actions: NDArray[np.float32],
+    rules: Rules,
+) -> None:
+    """Let every living agent that wants to pick up take the nearest box in reach, in the frame's order."""
+    if supplies.quantity.shape[0] == 0:
+        return
+    for turn in range(agents.turns.shape[0]):
+        seat = agents.turns[turn]
+        if actions[seat, Field.PICK_UP] != 0.0 and agents.health[seat] > 0:
+            _take_nearest(world, agents, supplies, matches, match, seat, rules.pick_up_distance)
+
+
+@kernel
+def _take_nearest(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seat: int,
+    reach: float,
+) -> None:
+    heads = matches.box_squares[match]
+    slot = nearest_box(world, agents, supplies, heads, seat, matches.frame[match], reach)
+    if slot < 0:
+        return
+    agents.supplies[seat] += supplies.quantity[slot]
+    agents.picked_up[seat] += supplies.quantity[slot]
+    agents.gained[seat] += supplies.quantity[slot]
+    supplies.quantity[slot] = 0
+    unlink(heads, supplies.next_in_square, _square_of_box(squares_of_boxes(world), supplies, slot), slot)
+    matches.digest[match] = digest_box(matches.digest[match], supplies, slot)
+
+
+@kernel
+def drop_supplies(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seat: int,
+    share: float,
+) -> None:
+    """Leave a share of an agent's supplies, rounded down, where it died.
+
+    If no slot is free, it keeps them: nothing is ever lost.
+    """
+    dropped = int(np.floor(agents.supplies[seat] * share))
+    if dropped == 0:
+        return
+    for slot in range(supplies.quantity.shape[0] - 1, -1, -1):
+        if supplies.quantity[slot] == 0:
+            agents.supplies[seat] -= dropped
+            squares, heads = squares_of_boxes(world), matches.box_squares[match]
+            # A box that was emptied by hand may still be listed.
+            unlink(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
+            supplies.quantity[slot] = dropped
+            for axis in range(3):
+                supplies.position[slot, axis] = agents.position[seat, axis]
+            supplies.appears[slot] = matches.frame[match]
+            supplies.serial[slot] = matches.next_serial[match]
+            matches.next_serial[match] += 1
+            link(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
+            matches.digest[match] = digest_box(matches.digest[match], supplies, slot)
+            return
+
+
+@kernel
+def team_supplies(teams: NDArray[np.int32], supplies: NDArray[np.int32], team: int) -> int:
+    """Return what all seats of a team carry.
+
+    Args:
+        teams: (A,) the team of each seat of a match.
+        supplies: (A,) what each carries.
+        team: Which team.
+    """
+    total = 0
+    for seat in range(teams.shape[0]):
+        if teams[seat] == team:
+            total += supplies[seat]
+    return total

@@ -1,0 +1,183 @@
+"""The weapon: one shot is one ray from the eye, stopped by the world and by the first body."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.squares import columns_along, row_of
+from wildscav_engine.geometry.world import World
+from wildscav_engine.simulation.state import NOBODY, Agents, Matches
+from wildscav_engine.simulation.systems.crowd import LAG, Crowd, crowd_of
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.specs.rules import Rules, frames
+
+
+@inlined_kernel
+def handle_weapons(agents: Agents, actions: NDArray[np.float32], rules: Rules) -> None:
+    """Let the weapons of the living cool down, and start or finish reloads.
+
+    A reload moves as many spare rounds into the clip as fit when it is done; until then the weapon is silent.
+    It begins whenever it is asked for and the clip is not full. So whoever holds both triggers fires one
+    round between two reloads.
+    """
+    for seat in range(agents.health.shape[0]):
+        if agents.health[seat] <= 0:
+            continue
+        agents.fire_left[seat] = max(0, agents.fire_left[seat] - 1)
+        if agents.reload_left[seat] > 0:
+            agents.reload_left[seat] -= 1
+            if agents.reload_left[seat] == 0:
+                moved = min(agents.clip_size[seat] - agents.clip[seat], agents.spare_ammo[seat])
+                agents.clip[seat] += moved
+                agents.spare_ammo[seat] -= moved
+        elif actions[seat, Field.RELOAD] != 0.0 and _can_reload(agents, seat):
+            agents.reload_left[seat] = frames(rules.reload_time)
+
+
+@inlined_kernel
+def _can_reload(agents: Agents, seat: int) -> bool:
+    return bool(agents.clip[seat] < agents.clip_size[seat] and agents.spare_ammo[seat] > 0)
+
+
+@inlined_kernel
+def shoot(
+    world: World,
+    agents: Agents,
+    matches: Matches,
+    match: int,
+    actions: NDArray[np.float32],
+    rules: Rules,
+) -> None:
+    """Fire the weapons of all agents that shoot in this frame.
+
+    Nobody is hurt yet, the damage is only noted: two agents can kill each other in one frame. Of several hits
+    on one agent, the last in the frame's order counts as who hit it.
+
+    Args:
+        world: The static world.
+        agents: The agents of the match.
+        matches: All matches.
+        match: Which one it is.
+        actions: (A, FIELDS).
+        rules: The rules.
+    """
+    for turn in range(agents.turns.shape[0]):
+        seat = agents.turns[turn]
+        if actions[seat, Field.SHOOT] != 0.0 and can_fire(agents, seat):
+            _fire(world, agents, matches, match, seat, rules)
+
+
+@inlined_kernel
+def can_fire(agents: Agents, seat: int) -> bool:
+    """Return whether an agent lives and its weapon is loaded, cool and not being reloaded."""
+    ready = agents.fire_left[seat] == 0 and agents.reload_left[seat] == 0
+    return bool(ready and agents.clip[seat] > 0 and agents.health[seat] > 0)
+
+
+@kernel
+def _fire(world: World, agents: Agents, matches: Matches, match: int, seat: int, rules: Rules) -> None:
+    agents.clip[seat] -= 1
+    agents.fire_left[seat] = frames(rules.fire_interval)
+    agents.fired[seat] = True
+    agents.shots[seat] += 1
+    crowd = crowd_of(world, agents, matches, match)
+    victim = _hit_by_shot(world, agents, crowd, seat, rules.bullet_range)
+    if victim != NOBODY and agents.team[victim] != agents.team[seat]:
+        agents.hits[seat] += 1
+        agents.hit_seat[seat] = victim
+        agents.hit_by_seat[victim] = seat
+        if agents.invincible_left[victim] == 0:
+            agents.damage[victim] += agents.shot_damage[seat]
+
+
+@inlined_kernel
+def _hit_by_shot(world: World, agents: Agents, crowd: Crowd, shooter: int, bullet_range: float) -> int:
+    """Return whose body a shot hits, or NOBODY, and note where the shot ends."""
+    eye_x = agents.position[shooter, 0]
+    eye_y = agents.position[shooter, 1] + EYE_HEIGHT
+    eye_z = agents.position[shooter, 2]
+    level = cosine(agents.pitch[shooter])
+    dx = sine(agents.yaw[shooter]) * level
+    dy = -sine(agents.pitch[shooter])
+    dz = cosine(agents.yaw[shooter]) * level
+    far = min(bullet_range, cast_ray(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
+    distance, victim = first_body(agents, crowd, shooter, (eye_x, eye_y, eye_z), (dx, dy, dz), far)
+    agents.shot_end[shooter, 0] = eye_x + dx * distance
+    agents.shot_end[shooter, 1] = eye_y + dy * distance
+    agents.shot_end[shooter, 2] = eye_z + dz * distance
+    return victim
+
+
+@inlined_kernel
+def first_body(
+    agents: Agents,
+    crowd: Crowd,
+    shooter: int,
+    eye: tuple[float, float, float],
+    way: tuple[float, float, float],
+    far: float,
+) -> tuple[float, int]:
+    """Return how far a ray runs until it meets a living body, and whose it is; ``far`` and NOBODY if none.
+
+    Of bodies that it meets equally soon, it is that of the first seat.
+
+    Args:
+        agents: The agents of the match.
+        crowd: Its grid.
+        shooter: Whose own body does not count.
+        eye: m, where the ray starts.
+        way: Unit vector of its direction.
+        far: m, bodies beyond are ignored.
+    """
+    squares, reach = crowd.squares, BODY_RADIUS + LAG
+    x, y, z = eye
+    dx, dy, dz = way
+    nearest, victim = far, NOBODY
+    for row in range(
+        row_of(squares, min(z, z + dz * far) - reach), row_of(squares, max(z, z + dz * far) + reach) + 1
+    ):
+        first, last = columns_along(squares, row, x, z, dx * far, dz * far, reach)
+        for column in range(first, last + 1):
+            other = crowd.heads[row * squares.side + column] - 1
+            while other >= 0:
+                if other != shooter and agents.health[other] > 0:
+                    place = agents.position[other]
+                    distance = meet_body(x - place[0], y - place[1], z - place[2], dx, dy, dz)
+                    if distance < nearest or (distance == nearest and victim > other):
+                        nearest, victim = distance, other
+                other = crowd.links[other] - 1
+    return nearest, victim
+
+
+@kernel
+def meet_body(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> float:
+    """Return the distance in m at which a ray meets a body; 0 from inside it, inf if it misses.
+
+    Args:
+        x: m from the middle of the body's soles to the ray's start; so y and z.
+        y: m.
+        z: m.
+        dx: Unit vector of the ray's direction; so dy and dz.
+        dy: See dx.
+        dz: See dx.
+    """
+    enter, leave = 0.0, np.inf
+    if dy != 0.0:
+        first, second = -y / dy, (BODY_HEIGHT - y) / dy
+        enter, leave = max(enter, min(first, second)), min(leave, max(first, second))
+    elif y < 0.0 or y > BODY_HEIGHT:
+        return np.inf
+    across = dx * dx + dz * dz
+    apart = x * x + z * z - BODY_RADIUS * BODY_RADIUS
+    if across == 0.0:
+        return enter if apart <= 0.0 and enter <= leave else np.inf
+    toward = x * dx + z * dz
+    root = toward * toward - across * apart
+    if root < 0.0:
+        return np.inf
+    half = np.sqrt(root)
+    enter, leave = max(enter, (-toward - half) / across), min(leave, (-toward + half) / across)
+    return enter if enter <= leave else np.inf

@@ -1,0 +1,1 @@
+"""What a match is a function of: rules, specs and actions; and what comes out of it."""

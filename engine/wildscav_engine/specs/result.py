@@ -1,0 +1,28 @@
+"""The result of a match, from engine state alone."""
+
+from wildscav_engine.specs.spec import Spec
+
+
+class SeatResult(Spec):
+    """What one seat achieved."""
+
+    seat: int
+    filled_by: str  # "submission" or a robot's name
+    team: int
+    supplies: int  # carried at the end
+    kills: int
+    deaths: int
+    shots: int
+    hits: int
+    walked: float  # m
+    metrics: dict[str, float]  # by the names of Track.metrics
+
+
+class MatchResult(Spec):
+    """What came out of a match."""
+
+    track: str
+    frames: int
+    steps: int
+    ending: str = "none"  # the name of an Ending: "none", "time_up", "goal" or "last_standing"
+    seats: tuple[SeatResult, ...]

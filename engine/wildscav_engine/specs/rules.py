@@ -1,0 +1,63 @@
+"""Every rule of the game that an organizer may change between matches.
+
+Body and motion limits are not here: they are constants of the engine (``body.py``), because a
+map's reachable places depend on them.
+"""
+
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import BeforeValidator, Field, PlainSerializer, TypeAdapter
+
+from wildscav_engine.compilation.kernel import kernel
+
+FRAMES_PER_SECOND = 50
+FRAME = 1.0 / FRAMES_PER_SECOND  # s
+
+
+class Rules(NamedTuple):
+    """What an organizer may change between matches."""
+
+    # Motion
+    water_speed_factor: Annotated[float, Field(gt=0, le=1)] = 0.5
+    # Body
+    start_health: Annotated[int, Field(ge=1, le=10_000)] = 100  # hp
+    respawn_time: Annotated[float, Field(gt=0, le=600)] = 10.0  # s
+    invincible_time: Annotated[float, Field(ge=0, le=600)] = 10.0  # s, after a respawn
+    # Weapon
+    clip_size: Annotated[int, Field(ge=1, le=1000)] = 15
+    spare_ammo: Annotated[int, Field(ge=0, le=100_000)] = 60
+    shot_damage: Annotated[int, Field(ge=0, le=10_000)] = 20  # hp
+    fire_interval: Annotated[float, Field(gt=0, le=60)] = 0.2  # s
+    reload_time: Annotated[float, Field(gt=0, le=60)] = 2.0  # s
+    bullet_range: Annotated[float, Field(gt=0, le=2000)] = 200.0  # m
+    # Supplies
+    pick_up_distance: Annotated[float, Field(gt=0, le=20)] = 1.5  # m, from the soles to the box
+    supply_loss: Annotated[float, Field(ge=0, le=1)] = 0.5  # share dropped at death
+    # What is seen
+    supply_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, no occlusion
+    target_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, at which a hidden target is found
+    view_angle: Annotated[float, Field(gt=0, lt=180)] = 90.0  # degrees wide, 9/16 of it high
+    # Goals
+    target_distance: Annotated[float, Field(gt=0, le=20)] = 1.0  # m, from the soles to the target
+
+
+def _from_mapping(value: Any) -> Any:
+    """Let rules be written as a table of the fields that differ."""
+    if isinstance(value, dict):
+        unknown = sorted(set(value) - set(Rules._fields))
+        if unknown:
+            rules = ", ".join(Rules._fields)
+            raise ValueError(f"no rule is called {', '.join(unknown)}; the rules are {rules}")
+        return Rules(**value)
+    return value
+
+
+# As a field of a spec: a table in TOML and JSON, a NamedTuple in the kernels.
+RulesField = Annotated[Rules, BeforeValidator(_from_mapping), PlainSerializer(lambda rules: rules._asdict())]
+RULES = TypeAdapter(RulesField)
+
+
+@kernel
+def frames(seconds: float) -> int:
+    """Return a time as the nearest whole number of frames, at least one."""
+    return max(1, int(seconds * FRAMES_PER_SECOND + 0.5))

@@ -1,0 +1,74 @@
+"""What every track is: its action set, its teams and goals, what it rewards, and what it measures."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, ZoneConfig
+
+if TYPE_CHECKING:
+    from wildscav_engine.simulation.match import Match
+
+MOVES = frozenset({Field.WALK_DIRECTION, Field.WALK_SPEED, Field.TURN, Field.LOOK, Field.JUMP})
+
+NO_ZONE = ZoneConfig()
+Sensors = dict[str, dict[str, Any]]  # options of sensors, by the sensors' names
+PAPER_DEPTH: Sensors = {"depth": {"width": 10, "height": 10}}
+SUPPLIES_SEEN: Sensors = {"nearby_supplies": {"limit": 8}}
+AGENTS_SEEN: Sensors = {"visible_agents": {"limit": 8}}
+
+
+class Metric(NamedTuple):
+    """One figure of a seat's result."""
+
+    name: str
+    title: str
+    unit: str
+    lower_is_better: bool
+
+
+class Track(ABC):
+    """A kind of match."""
+
+    name: ClassVar[str]  # the word for it in specs, commands and files
+    title: ClassVar[str]  # what a person reads
+    fields: ClassVar[frozenset[Field]]  # the action set; other fields of an action are ignored
+    metrics: ClassVar[tuple[Metric, ...]]  # what is measured; the first is the score
+    rewards: ClassVar[Mapping[str, float]]  # weights of the reward terms that learners get by default
+    # What environments are like by default:
+    robot: ClassVar[str]  # who fills the other seats
+    learners: ClassVar[int]  # where there are several
+    opponents: ClassVar[int] = 0  # robots against a single learner
+    time_limit: ClassVar[float] = 120.0  # s
+    sensors: ClassVar[Sensors] = PAPER_DEPTH
+    # What its rules are:
+    has_target: ClassVar[bool] = False  # whether reaching the target ends the match
+    hides_target: ClassVar[bool] = False  # whether the target has to be found first
+    has_supplies: ClassVar[bool] = False  # whether there are supply boxes
+    has_supply_goal: ClassVar[bool] = False  # whether a spec may ask for a number of supplies
+    has_zone: ClassVar[bool] = False  # whether there is a safe zone
+    respawns: ClassVar[bool] = True  # whether the dead come back
+
+    def teams(self, seats: int) -> tuple[int, ...]:
+        """Return the team of each seat where the spec does not say: every seat has its own."""
+        return tuple(range(seats))
+
+    def supplies(self, spec: MatchSpec) -> SupplyConfig | None:  # noqa: ARG002
+        """Return where supplies lie, None for a track without any."""
+        return None
+
+    def zone(self, spec: MatchSpec) -> ZoneConfig:  # noqa: ARG002
+        """Return the schedule of the safe zone, one without phases for a track without any."""
+        return NO_ZONE
+
+    @abstractmethod
+    def measure(self, match: "Match", seat: int) -> Mapping[str, float]:
+        """Return a seat's value of every metric, for a match that is over (or as it stands)."""
+
+
+def carried_by_team(match: "Match", seat: int) -> float:
+    """Return the supplies that a seat's team carries."""
+    agents = match.state.agents
+    of_team = agents.team[0] == agents.team[0, seat]
+    return float(agents.supplies[0, of_team].sum())

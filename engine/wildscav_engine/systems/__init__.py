@@ -1,1 +1,0 @@
-"""The systems of the game: motion, weapons, supplies, respawn."""

@@ -1,0 +1,1 @@
+"""What a replay shows: agents, supply boxes, the ground, heat maps, the safe zone."""

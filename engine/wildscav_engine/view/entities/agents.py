@@ -1,0 +1,133 @@
+"""The agents of a replay: bodies, names, trails and their numbers over time."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from wildscav_engine.rendering.palette import of_seat
+from wildscav_engine.view.entities import bodies as figures
+from wildscav_engine.view.recording import colors, frame
+from wildscav_engine.view.recording.columns import Columns
+from wildscav_engine.view.recording.history import History, changes
+
+LABEL_HEIGHT = 2.6  # m above the soles, where the name is
+DOT = rr.Radius.ui_points(3.5)  # in the agent's colour above it, to be seen from afar
+TRAIL = rr.Radius.ui_points(1.5)
+TRAIL_STEP_LIMIT = 4.0  # m; more than that in one step is a respawn, not a way
+
+
+def path_of(seat: int) -> str:
+    """Return the entity of an agent; its place is the middle of its soles."""
+    return f"agents/seat_{seat}"
+
+
+def distinct(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the seats, with the seat's number where two are alike."""
+    return tuple(name if names.count(name) == 1 else f"{name} ({seat})" for seat, name in enumerate(names))
+
+
+def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str, rr.AsComponents]]:
+    """Yield what never changes about the agents."""
+    body = figures.figure()
+    for seat, name in enumerate(names):
+        path, team = path_of(seat), history.team_of(seat)
+        yield (
+            f"{path}/body",
+            rr.Mesh3D.from_fields(
+                vertex_positions=body.positions,
+                vertex_normals=body.normals,
+                triangle_indices=body.triangles,
+            ),
+        )
+        yield (
+            f"{path}/name",
+            rr.Points3D.from_fields(positions=(0, 0, LABEL_HEIGHT), radii=DOT, show_labels=True),
+        )
+        yield f"trails/seat_{seat}", rr.LineStrips3D.from_fields(radii=TRAIL, colors=[of_seat(team)])
+        tint = line_color(history, seat)
+        for measure in measures(history):
+            yield (
+                f"{path}/{measure}",
+                rr.SeriesLines(colors=[tint], names=[name], widths=[2.0], interpolation_mode="StepAfter"),
+            )
+
+
+def line_color(history: History, seat: int) -> colors.Color:
+    """Return the colour of an agent's lines in plots: its team's, or its own where all are one team."""
+    is_one_team = len(np.unique(history.teams)) == 1
+    return colors.of_team(seat if is_one_team else history.team_of(seat))
+
+
+def moving_agents(history: History, names: Sequence[str], *, health: bool) -> Iterator[Columns]:
+    """Yield all that changes about the agents.
+
+    Args:
+        history: The match.
+        names: What its seats are called.
+        health: Whether the labels tell how much health is left: where nobody can be hurt it tells nothing.
+    """
+    for seat, name in enumerate(names):
+        yield from _moving(history, seat)
+        yield from _body(history, seat)
+        yield _name(history, seat, name, health=health)
+        for measure, values in measures(history).items():
+            rows = np.union1d(changes(values[:, seat]), history.rows[-1:])
+            scalars = rr.Scalars.columns(scalars=values[rows, seat].astype(np.float64))
+            yield Columns(f"{path_of(seat)}/{measure}", rows, scalars)
+
+
+def measures(history: History) -> dict[str, NDArray[np.generic]]:
+    """Return the (T + 1, A) numbers that are plotted."""
+    agents = history.agents
+    found: dict[str, NDArray[np.generic]] = {
+        "health": agents.health,
+        "ammo": agents.clip + agents.spare_ammo,
+        "supplies": agents.supplies,
+    }
+    if history.has_teammates:
+        found["team_supplies"] = history.supplies_of_team
+    if history.target is not None:
+        found["distance"] = np.round(history.distance_to_target, 2)
+    return found
+
+
+def _moving(history: History, seat: int) -> Iterator[Columns]:
+    """Yield where an agent is, and the ways that its trail is made of."""
+    position = history.agents.position[:, seat]
+    rows = changes(position)
+    yield Columns(path_of(seat), rows, rr.Transform3D.columns(translation=frame.points(position[rows])))
+
+    ways = np.stack([position[:-1], position[1:]], axis=1)
+    length = np.linalg.norm(ways[:, 1] - ways[:, 0], axis=-1)
+    rows = np.nonzero((length > 0) & (length < TRAIL_STEP_LIMIT))[0] + 1
+    strips = frame.points(ways[rows - 1] + np.array([0.0, 0.15, 0.0]))
+    yield Columns(f"trails/seat_{seat}", rows, rr.LineStrips3D.columns(strips=strips))
+
+
+def _body(history: History, seat: int) -> Iterator[Columns]:
+    """Yield the figure: it turns with the agent, is pale while it cannot be hurt, and lies grey when dead."""
+    agents, path = history.agents, f"{path_of(seat)}/body"
+    dead = agents.health[:, seat] <= 0
+    rows = changes(agents.yaw[:, seat], dead)
+    rotations, offsets = figures.stances(agents.yaw[rows, seat], dead[rows])
+    yield Columns(path, rows, rr.Transform3D.columns(quaternion=rotations, translation=offsets))
+
+    safe = agents.invincible_left[:, seat] > 0
+    rows = changes(dead, safe)
+    looks = figures.looks_of(history.team_of(seat))
+    tints = [looks.dead if dead[row] else looks.safe if safe[row] else looks.usual for row in rows]
+    columns = rr.Mesh3D.columns(vertex_colors=np.concatenate(tints))
+    yield Columns(path, rows, columns.partition([len(looks.usual)] * len(rows)))
+
+
+def _name(history: History, seat: int, name: str, *, health: bool) -> Columns:
+    """Return the label over an agent: its name, and how much health it has left."""
+    left = history.agents.health[:, seat]
+    rows = changes(left)
+    shown = [f"{name} · {hp}" if health else name for hp in left[rows].tolist()]
+    labels = [label if hp > 0 else f"{name} · dead" for label, hp in zip(shown, left[rows], strict=True)]
+    alive, dead = colors.of_team(history.team_of(seat)), colors.readable(colors.DEAD)
+    tints = np.where(left[rows, None] > 0, np.array(alive), np.array(dead)).astype(np.uint8)
+    return Columns(f"{path_of(seat)}/name", rows, rr.Points3D.columns(labels=labels, colors=tints))

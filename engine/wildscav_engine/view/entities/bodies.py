@@ -1,0 +1,89 @@
+"""Bodies of agents as meshes: the same parts and colours that the agents' own cameras show."""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.sensors.optics.dynamic_objects import (
+    AGENT,
+    BODY,
+    PALE,
+    allocate_parts,
+    colors_of_bodies,
+    write_parts,
+)
+from wildscav_engine.view.recording import colors, frame
+
+# The corners of a part are numbered by the bits (along, up, across).
+SIDES = np.array([[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]])
+GREY = 0.85  # share of grey in the colours of a dead body
+LYING = 0.2  # m that a body on its back is lifted
+
+
+class Figure(NamedTuple):
+    """A body that looks north and stands at the origin, in Rerun's frame; every side has its own corners."""
+
+    positions: NDArray[np.float32]  # (V, 3) m
+    normals: NDArray[np.float32]  # (V, 3)
+    triangles: NDArray[np.int32]  # (T, 3)
+
+
+class Looks(NamedTuple):
+    """The colours of a team's bodies."""
+
+    usual: NDArray[np.uint8]  # (V, 3)
+    safe: NDArray[np.uint8]  # (V, 3) while it cannot be hurt
+    dead: NDArray[np.uint8]  # (V, 3)
+
+
+@lru_cache(maxsize=1)
+def figure() -> Figure:
+    """Return the body of an agent."""
+    parts = allocate_parts(len(BODY))
+    write_parts(AGENT, BODY, np.zeros((1, 3)), np.zeros(1), np.zeros(1, np.int64), 0, parts)
+    corners = parts.corners.reshape(len(BODY), 8, 3)[:, SIDES]  # (P, 6, 4, 3)
+    normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 3] - corners[:, :, 0])
+    outwards = corners.mean(axis=2) - corners.mean(axis=(1, 2))[:, None]
+    normals *= np.sign((normals * outwards).sum(axis=-1, keepdims=True))
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    first = 4 * np.arange(len(BODY) * len(SIDES), dtype=np.int32)[:, None]
+    triangles = np.concatenate([first + np.array([[0, 1, 2]]), first + np.array([[0, 2, 3]])]).astype(
+        np.int32
+    )
+    return Figure(
+        frame.points(corners.reshape(-1, 3)),
+        frame.points(np.repeat(normals.reshape(-1, 3), 4, axis=0)),
+        triangles,
+    )
+
+
+@lru_cache(maxsize=1024)
+def looks_of(team: int) -> Looks:
+    """Return the colours of a team's bodies, vertex by vertex."""
+    parts = colors_of_bodies(team + 1)[team]
+    usual = np.repeat(parts, 4 * len(SIDES), axis=0)
+    safe = usual + (255.0 - usual) * PALE
+    dead = usual + (np.array(colors.DEAD) - usual) * GREY
+    return Looks(*(np.round(each).astype(np.uint8) for each in (usual, safe, dead)))
+
+
+def stances(
+    yaw: NDArray[np.float64], dead: NDArray[np.bool_]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return (N, 4) quaternions x, y, z, w and (N, 3) m offsets of bodies: upright, or on their backs.
+
+    Args:
+        yaw: (N,) degrees, the game's.
+        dead: (N,) whether it lies.
+    """
+    turn, tilt = np.radians(-yaw) / 2, np.where(dead, np.pi / 4, 0.0)
+    about_z, upright = np.sin(turn), np.cos(turn)
+    rotations = np.stack(
+        [upright * np.sin(tilt), about_z * np.sin(tilt), about_z * np.cos(tilt), upright * np.cos(tilt)],
+        axis=-1,
+    )
+    offsets = np.zeros((len(yaw), 3), np.float32)
+    offsets[dead, 2] = LYING
+    return rotations.astype(np.float32), offsets

@@ -1,0 +1,51 @@
+"""Where the two cameras that follow an agent stand: at its eyes, and above and behind it."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.world import World
+from wildscav_engine.simulation.state import Agents
+from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.view.recording.frame import directions
+from wildscav_engine.view.recording.ground import lay_on_ground
+
+BACK, ABOVE = 7.0, 6.0  # m from the agent's head to the camera
+HEAD = 1.7  # m above the soles, what the camera looks at
+CLEARANCE = 1.0  # m that the camera stays above the ground; walls and trees it shows as glass
+SMOOTH_STEPS = 5  # the camera turns with the mean of so many steps before and after
+
+
+class Poses(NamedTuple):
+    """A camera's places and directions over time."""
+
+    position: NDArray[np.float64]  # (T, 3) m
+    yaw: NDArray[np.float64]  # (T,) degrees
+    pitch: NDArray[np.float64]  # (T,) degrees, positive looks down
+
+
+def at_the_eyes(agents: Agents, seat: int) -> Poses:
+    """Return what the depth sensor's camera does too."""
+    position = agents.position[:, seat] + np.array([0.0, EYE_HEIGHT, 0.0])
+    return Poses(position, agents.yaw[:, seat], agents.pitch[:, seat])
+
+
+def above(world: World, agents: Agents, seat: int) -> Poses:
+    """Return a camera above and behind an agent that looks at it; never below the ground."""
+    forwards = _smoothed(directions(agents.yaw[:, seat], np.zeros(len(agents.yaw))))
+    yaw = np.degrees(np.arctan2(forwards[:, 0], forwards[:, 2]))
+    head = agents.position[:, seat] + np.array([0.0, HEAD, 0.0])
+    position = head - BACK * directions(yaw, np.zeros(len(yaw)))
+    ground = position.copy()
+    lay_on_ground(world, CLEARANCE, ground)
+    position[:, 1] = np.maximum(head[:, 1] + ABOVE, ground[:, 1])
+    pitch = np.degrees(np.arctan2(position[:, 1] - head[:, 1], BACK))
+    return Poses(position, yaw, pitch)
+
+
+def _smoothed(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the running mean of (T, N) values over time."""
+    padded = np.pad(values, ((SMOOTH_STEPS, SMOOTH_STEPS), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_STEPS + 1, axis=0)
+    return np.asarray(windows.mean(axis=-1), np.float64)

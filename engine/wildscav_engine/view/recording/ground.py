@@ -1,0 +1,15 @@
+"""How high things of a replay are that stand or lie on the ground."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.terrain import ground_at
+from wildscav_engine.geometry.world import World
+
+
+@kernel
+def lay_on_ground(world: World, lift: float, points: NDArray[np.float64]) -> None:
+    """Write the height of (N, 3) points: so many metres over the ground."""
+    for point in range(points.shape[0]):
+        points[point, 1] = ground_at(world, points[point, 0], points[point, 2]).height + lift

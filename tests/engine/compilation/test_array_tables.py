@@ -1,0 +1,101 @@
+"""Handles: kernels find the very arrays that a table tells of."""
+
+import copy
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.array_tables import (
+    Addresses,
+    Handle,
+    addresses_of,
+    number_reader,
+    reader,
+    row_reader,
+)
+from wildscav_engine.compilation.kernel import kernel
+
+
+class Things(NamedTuple):
+    flag: NDArray[np.bool_]  # (B, A)
+    place: NDArray[np.float64]  # (B, A, 3)
+    count: NDArray[np.int32]  # (B, A)
+
+
+class Numbers(NamedTuple):
+    speed: float = 0.5
+    rounds: int = 15
+
+
+def things(b: int = 3, a: int = 4) -> Things:
+    return Things(
+        np.zeros((b, a), np.bool_),
+        np.arange(b * a * 3, dtype=np.float64).reshape(b, a, 3),
+        np.zeros((b, a), np.int32),
+    )
+
+
+things_at = reader(things())
+row_at = row_reader(things())
+numbers_from = number_reader(Numbers())
+
+
+@kernel
+def _mark_last(table: Addresses) -> None:
+    all_of = things_at(table)
+    all_of.flag[-1, -1] = True
+    all_of.count[-1, -1] = all_of.place.shape[0] * 100 + all_of.place.shape[1] * 10 + all_of.place.shape[2]
+
+
+@kernel
+def _mark_row(table: Addresses, row: int, count: int) -> None:
+    one = row_at(table, row, count)
+    for index in range(one.flag.shape[0]):
+        one.flag[index] = True
+        one.count[index] = np.int32(one.place[index, 2])
+    one.place[0] = -1.0
+
+
+@kernel
+def _add(values: NDArray[np.float64], answer: NDArray[np.float64]) -> None:
+    numbers = numbers_from(values)
+    answer[0] = numbers.rounds // 2 + numbers.speed
+
+
+def test_a_kernel_writes_into_the_arrays_of_a_table() -> None:
+    arrays = things()
+    _mark_last(Handle(arrays).addresses)
+    assert arrays.flag.sum() == 1
+    assert arrays.flag[2, 3]
+    assert arrays.count[2, 3] == 343
+
+
+def test_a_row_is_read_without_its_padding() -> None:
+    arrays = things()
+    _mark_row(addresses_of(arrays), 1, 2)
+    assert arrays.flag.tolist() == [[False] * 4, [True, True, False, False], [False] * 4]
+    assert arrays.count[1].tolist() == [14, 17, 0, 0]
+    assert (arrays.place == -1.0).sum() == 3
+    assert arrays.place[1, 0].tolist() == [-1.0, -1.0, -1.0]
+
+
+def test_numbers_keep_their_kinds() -> None:
+    answer = np.zeros(1)
+    _add(np.array([0.25, 15.0]), answer)
+    assert answer[0] == 7.25
+
+
+def test_a_copy_of_a_handle_is_of_a_copy_of_its_arrays() -> None:
+    handle = Handle(things())
+    other = copy.deepcopy(handle)
+    _mark_row(other.addresses, 0, 1)
+    assert other.arrays.flag[0, 0]
+    assert not handle.arrays.flag.any()
+
+
+def test_arrays_that_are_not_contiguous_are_refused() -> None:
+    arrays = things()
+    with pytest.raises(ValueError, match="place is not contiguous"):
+        addresses_of(arrays._replace(place=arrays.place[:, ::2]))

@@ -1,0 +1,140 @@
+"""Rulings on how choices become what is played."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
+
+from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.spaces.actions import MODES, ActionError, action_mode
+from wildscav_engine.specs.actions import FIELDS, Field
+
+
+def decoded(track: str, mode: str, action: Any, yaw: float = 0.0) -> dict[str, float]:
+    """Return the fields that are not 0 of what an action becomes."""
+    rows = np.zeros((1, FIELDS), np.float32)
+    action_mode(EnvConfig(track=track, action_mode=mode)).decode_one(action, np.array([yaw]), rows)
+    return {field.name.lower(): round(float(rows[0, field]), 3) for field in Field if rows[0, field]}
+
+
+@pytest.mark.parametrize(
+    ("track", "mode", "action", "becomes"),
+    [
+        ("navigation", "baseline", 0, {"walk_speed": 3}),
+        ("navigation", "baseline", 7, {"walk_direction": 270, "walk_speed": 6}),
+        ("gathering", "baseline", 47, {"walk_direction": 315, "walk_speed": 9, "pick_up": 1}),
+        ("navigation", "box", [1, 0, 0, 0, -1], {"walk_direction": 90, "walk_speed": 10}),
+        (
+            "navigation",
+            "box",
+            [0.3, 0.4, 1, 0, 0.1],
+            {"walk_direction": 36.87, "walk_speed": 5, "turn": 9, "jump": 1},
+        ),
+        ("navigation", "box", [1, 1, 0, -1, 0], {"walk_direction": 45, "walk_speed": 10, "look": -4}),
+        ("battle", "box", [0, 0, 0, 0, -1, -1, 0.5, -1], {"shoot": 1}),
+        ("navigation", "multidiscrete", [0, 1, 3, 2, 0], {}),
+        (
+            "navigation",
+            "multidiscrete",
+            [3, 0, 6, 2, 1],
+            {"walk_direction": 120, "walk_speed": 5, "turn": 9, "jump": 1},
+        ),
+        (
+            "battle",
+            "multidiscrete",
+            [1, 1, 3, 4, 0, 1, 0, 1],
+            {"walk_direction": 30, "walk_speed": 10, "look": 4, "pick_up": 1, "reload": 1},
+        ),
+    ],
+)
+def test_an_action_becomes(track: str, mode: str, action: Any, becomes: dict[str, float]) -> None:
+    assert decoded(track, mode, np.array(action), yaw=30.0) == becomes
+
+
+def test_the_dict_is_the_papers() -> None:
+    action = {"walk_direction": 10.0, "walk_speed": 7, "turn": -3.0, "look": 1.0, "jump": 1}
+    assert decoded("navigation", "dict", action) == {name: value for name, value in action.items() if value}
+
+
+@pytest.mark.parametrize(
+    ("mode", "action", "message"),
+    [
+        ("dict", {"walk_speed": 1}, "must be a mapping of walk_direction, walk_speed, turn, look, jump"),
+        (
+            "dict",
+            {"walk_direction": 0, "walk_speed": 11, "turn": 0, "look": 0, "jump": 0},
+            "walk_speed is 11, must be from 0 to 10",
+        ),
+        (
+            "dict",
+            {"walk_direction": np.nan, "walk_speed": 1, "turn": 0, "look": 0, "jump": 0},
+            "walk_direction is nan",
+        ),
+        ("dict", {"walk_direction": 0, "walk_speed": 1, "turn": 0, "look": 0, "shoot": 0}, "has no 'jump'"),
+        (
+            "dict",
+            {"walk_direction": 0, "walk_speed": "fast", "turn": 0, "look": 0, "jump": 0},
+            "walk_speed is 'fast'",
+        ),
+        ("box", [0, 0, 0, 0], r"must be numbers of shape \(1, 5\)"),
+        ("box", [0, 0, 0, 0, 1.5], r"action holds 1.5, must be in \[-1, 1\]"),
+        ("box", [0, 0, np.nan, 0, 0.0], "action holds nan"),
+        ("baseline", 8, "action is 8, must be from 0 to 7"),
+        ("baseline", -1, "action is -1"),
+        ("baseline", 0.5, "must be whole numbers"),
+        ("multidiscrete", [9, 0, 0, 0, 0], "must be below"),
+    ],
+)
+def test_bad_actions_are_refused(mode: str, action: Any, message: str) -> None:
+    with pytest.raises(ActionError, match=message):
+        decoded("navigation", mode, action)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_many_actions_are_decoded_as_each_is_alone(mode: str) -> None:
+    from gymnasium.vector.utils import batch_space, iterate
+
+    chosen = action_mode(EnvConfig(track="battle", action_mode=mode))
+    space = batch_space(chosen.space, 6)
+    space.seed(0)
+    actions, yaws = space.sample(), np.linspace(-170, 170, 6)
+    rows, alone = np.ones((6, FIELDS), np.float32), np.zeros((6, FIELDS), np.float32)
+    rows[:] = 0.0
+    chosen.decode(actions, yaws, rows)
+    for row, action in enumerate(iterate(space, actions)):
+        chosen.decode_one(action, yaws[row : row + 1], alone[row : row + 1])
+    assert rows.tobytes() == alone.tobytes()
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_masks_are_of_the_form_that_spaces_sample_by(mode: str) -> None:
+    chosen = action_mode(EnvConfig(track="battle", action_mode=mode))
+    space = chosen.space
+    space.seed(0)
+    for alive in (True, False):
+        assert space.contains(space.sample(chosen.mask(alive)))
+    if mode == "baseline":
+        assert {int(space.sample(chosen.mask(False))) for _ in range(20)} == {0}
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("track", ["navigation", "gathering", "battle"])
+def test_the_columns_of_an_action_are_those_of_its_space(track: str, mode: str) -> None:
+    chosen = action_mode(EnvConfig(track=track, action_mode=mode))
+    columns, space = chosen.columns, chosen.space
+    low = np.array([column.low for column in columns])
+    high = np.array([column.high for column in columns])
+    if isinstance(space, Dict):
+        assert [column.name for column in columns] == list(space.spaces)
+        for column, field in zip(columns, space.spaces.values(), strict=True):
+            least, most = (0, field.n - 1) if isinstance(field, Discrete) else (field.low, field.high)
+            assert (column.low, column.high) == (least, most), column
+    elif isinstance(space, Box):
+        assert (low == space.low).all()
+        assert (high == space.high).all()
+    else:
+        sizes = space.nvec if isinstance(space, MultiDiscrete) else np.array([space.n])
+        assert (low == 0).all()
+        assert (high == sizes - 1).all()
+    assert all(column.meaning for column in columns)

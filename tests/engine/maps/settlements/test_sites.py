@@ -1,0 +1,191 @@
+"""Where houses stand: in towns along streets or on farmsteads, never on each other, in water or on lanes."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wildscav_engine.maps.ground.terrain import Terrain, distance_to_footprint, make_terrain
+from wildscav_engine.maps.house import draw_plan
+from wildscav_engine.maps.settlements.footprints import farthest_out, nearest_on_lane
+from wildscav_engine.maps.settlements.sites import (
+    CLOSE_GAP,
+    EDGE_MARGIN,
+    Settlement,
+    Site,
+    door_paths,
+    footprints_of,
+    gap_between,
+    place_houses,
+    room_for,
+    settle,
+)
+from wildscav_engine.specs.spec import MapConfig, Placement
+
+Sizes = list[tuple[float, float]]
+
+
+def sizes_of(houses: int, seed: int = 0, *, small: bool = False) -> Sizes:
+    return [draw_plan(seed, number, (1, 2), small=small).size for number in range(houses)]
+
+
+def level(size: int, slope: float = 0.0, water_level: float = -np.inf) -> Terrain:
+    """Level ground, or ground that rises eastwards through height 0."""
+    across = np.arange(size // 2 + 1) * 2.0 - size / 2
+    return Terrain((-size / 2, -size / 2), np.tile(across * slope, (len(across), 1)), water_level)
+
+
+def settled(seed: int = 0, **config: object) -> Settlement:
+    """Houses on generated ground."""
+    chosen = MapConfig.model_validate(config)
+    return settle(chosen, seed, make_terrain(chosen, seed), sizes_of(chosen.houses, seed))
+
+
+def front_of(site: Site) -> tuple[float, float]:
+    return site.pose.outside(0.0, site.size[1] / 2)
+
+
+def distance_to_lanes(lanes: np.ndarray, x: float, z: float) -> float:
+    nearest = [nearest_on_lane(lane, x, z) for lane in lanes]
+    return min(np.hypot(x - to_x, z - to_z) for to_x, to_z in nearest)
+
+
+def distance_to_nearest(sites: list[Site]) -> float:
+    """The mean distance from a house to the next, m."""
+    middles = np.array([(site.pose.x, site.pose.z) for site in sites])
+    apart = np.hypot(*(middles[:, None] - middles[None]).transpose(2, 0, 1))
+    np.fill_diagonal(apart, np.inf)
+    return float(apart.min(axis=1).mean())
+
+
+@given(
+    st.integers(0, 2**64 - 1),
+    st.sampled_from(["low", "high"]),
+    st.sampled_from([60, 120, 300]),
+    st.integers(0, 25),
+)
+@settings(max_examples=30, deadline=None)
+def test_houses_stand_apart_on_dry_ground_of_the_map(seed: int, density: str, size: int, houses: int) -> None:
+    config = MapConfig.model_validate({"size": size, "houses": houses, "density": density})
+    terrain = make_terrain(config, seed)
+    sites = place_houses(config, seed, terrain, sizes_of(houses, seed % 1000))
+    footprints = footprints_of(sites)
+
+    assert len(sites) <= houses
+    for number, footprint in enumerate(footprints):
+        assert farthest_out(footprint) <= size / 2 - EDGE_MARGIN
+        assert sites[number].ground > terrain.water_level
+        for other in footprints[:number]:
+            assert gap_between(footprint, other) >= CLOSE_GAP
+
+
+def test_the_same_seed_settles_the_same_place_and_another_seed_another() -> None:
+    first, again, other = (settled(seed, size=300, houses=12, density="high") for seed in (5, 5, 6))
+
+    assert first.sites == again.sites
+    assert first.lanes.tobytes() == again.lanes.tobytes()
+    assert first.sites != other.sites
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_houses_stand_closer_where_density_is_high(seed: int) -> None:
+    high, low = (settled(seed, size=500, houses=15, density=density).sites for density in ("high", "low"))
+
+    assert len(high) == len(low) == 15
+    assert distance_to_nearest(high) < 25.0
+    assert distance_to_nearest(low) > 2.0 * distance_to_nearest(high)
+
+
+@pytest.mark.parametrize("houses", [3, 12, 60])
+def test_houses_of_a_town_face_its_streets(houses: int) -> None:
+    config = MapConfig(size=500, houses=houses, density="high")
+    sites, lanes = settle(config, 3, level(500), sizes_of(houses))
+
+    assert len(sites) == houses
+    for site in sites:
+        back = site.pose.outside(0.0, -site.size[1] / 2)
+        assert distance_to_lanes(lanes, *front_of(site)) < 7.0
+        assert distance_to_lanes(lanes, *front_of(site)) < distance_to_lanes(lanes, *back)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_house_stands_on_a_lane(seed: int) -> None:
+    sites, lanes = settled(seed, size=500, houses=40, density="high")
+    points = np.concatenate([lanes[:, :2], lanes[:, 2:], (lanes[:, :2] + lanes[:, 2:]) / 2])
+
+    for footprint in footprints_of(sites):
+        assert min(distance_to_footprint(footprint, x, z) for x, z in points) > 2.0
+
+
+def test_many_houses_make_several_towns() -> None:
+    sites = settled(1, size=1000, houses=80, density="high").sites
+    middles = np.array([(site.pose.x, site.pose.z) for site in sites])
+    towns = 0
+    left = set(range(len(sites)))
+    while left:
+        towns += 1
+        town = [left.pop()]
+        for one in town:
+            near = {other for other in left if np.hypot(*(middles[one] - middles[other])) < 60}
+            left -= near
+            town += near
+
+    assert 2 <= towns <= 15
+
+
+def test_farmsteads_have_no_lanes() -> None:
+    assert settled(0, size=300, houses=5, density="low").lanes.shape == (0, 4)
+
+
+@pytest.mark.parametrize("density", ["low", "high"])
+def test_no_house_stands_where_the_ground_is_steep_or_under_water(density: str) -> None:
+    config = MapConfig.model_validate({"size": 200, "houses": 5, "density": density})
+
+    assert place_houses(config, 0, level(200, slope=0.6), sizes_of(5)) == []
+    assert place_houses(config, 0, level(200, water_level=0.5), sizes_of(5)) == []
+    half_wet = place_houses(config, 0, level(200, slope=0.1, water_level=0.0), sizes_of(5))
+    assert len(half_wet) == 5
+    assert all(site.pose.x > 0 for site in half_wet)
+
+
+@pytest.mark.parametrize("density", ["low", "high"])
+@pytest.mark.parametrize("seed", range(5))
+def test_as_many_houses_have_room_as_it_is_said(density: str, seed: int) -> None:
+    config = MapConfig.model_validate({"size": 80, "houses": 60, "density": density})
+    terrain = make_terrain(config, seed)
+    sizes = sizes_of(60, seed, small=True)
+    room = room_for(config, seed, terrain, sizes)
+
+    assert 0 < room < 60
+    assert len(place_houses(config, seed, terrain, sizes[:room])) == room
+
+
+@pytest.mark.parametrize("density", ["low", "high"])
+def test_houses_keep_clear_of_what_is_placed_by_hand(density: str) -> None:
+    block = Placement(kind="block", location=(-20.0, 0.0), area=(40.0, 4.0), orientation=30.0)
+    config = MapConfig.model_validate({"size": 120, "houses": 8, "density": density, "placements": (block,)})
+    fixed = [Site(*old) for old in place_houses(MapConfig(size=120), 9, level(120), [(12.0, 9.0)])]
+    sites = place_houses(config, 0, level(120), sizes_of(8), fixed)
+    wall = footprints_of(
+        [Site(fixed[0].pose._replace(x=-20.0, z=0.0, sine=0.5, cosine=0.75**0.5), 30, (40, 4), 0)]
+    )
+
+    assert len(sites) == 8
+    for footprint in footprints_of(sites):
+        assert gap_between(footprint, footprints_of(fixed)[0]) >= CLOSE_GAP
+        assert gap_between(footprint, wall[0]) >= 3.0
+
+
+def test_footprints_that_cross_overlap_though_no_corner_is_in_the_other() -> None:
+    one, other = np.array([0.0, 0, 0, 1, 10, 1]), np.array([6.0, 0, 0, 1, 1, 10])
+
+    assert gap_between(one, other) == 0.0
+    assert gap_between(one, np.array([14.0, 0, 0, 1, 1, 10])) == pytest.approx(3.0)
+    assert gap_between(one, np.array([14.0, 5, 0, 1, 1, 1])) == pytest.approx(np.hypot(3, 3))
+
+
+def test_paths_lead_from_doors_to_the_lane_they_are_near() -> None:
+    lanes = np.array([[0.0, -20, 0, 20], [0, 20, 30, 20]])
+    paths = door_paths(lanes, np.array([[6.0, 3.0], [-40.0, 0.0], [12.0, 24.0]]))
+
+    assert paths == pytest.approx(np.array([[6, 3, 0, 3], [12, 24, 12, 20]]))

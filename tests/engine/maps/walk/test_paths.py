@@ -1,0 +1,171 @@
+"""Paths hold: an agent that goes along them by the engine's own motion arrives, wherever they lead."""
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.engine.maps.walk.walker import Walker
+
+from builders import box, flat_world, random_map_config
+from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.maps import GameMap, MapError, generate_map
+from wildscav_engine.maps.walk import build_graph, find_path
+from wildscav_engine.specs.body import BODY_RADIUS
+from wildscav_engine.specs.spec import MapConfig
+
+SPEEDS = (3.0, 5.0, 10.0)  # m/s
+
+configs = st.builds(
+    MapConfig,
+    size=st.integers(30, 45).map(lambda half: 2 * half),
+    houses=st.integers(0, 3),
+    storeys=st.sampled_from([(1, 1), (1, 4), (2, 3)]),
+    density=st.sampled_from(["low", "high"]),
+    relief=st.floats(0.0, 2.0),
+    ruggedness=st.floats(0.0, 1.0),
+    water=st.floats(0.0, 0.3),
+    vegetation=st.floats(0.0, 1.0),
+)
+
+
+def try_map(config: MapConfig, seed: int) -> GameMap | None:
+    try:
+        return generate_map(config, seed)
+    except MapError:  # steep and wet, and more houses than fit
+        return None
+
+
+def walk_between_places(game_map: GameMap, seed: int, paths: int) -> None:
+    """Go from random place to random place, indoors and out, at all speeds."""
+    dice = Dice(seed, Stream.TARGET)
+    places = np.concatenate([game_map.outdoor, game_map.indoor])
+    for number in range(paths):
+        start, end = (places[dice.integer(0, len(places) - 1)] for _ in range(2))
+        path = find_path(game_map.graph, start, end)
+        assert path is not None, f"no way from {start} to {end}"
+        assert path.length >= math.dist(start[::2], end[::2]) - 1e-9
+        walker = Walker(game_map.world, *path.start)
+        assert walker.follow(path, SPEEDS[number % 3]), (
+            f"seed {seed}: from {start} to {end}: stuck at {walker.position[0]}"
+        )
+
+
+@settings(max_examples=8)
+@given(config=configs, seed=st.integers(0, 2**64 - 1))
+def test_every_path_between_places_of_any_map_is_walked_to_its_end(config: MapConfig, seed: int) -> None:
+    game_map = try_map(config, seed)
+    if game_map:
+        walk_between_places(game_map, seed, paths=6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hundred", [0, 1])
+def test_paths_on_two_hundred_random_maps_are_walked_to_their_ends(hundred: int) -> None:
+    for seed in range(100 * hundred, 100 * hundred + 100):
+        config = random_map_config(seed, steepest=1.6)
+        game_map = try_map(config, seed)
+        if game_map:
+            walk_between_places(game_map, seed, paths=6)
+
+
+def test_a_path_over_open_ground_is_the_straight_line() -> None:
+    graph = build_graph(flat_world())
+    path = find_path(graph, (-15.3, 0, -11.2), (14.7, 0, 8.9))
+    assert path is not None
+    assert path.length == pytest.approx(math.dist((-15.3, -11.2), (14.7, 8.9)), rel=0.01)
+
+
+def test_a_path_goes_round_a_wall_by_the_shorter_end() -> None:
+    # From (0, -5) to (0, 5); the wall reaches from x = -12 to x = 6, and a body keeps 0.45 m from its end.
+    graph = build_graph(flat_world(solids=[box((-12, 0, -0.5), (6, 3, 0.5))]))
+    path = find_path(graph, (0, 0, -5), (0, 0, 5))
+    shortest = 2 * math.dist((0, -5), (6.45, -0.95)) + 1.9
+    assert path is not None
+    assert shortest <= path.length <= 1.05 * shortest
+
+
+Rectangle = tuple[float, float, float, float]  # m: least x and z, greatest x and z
+
+
+def rectangles(seed: int) -> list[Rectangle]:
+    """Fourteen walls and blocks on 40 × 40 m."""
+    random = np.random.default_rng(seed)
+    sides = random.uniform(0.3, 2.0, (14, 2))
+    sides[np.arange(14), random.integers(0, 2, 14)] = random.uniform(0.5, 10.0, 14)
+    middles = random.uniform(-17.0, 17.0, (14, 2))
+    return [tuple(row) for row in np.concatenate([middles - sides / 2, middles + sides / 2], axis=1).tolist()]
+
+
+def cuts(start: Sequence[float], end: Sequence[float], block: Rectangle) -> bool:
+    """Whether a straight line leads through a rectangle; to touch it is allowed."""
+    enter, leave = 0.0, 1.0
+    for axis in range(2):
+        way, low, high = end[axis] - start[axis], block[axis], block[axis + 2]
+        if abs(way) < 1e-12:
+            if start[axis] <= low + 1e-9 or start[axis] >= high - 1e-9:
+                return False
+            continue
+        first, second = sorted(((low - start[axis]) / way, (high - start[axis]) / way))
+        enter, leave = max(enter, first), min(leave, second)
+    return leave - enter > 1e-9
+
+
+def shortest_by_corners(
+    blocks: list[Rectangle], start: Sequence[float], end: Sequence[float], room: float
+) -> float:
+    """The length of the shortest way from corner to corner, which keeps ``room`` m off the blocks."""
+    wide = [(x - room, z - room, to_x + room, to_z + room) for x, z, to_x, to_z in blocks]
+    corners = [(x, z) for block in wide for x in block[::2] for z in block[1::2] if max(abs(x), abs(z)) < 19]
+    points = [tuple(start), tuple(end), *corners]
+    lengths, done = dict.fromkeys(range(len(points)), math.inf) | {0: 0.0}, set()
+    while (at := min(lengths.keys() - done, key=lambda node: lengths[node])) != 1:
+        done.add(at)
+        if lengths[at] == math.inf:
+            return math.inf
+        for other in lengths.keys() - done:
+            length = lengths[at] + math.dist(points[at], points[other])
+            if length < lengths[other] and not any(cuts(points[at], points[other], block) for block in wide):
+                lengths[other] = length
+    return lengths[1]
+
+
+@pytest.mark.parametrize("seed", [7, 13, 22, 25, 35, 36])
+def test_no_way_with_room_is_more_than_a_percent_shorter_than_a_path(seed: int) -> None:
+    blocks = rectangles(seed)
+    graph = build_graph(flat_world(solids=[box((x, 0, z), (u, 3, v)) for x, z, u, v in blocks]))
+    free = [
+        (float(x), float(z))
+        for x, z in np.random.default_rng(seed).uniform(-18, 18, (60, 2))
+        if not any(
+            low - 0.8 < x < high + 0.8 and back - 0.8 < z < front + 0.8 for low, back, high, front in blocks
+        )
+    ]
+    for start, end in itertools.pairwise(free[:7]):
+        path = find_path(graph, (start[0], 0, start[1]), (end[0], 0, end[1]))
+        assert path is not None
+        assert path.length <= 1.01 * shortest_by_corners(blocks, start, end, BODY_RADIUS + 0.25)
+        assert path.length >= shortest_by_corners(blocks, start, end, BODY_RADIUS) - 1e-6
+
+
+def test_the_length_of_a_path_is_what_an_agent_walks() -> None:
+    game_map = generate_map(MapConfig(size=60, houses=1), 5)
+    start, end = game_map.indoor[-1], game_map.outdoor[0]
+    path = find_path(game_map.graph, start, end)
+    assert path is not None
+    walked, here = 0.0, path.start
+    walker = Walker(game_map.world, *here)
+    for leg in path.legs:
+        before = walker.position[0].copy()
+        assert walker._go(leg, 5.0)
+        walked += math.dist(before[::2], walker.position[0, ::2])
+    assert walked == pytest.approx(path.length, rel=0.01)
+
+
+def test_there_is_no_path_to_where_nobody_can_stand() -> None:
+    graph = build_graph(flat_world(solids=[box((-2, 0, -2), (2, 3, 2))]))
+    assert find_path(graph, (-10, 0, 0), (0, 0, 0)) is None
+    assert find_path(graph, (-10, 0, 0), (5, 9.0, 5)) is None

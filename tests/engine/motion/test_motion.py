@@ -1,0 +1,273 @@
+"""Rulings on motion: what a body can do, and what it never does."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from builders import act, box, flat_world, make_match, map_from, place, position
+from wildscav_engine.geometry.sweep import SKIN
+from wildscav_engine.geometry.terrain import ground_at
+from wildscav_engine.geometry.world import Kind, World
+from wildscav_engine.maps import generate_map
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, JUMP_SPEED
+from wildscav_engine.specs.spec import MapConfig, MatchSpec
+
+
+@pytest.mark.parametrize(
+    ("direction", "x", "z"),
+    [
+        (0, 0, 10),
+        (90, 10, 0),
+        (180, 0, -10),
+        (270, -10, 0),
+        (-90, -10, 0),
+        (450, 10, 0),
+        (45, 7.0711, 7.0711),
+    ],
+)
+def test_walking_5_metres_a_second_for_2_seconds_moves_10_metres(
+    direction: float, x: float, z: float
+) -> None:
+    match = make_match()
+    place(match, 0, (0, 0, 0))
+    act(match, 20, seat_0={"walk_direction": direction, "walk_speed": 5})
+    assert position(match) == pytest.approx([x, 0, z], abs=1e-3)
+    assert match.state.agents.walked[0, 0] == pytest.approx(10, abs=1e-6)
+
+
+@pytest.mark.parametrize("action", [{"walk_speed": 10.001}, {"walk_speed": -1}, {"walk_speed": math.nan}])
+def test_an_impossible_walk_speed_is_no_action(action: dict[str, float]) -> None:
+    match = make_match()
+    place(match, 0, (0, 0, 0))
+    act(match, 5, seat_0={**action, "turn": 3})
+    assert position(match) == pytest.approx([0, 0, 0])
+    assert match.state.agents.yaw[0, 0] == 0
+
+
+@pytest.mark.parametrize("angle", [3e38, -3e38, 1e9])
+def test_absurd_but_finite_angles_are_directions_too(angle: float) -> None:
+    match = make_match()
+    place(match, 0, (0, 0, 0))
+    act(match, 10, seat_0={"walk_direction": angle, "walk_speed": 5, "turn": angle, "look": angle})
+    assert match.state.agents.walked[0, 0] == pytest.approx(5)
+    assert -180 < match.state.agents.yaw[0, 0] <= 180
+    assert abs(match.state.agents.pitch[0, 0]) == 90
+
+
+def test_turns_are_degrees_a_frame_and_looks_stop_at_straight_up_and_down() -> None:
+    match = make_match()
+    act(match, 1, seat_0={"turn": 10, "look": 3})
+    assert match.state.agents.yaw[0, 0] == pytest.approx(50)
+    assert match.state.agents.pitch[0, 0] == pytest.approx(15)
+    act(match, 4, seat_0={"turn": 10, "look": 10})
+    assert match.state.agents.yaw[0, 0] == pytest.approx(-110)
+    assert match.state.agents.pitch[0, 0] == 90
+
+
+def test_water_halves_the_speed() -> None:
+    match = make_match(world=flat_world(water=0.8))
+    place(match, 0, (0, 0, 0))
+    act(match, 10, seat_0={"walk_direction": 90, "walk_speed": 8})
+    assert position(match)[0] == pytest.approx(4)
+    assert match.state.agents.in_water[0, 0]
+
+
+@pytest.mark.parametrize(("top", "passes"), [(0.3, True), (0.4995, True), (0.5, True), (0.51, False)])
+def test_steps_up_to_half_a_metre_are_walked_onto(top: float, passes: bool) -> None:
+    match = make_match(world=flat_world(solids=[box((3, 0, -5), (8, top, 5), Kind.STAIR)]))
+    place(match, 0, (0, 0, 0))
+    act(match, 10, seat_0={"walk_direction": 90, "walk_speed": 5})
+    assert (position(match)[0] > 4) == passes
+    assert position(match)[1] == pytest.approx(top if passes else 0, abs=3 * SKIN)
+
+
+def test_steps_of_just_half_a_metre_are_walked_up_and_down_and_never_fallen_off() -> None:
+    steps = [box((2 + n, 0, -5), (12, 0.5 * (n + 1), 5), Kind.STAIR) for n in range(4)]
+    match = make_match(world=flat_world(solids=steps), frames_per_action=1)
+    place(match, 0, (0, 0, 0))
+    highest = 0.0
+    for direction in (90, 270):
+        for _ in range(80):
+            act(match, 1, seat_0={"walk_direction": direction, "walk_speed": 5})
+            assert match.state.agents.on_ground[0, 0]
+            highest = max(highest, position(match)[1])
+    assert highest == pytest.approx(2.0, abs=3 * SKIN)
+    assert position(match) == pytest.approx([0, 0, 0], abs=0.01)
+
+
+def test_a_jump_rises_as_high_as_gravity_allows_and_takes_a_second() -> None:
+    match = make_match()
+    place(match, 0, (0, 0, 0))
+    heights = []
+    act(match, 1, seat_0={"jump": 1})
+    while not match.state.agents.on_ground[0, 0]:
+        heights.append(position(match)[1])
+        act(match, 1)
+    assert max(heights) == pytest.approx(JUMP_SPEED**2 / (2 * 9.81), abs=0.02)
+    assert 0.9 <= (len(heights) + 1) / 10 <= 1.2
+    assert position(match)[1] == 0
+
+
+def test_a_metre_high_wall_is_jumped_onto() -> None:
+    match = make_match(world=flat_world(solids=[box((1.5, 0, -5), (8, 1, 5))]))
+    place(match, 0, (0, 0, 0))
+    act(match, 20, seat_0={"walk_direction": 90, "walk_speed": 4, "jump": 1})
+    assert position(match)[0] > 3
+
+
+def test_a_ceiling_stops_a_jump() -> None:
+    match = make_match(world=flat_world(solids=[box((-5, 2.2, -5), (5, 2.4, 5), Kind.FLOOR)]))
+    place(match, 0, (0, 0, 0))
+    for _ in range(10):
+        act(match, 1, seat_0={"jump": 1})
+        assert position(match)[1] <= 2.2 - BODY_HEIGHT
+
+
+def test_a_doorway_is_walked_through_and_a_slit_is_not() -> None:
+    def walk(width: float) -> float:
+        half = width / 2
+        walls = [
+            box((5, 0, -10), (5.25, 3, -half)),
+            box((5, 0, half), (5.25, 3, 10)),
+            box((5, 2.3, -half), (5.25, 3, half)),
+        ]
+        match = make_match(world=flat_world(solids=walls))
+        place(match, 0, (0, 0, 0))
+        act(match, 20, seat_0={"walk_direction": 90, "walk_speed": 5})
+        return float(position(match)[0])
+
+    assert walk(1.3) == pytest.approx(10, abs=1e-3)
+    assert walk(0.85) == pytest.approx(5 - BODY_RADIUS, abs=0.01)
+
+
+def test_walls_are_slid_along() -> None:
+    match = make_match(world=flat_world(solids=[box((3, 0, -15), (4, 3, 15))]))
+    place(match, 0, (0, 0, 0))
+    act(match, 20, seat_0={"walk_direction": 45, "walk_speed": 5})
+    assert position(match) == pytest.approx([3 - BODY_RADIUS, 0, 7.07], abs=0.01)
+
+
+def test_nobody_jumps_in_water() -> None:
+    match = make_match(world=flat_world(water=0.8))
+    place(match, 0, (0, 0, 0))
+    act(match, 20, seat_0={"walk_direction": 90, "walk_speed": 10, "jump": 1})
+    assert position(match) == pytest.approx([10, 0, 0])
+
+
+def test_heads_are_stood_on_until_they_go_away() -> None:
+    match = make_match(seats=2)
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 3, 0))
+    match.state.agents.on_ground[0, 1] = False
+    act(match, 10)
+    assert position(match, 1)[1] == pytest.approx(BODY_HEIGHT, abs=3 * SKIN)
+    assert match.state.agents.on_ground[0, 1]
+    act(match, 10, seat_0={"walk_direction": 90, "walk_speed": 5})
+    assert position(match, 1)[1] == 0
+
+
+def test_a_fall_accelerates_and_lands() -> None:
+    match = make_match()
+    place(match, 0, (0, 20, 0))
+    match.state.agents.on_ground[0, 0] = False
+    act(match, 10)
+    assert position(match)[1] == pytest.approx(20 - 9.81 / 2, abs=1e-9)
+    act(match, 20)
+    assert position(match)[1] == 0
+    assert match.state.agents.velocity[0, 0, 1] == 0
+
+
+def test_stairs_are_walked_up_and_down() -> None:
+    steps = [box((2 + 0.25 * i, 0, -1), (8, 0.2 * (i + 1), 1), Kind.STAIR) for i in range(12)]
+    match = make_match(world=flat_world(solids=steps))
+    place(match, 0, (0, 0, 0))
+    act(match, 14, seat_0={"walk_direction": 90, "walk_speed": 5})
+    assert position(match)[1] == pytest.approx(2.4, abs=3 * SKIN)
+    act(match, 14, seat_0={"walk_direction": 270, "walk_speed": 5})
+    assert position(match) == pytest.approx([0, 0, 0], abs=0.01)
+
+
+def test_bodies_do_not_walk_through_each_other() -> None:
+    match = make_match(seats=2)
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (3, 0, 0))
+    act(match, 10, seat_0={"walk_direction": 90, "walk_speed": 5})
+    assert position(match)[0] == pytest.approx(3 - 2 * BODY_RADIUS, abs=0.01)
+
+
+def test_a_thin_wall_stops_the_fastest_fall() -> None:
+    match = make_match(world=flat_world(solids=[box((-5, 5, -5), (5, 5.02, 5), Kind.ROOF)]))
+    place(match, 0, (0, 60, 0))
+    match.state.agents.on_ground[0, 0] = False
+    match.state.agents.velocity[0, 0, 1] = -50
+    act(match, 20)
+    assert position(match)[1] == pytest.approx(5.02, abs=3 * SKIN)
+
+
+@pytest.fixture(scope="module")
+def country() -> GameMap:
+    return generate_map(MapConfig(size=60, houses=3, storeys=(1, 3), vegetation=0.8), 4)
+
+
+def depth_inside(world: World, place: np.ndarray) -> float:
+    """How deep a body is inside the solid that it is deepest in, m; negative: how far it keeps off."""
+    margin = np.array([BODY_RADIUS, 0.0, BODY_RADIUS])
+    head = np.array([0.0, BODY_HEIGHT, 0.0])
+    outside = np.maximum(world.solid_low - margin - head - place, place - world.solid_high - margin).max(
+        axis=1
+    )
+    for solid in np.flatnonzero(outside < 0):
+        rows = slice(world.solid_start[solid], world.solid_start[solid + 1])
+        faces = world.faces[rows]
+        beyond = faces[:, :3] @ place - faces[:, 3] - world.face_reach[rows]
+        outside[solid] = max(outside[solid], beyond.max())
+    return float(-outside.min()) if len(outside) else -np.inf
+
+
+def check_invariants(match: Match) -> None:
+    agents, world = match.state.agents, match.game_map.world
+    assert np.isfinite(agents.position).all()
+    speeds = np.hypot(agents.velocity[0, :, 0], agents.velocity[0, :, 2])
+    assert speeds.max() <= 10 + 1e-9
+    for seat in range(match.seats):
+        here = agents.position[0, seat]
+        assert here[1] >= ground_at(world, here[0], here[2]).height - 1e-9
+        assert depth_inside(world, here) < 0
+
+
+@settings(max_examples=15)
+@given(st.integers(0, 2**31), st.floats(1, 10), st.floats(0, 0.5))
+def test_nobody_is_ever_inside_anything(country: GameMap, seed: int, speed: float, jumps: float) -> None:
+    game_map = country
+    spec = MatchSpec(
+        track="gathering", map=game_map.spec, seed=seed, seats=("submission",) * 6, time_limit=60
+    )
+    match = Match(spec, game_map)
+    random = np.random.default_rng(seed)
+    for seat in range(0, 6, 2):  # half of them start indoors
+        place(match, seat, random.choice(country.indoor) + np.array([0, 2 * SKIN, 0]))
+    rows = np.zeros((6, 8), np.float32)
+    for _ in range(100):
+        turned = random.random(6) < 0.15
+        rows[turned, 0] = random.uniform(0, 360, turned.sum())
+        rows[:, 1], rows[:, 4] = speed, random.random(6) < jumps
+        match.step(rows)
+        check_invariants(match)
+
+
+def test_many_random_frames_on_a_map_by_hand_keep_within_bounds() -> None:
+    match = Match(
+        MatchSpec(track="gathering", seats=("submission",) * 2, time_limit=60),
+        map_from(flat_world(solids=[box((-2, 0, -2), (2, 2, 2)), box((-2, 2.5, -6), (2, 3, 6))])),
+    )
+    random = np.random.default_rng(1)
+    for _ in range(300):
+        rows = np.zeros((2, 8), np.float32)
+        rows[:, 0], rows[:, 1], rows[:, 4] = random.uniform(0, 360, 2), 10, 1
+        match.step(rows)
+        check_invariants(match)

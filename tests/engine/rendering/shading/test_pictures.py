@@ -1,0 +1,255 @@
+"""Pictures show light as it falls: sun and shade, water, haze, corners; and the same bits everywhere."""
+
+import os
+import subprocess
+import sys
+from hashlib import blake2b
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from builders import box, flat_world, map_from
+from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
+from wildscav_engine.geometry.world import Kind, Solid, build_world
+from wildscav_engine.maps import generate_map
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rendering.palette import SUN
+from wildscav_engine.rendering.shading.light import SHADOW_REACH, sun_is_clear
+from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
+from wildscav_engine.rendering.shading.pixel_rays import place_on, view_of, way_of
+from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_WAY, haze
+from wildscav_engine.rendering.trace import allocate_hits, trace
+from wildscav_engine.rendering.tracing.solids import gather_solids
+from wildscav_engine.sensors import ColorCamera
+from wildscav_engine.specs.spec import MapConfig
+
+Place = tuple[float, float, float]
+CONFIG = MapConfig(size=60, houses=2, water=0.1, vegetation=0.8)
+ONE = ColorCamera(width=1, height=1, far=1000.0, field_of_view=1.0)
+
+
+def look(
+    game_map: GameMap, eye: Place, yaw: float, pitch: float = 0.0, camera: ColorCamera = ONE
+) -> NDArray[np.float64]:
+    """The mean colour of one picture, (3,)."""
+    return camera.render(game_map, [eye], [yaw], [pitch])[0].reshape(-1, 3).astype(float).mean(axis=0)
+
+
+def with_solids(*solids: Solid, size: int = 80) -> GameMap:
+    return map_from(flat_world(size, solids))
+
+
+def lake() -> GameMap:
+    """Ground that sinks eastwards below water: 0.4 m a metre, water from x = 0 on."""
+    heights = np.tile(-0.4 * (np.arange(41) * 2.0 - 40), (41, 1))
+    spots = np.array([[-10.0, 4.0, 0.0]])
+    return map_from(build_world((-40.0, -40.0), heights, np.full((40, 40), 0.0), [], spots))
+
+
+def test_the_sunny_side_of_a_wall_is_brighter_than_the_other() -> None:
+    wall = with_solids(box((-5, -1, -1), (5, 8, 1)))
+    sunny, shady = (-1.0, 1.0) if SUN[2] < 0 else (1.0, -1.0)
+    bright = look(wall, (0, 4, 10 * sunny), 0.0 if sunny < 0 else 180.0)
+    dark = look(wall, (0, 4, 10 * shady), 0.0 if shady < 0 else 180.0)
+    assert bright.sum() > 1.3 * dark.sum()
+
+
+def test_a_wall_casts_its_shadow_away_from_the_sun_if_shadows_are_asked_for() -> None:
+    wall = with_solids(box((-10, -1, -1), (10, 8, 1)))
+    plain = ColorCamera(width=1, height=1, far=1000.0, field_of_view=1.0, shadows=False)
+    behind = (0.0, 5.0, 3.0 if SUN[2] < 0 else -3.0)
+    before = (0.0, 5.0, -behind[2])
+    assert look(wall, behind, 0.0, 90.0).sum() < 0.8 * look(wall, behind, 0.0, 90.0, plain).sum()
+    assert (look(wall, before, 0.0, 90.0) == look(wall, before, 0.0, 90.0, plain)).all()
+
+
+def test_the_sun_shines_where_a_ray_to_it_meets_nothing() -> None:
+    world = generate_map(CONFIG, 3).world
+    random = np.random.default_rng(0)
+    places = random.uniform((-32.0, world.heights.min() - 1.0, -32.0), (32.0, 12.0, 32.0), (3000, 3))
+    clear = [sun_is_clear(world, (x, y, z)) for x, y, z in places]
+    free = [cast_ray(world, x, y, z, *SUN_WAY, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
+    assert clear == free
+    assert 500 < sum(clear) < 2500
+
+
+def test_what_moves_casts_a_shadow_too() -> None:
+    ground = with_solids()
+    thing = gather_solids([box((-0.5, 2.0, -0.5), (0.5, 3.0, 0.5), Kind.AGENT)])
+    # From its middle at 2.5 m the sun's ray comes down here.
+    along = 2.5 / SUN_WAY[1]
+    eye = [-SUN_WAY[0] * along, 1.5, -SUN_WAY[2] * along]
+    alone = ONE.render(ground, [eye], [0.0], [90.0])[0].astype(float).sum()
+    shaded = ONE.render(ground, [eye], [0.0], [90.0], moving=thing)[0].astype(float).sum()
+    assert shaded < 0.8 * alone
+    aside = [eye[0] + 3.0, 1.5, eye[2]]
+    assert (
+        ONE.render(ground, [aside], [0.0], [90.0], moving=thing) == ONE.render(ground, [aside], [0.0], [90.0])
+    ).all()
+
+
+def test_water_is_bluer_than_the_shore_and_deep_water_than_shallow() -> None:
+    def blue(x: float) -> float:
+        color = look(lake(), (x, 6.0, 0.0), 0.0, 90.0)
+        return float(color[2] / color.sum())
+
+    shore, shallow, deep = blue(-1.0), blue(0.6), blue(12.0)
+    assert shore < 0.33 < shallow < deep
+    assert deep > 0.45
+
+
+def test_an_eye_under_water_sees_no_farther_than_the_murk() -> None:
+    far = ColorCamera(width=5, height=5, far=300.0)
+    color = look(lake(), (15.0, -3.0, 0.0), 0.0, -10.0, far)
+    assert color[2] > 1.2 * color[0]
+    over = look(lake(), (15.0, 3.0, 0.0), 0.0, -10.0, far)
+    assert over.sum() > 1.5 * color.sum()
+
+
+def test_what_is_far_fades_to_the_colour_of_the_horizon() -> None:
+    def wall(share: float) -> NDArray[np.float64]:
+        """A wall at a share of the reach, straight ahead."""
+        camera = ColorCamera(width=1, height=1, far=36.0 / share, field_of_view=1.0)
+        return look(with_solids(box((-40, -1, 16), (40, 30, 18))), (0, 1, -20), 0.0, 0.0, camera)
+
+    away = [np.abs(wall(share) - HORIZON).sum() for share in (0.1, 0.5, 0.9, 0.9999)]
+    assert away == sorted(away, reverse=True)
+    assert away[0] > 100
+    assert away[3] <= 3
+
+
+def test_the_sky_is_bluest_above_and_the_sun_is_where_the_light_comes_from() -> None:
+    assert np.abs(np.array(haze((1.0, 0.0, 0.0))) - HORIZON).max() == 0.0
+    assert haze((0.0, 1.0, 0.0))[0] < haze((0.8, 0.6, 0.0))[0] < HORIZON[0]
+    yaw = float(np.degrees(np.arctan2(SUN_WAY[0], SUN_WAY[2])))
+    pitch = -float(np.degrees(np.arcsin(SUN_WAY[1])))
+    narrow = 2 * float(np.degrees(np.arccos(DISC)))
+    sun = look(with_solids(), (0, 2, 0), yaw, pitch)
+    assert sun.min() > 215
+    beside = look(with_solids(), (0, 2, 0), yaw + 180.0, pitch)
+    assert sun[0] > beside[0] + 20
+    assert 1.0 < narrow < 6.0
+
+
+def test_rooms_are_darker_in_their_corners() -> None:
+    room = with_solids(box((-5, -1, 4), (5, 6, 5)), box((4, -1, -5), (5, 6, 5)))
+    camera = ColorCamera(width=64, height=36, field_of_view=60.0, shadows=False)
+    picture = camera.render(room, [(0, 3, 0)], [45.0], [0.0])[0].astype(float).sum(axis=-1)
+    assert picture[5:12, 31:33].mean() < 0.93 * picture[5:12, 10:14].mean()
+
+
+def test_under_a_roof_light_comes_from_all_sides() -> None:
+    roof = box((-6, 5, -6), (6, 6, 6), Kind.ROOF)
+    camera = ColorCamera(width=1, height=1, shadows=False)
+    table, under = box((-1, 2, -1), (1, 3, 1)), (0.0, 1.0, 0.0)
+    outside = look(with_solids(table), under, 0.0, -90.0, camera)
+    inside = look(with_solids(table, roof), under, 0.0, -90.0, camera)
+    # It is the underside of the table that is seen, below the roof or below the sky.
+    assert inside.sum() > 1.2 * outside.sum()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in Kind if Kind.WALL <= kind <= Kind.BUSH])
+def test_every_kind_of_thing_is_told_from_the_sky(kind: Kind) -> None:
+    thing = with_solids(box((-5, -1, 4), (5, 6, 5), kind))
+    picture = ColorCamera(width=16, height=9).render(thing, [(0, 2, 0)], [0.0], [0.0])[0]
+    assert np.abs(picture[4].astype(float).mean(axis=0) - HORIZON).sum() > 60
+
+
+def test_the_ground_has_grain_near_and_none_where_a_pixel_is_larger_than_it() -> None:
+    camera = ColorCamera(width=32, height=32, field_of_view=20.0)
+    near = camera.render(with_solids(), [(0, 2, 0)], [0.0], [90.0])[0].astype(float)
+    far = camera.render(with_solids(size=400), [(0, 250, 0)], [0.0], [90.0])[0].astype(float)
+    step = [np.abs(np.diff(picture[..., 1], axis=1)).mean() for picture in (near, far)]
+    assert step[0] > 1.0
+    assert step[1] < step[0]
+
+
+def world_with_everything() -> GameMap:
+    return generate_map(CONFIG, 3)
+
+
+def views(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    game_map, dice = world_with_everything(), np.random.default_rng(4)
+    places = np.concatenate([game_map.outdoor, game_map.indoor])
+    eyes = places[dice.integers(0, len(places), count)] + [0.0, 1.5, 0.0]
+    return eyes, dice.uniform(-180, 180, count), dice.uniform(-30, 30, count)
+
+
+def pictures() -> NDArray[np.uint8]:
+    return ColorCamera(width=40, height=23).render(world_with_everything(), *views(8))
+
+
+def digest() -> str:
+    return blake2b(pictures().tobytes(), digest_size=8).hexdigest()
+
+
+def test_a_picture_has_the_same_bits_in_any_batch_order_and_number_of_threads() -> None:
+    together = pictures()
+    game_map, camera = world_with_everything(), ColorCamera(width=40, height=23)
+    eyes, yaws, pitches = views(8)
+    backwards = camera.render(game_map, eyes[::-1], yaws[::-1], pitches[::-1], threads=3)
+    assert (backwards[::-1] == together).all()
+    for one in range(8):
+        assert (
+            camera.render(game_map, eyes[one:][:1], yaws[one:][:1], pitches[one:][:1]) == together[one]
+        ).all()
+    assert len({picture.tobytes() for picture in together}) == 8
+
+
+def others() -> list[pytest.ParameterSet]:
+    return [
+        pytest.param({}, id="another process", marks=pytest.mark.slow),
+        pytest.param(
+            {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+            id="a generic processor",
+            marks=pytest.mark.slow,  # everything is compiled anew for it
+        ),
+    ]
+
+
+@pytest.mark.parametrize("environment", others())
+def test_other_processes_and_processors_take_the_same_pictures(environment: dict[str, str]) -> None:
+    folder = Path(__file__).parent
+    paths = os.pathsep.join([str(folder), str(folder.parents[1])])
+    done = subprocess.run(
+        [sys.executable, "-c", "import test_shading; print(test_shading.digest())"],
+        env={**os.environ, "PYTHONPATH": paths, **environment},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == digest()
+
+
+@pytest.mark.parametrize(("yaw", "pitch"), [(0.0, 0.0), (31.0, -12.0), (-140.0, 25.0), (90.0, 89.0)])
+def test_colours_are_of_the_places_that_rays_met(yaw: float, pitch: float) -> None:
+    camera = ColorCamera(width=7, height=5, field_of_view=90.0)
+    eye = (1.0, 2.0, 3.0)
+    cameras = camera._cameras([eye], [yaw], [pitch], None)
+    view = view_of(cameras, 0, 5, 7)
+    middle = way_of(view, 2, 3)
+    assert middle[1] == pytest.approx(-np.sin(np.radians(pitch)))
+    assert middle[0] == pytest.approx(np.sin(np.radians(yaw)) * np.cos(np.radians(pitch)))
+    hits = allocate_hits(1, 5, 7)
+    trace(with_solids().scene, gather_solids([]), cameras, hits)
+    for row in range(5):
+        for column in range(7):
+            way = way_of(view, row, column)
+            assert np.linalg.norm(way) == pytest.approx(1.0)
+            if np.isfinite(hits.distance[0, row, column]):
+                met = place_on(eye, way, float(hits.distance[0, row, column]))
+                assert met[1] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_noise_is_even_smooth_and_unlike_at_neighbours() -> None:
+    values = np.array([grain(x, y, z) for x in range(-10, 10) for y in range(-10, 10) for z in (0, 5, -9)])
+    assert 0.0 <= values.min() < 0.01
+    assert 0.99 < values.max() < 1.0
+    assert abs(values.mean() - 0.5) < 0.03
+    assert len(np.unique(values)) == len(values)
+    for x in (-3.0, 0.0, 7.0):
+        assert noise(x, 2.0) == grain(int(x), 2, 0)
+        assert noise(x - 1e-9, 2.5) == pytest.approx(noise(x + 1e-9, 2.5), abs=1e-6)
+        assert noise_in_space(x, x - 1e-9, 1.5) == pytest.approx(noise_in_space(x, x + 1e-9, 1.5), abs=1e-6)

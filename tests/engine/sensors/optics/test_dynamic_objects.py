@@ -1,0 +1,162 @@
+"""What moves in a match is seen as it is: who lives, which boxes lie there, and which way each looks."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from builders import act, box, make_match, place
+from wildscav_engine.geometry.polyhedra import polyhedron
+from wildscav_engine.geometry.world import Kind
+from wildscav_engine.rendering.palette import of_seat
+from wildscav_engine.rendering.tracing.solids import NO_OWNER, gather_solids
+from wildscav_engine.sensors.optics.dynamic_objects import BODY, CRATE, Things, as_things, things_of
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
+
+TORSO, VISOR = 2, 4
+
+
+def put_box(match: Match, slot: int, position: tuple[float, float, float], appears: int = 0) -> None:
+    supplies = match.state.supplies
+    supplies.position[0, slot], supplies.quantity[0, slot] = position, 5
+    supplies.appears[0, slot], supplies.serial[0, slot] = appears, 40 + slot
+
+
+def battle(seats: int = 3) -> Match:
+    """A match without boxes, everybody five metres from the next."""
+    match = make_match(seats=seats)
+    match.state.supplies.quantity[:] = 0
+    match.state.agents.invincible_left[:] = 0
+    for seat in range(seats):
+        place(match, seat, (5.0 * seat, 0.0, 2.0))
+    return match
+
+
+def instances(things: Things, kind: Kind) -> set[int]:
+    return set(things.instance[things.kind == kind].tolist())
+
+
+@pytest.mark.parametrize("yaw", [0.0, 37.0, 90.0, -135.0, 180.0])
+def test_an_agents_body_is_within_the_cylinder_that_is_hit(yaw: float) -> None:
+    match = battle(1)
+    place(match, 0, (3.0, 1.5, -2.0), yaw)
+    corners = things_of(match).corners
+    aside = np.hypot(corners[:, 0] - 3.0, corners[:, 2] + 2.0)
+    assert aside.max() <= BODY_RADIUS
+    assert corners[:, 1].min() == 1.5
+    assert corners[:, 1].max() == pytest.approx(1.5 + BODY_HEIGHT, abs=1e-12)
+
+
+def test_the_faces_of_a_part_meet_in_its_corners() -> None:
+    match = battle(2)
+    place(match, 1, (5.0, 0.0, 2.0), 73.0)
+    put_box(match, 0, (1.0, 2.0, 3.0))
+    things = things_of(match)
+    assert len(things.kind) == 2 * len(BODY) + len(CRATE)
+    for part in range(len(things.kind)):
+        planes = things.faces[things.face_start[part] : things.face_start[part + 1]]
+        corners = things.corners[things.corner_start[part] : things.corner_start[part + 1]]
+        expected, _ = polyhedron(planes)
+        assert np.sort(expected, axis=0) == pytest.approx(np.sort(corners, axis=0), abs=1e-9)
+        assert np.linalg.norm(planes[:, :3], axis=1) == pytest.approx(1.0)
+        assert (things.low[part] == corners.min(axis=0)).all()
+        assert (things.high[part] == corners.max(axis=0)).all()
+
+
+@pytest.mark.parametrize(
+    ("yaw", "ahead"), [(0.0, (0, 1)), (90.0, (1, 0)), (180.0, (0, -1)), (-90.0, (-1, 0))]
+)
+def test_the_visor_is_on_the_side_that_an_agent_looks_to(yaw: float, ahead: tuple[int, int]) -> None:
+    match = battle(1)
+    place(match, 0, (0.0, 0.0, 0.0), yaw)
+    things = things_of(match)
+    middle = (things.low[VISOR] + things.high[VISOR]) / 2
+    assert middle[[0, 2]] @ np.array(ahead) > 0.1
+
+
+def test_the_dead_and_the_absent_are_not_seen() -> None:
+    match = battle(3)
+    match.state.agents.health[0, 1] = 0
+    assert instances(things_of(match), Kind.AGENT) == {0, 2}
+    match.state.agents.present[0, 2] = False
+    assert instances(things_of(match), Kind.AGENT) == {0}
+
+
+def test_a_seat_owns_its_body_and_nobody_owns_a_box() -> None:
+    match = battle(2)
+    put_box(match, 0, (1.0, 0.0, 3.0))
+    things = things_of(match)
+    assert things.owner.tolist() == [0] * len(BODY) + [1] * len(BODY) + [NO_OWNER] * len(CRATE)
+
+
+def test_a_box_is_there_from_its_frame_on_until_it_is_picked_up() -> None:
+    match = battle(1)
+    place(match, 0, (0.0, 0.0, 0.0))
+    put_box(match, 0, (0.5, 0.0, 0.5))
+    put_box(match, 1, (9.0, 0.0, 9.0), appears=match.frame + 1)
+    assert instances(things_of(match), Kind.SUPPLY_BOX) == {40}
+    act(match, seat_0={"pick_up": 1})
+    assert match.state.supplies.quantity[0, 0] == 0
+    assert instances(things_of(match), Kind.SUPPLY_BOX) == {41}
+
+
+def test_a_box_stands_where_it_lies_and_is_about_60_cm_wide() -> None:
+    match = battle(1)
+    put_box(match, 0, (4.0, 1.0, -7.0))
+    things = things_of(match)
+    corners = things.corners[things.corner_start[len(BODY)] :]
+    assert (corners.max(axis=0) + corners.min(axis=0))[[0, 2]] / 2 == pytest.approx([4.0, -7.0])
+    assert corners[:, 1].max() == pytest.approx(1.58)
+    assert corners[:, 1].min() == pytest.approx(0.9)
+    assert 0.2 < np.hypot(*(corners[:, [0, 2]] - [4.0, -7.0]).T).min() < 0.5
+
+
+def test_teams_have_colours_that_are_far_apart() -> None:
+    things = things_of(battle(8))
+    torsos = things.color[TORSO :: len(BODY)]
+    assert torsos[3] == pytest.approx(of_seat(3))
+    apart = np.abs(torsos[:, None] - torsos).sum(axis=-1)
+    assert apart[np.triu_indices(8, 1)].min() > 60
+
+
+def test_one_team_has_one_colour() -> None:
+    match = battle(3)
+    match.state.agents.team[0, :3] = (0, 1, 0)
+    torsos = things_of(match).color[TORSO :: len(BODY)]
+    assert (torsos[0] == torsos[2]).all()
+    assert (torsos[0] != torsos[1]).any()
+
+
+def test_who_cannot_be_hurt_is_pale() -> None:
+    match = battle(2)
+    before = things_of(match).color
+    match.state.agents.invincible_left[0, 1] = 3
+    after = things_of(match).color
+    body = slice(len(BODY), None)
+    assert (after[: len(BODY)] == before[: len(BODY)]).all()
+    assert after[body] == pytest.approx((before[body] + 255.0) / 2)
+
+
+def test_solids_of_any_making_take_the_colour_of_their_owner() -> None:
+    solids = gather_solids([box((0, 0, 0), (1, 1, 1), Kind.AGENT), box((3, 0, 0), (4, 1, 1))], [2, NO_OWNER])
+    things = as_things(solids)
+    assert things.color[0] == pytest.approx(of_seat(2))
+    assert things.instance.tolist() == [2, 1]
+    assert as_things(things) is things
+    assert len(as_things(gather_solids([])).color) == 0
+
+
+def test_a_match_without_anything_has_no_things() -> None:
+    match = battle(1)
+    match.state.agents.health[:] = 0
+    assert len(things_of(match).kind) == 0
+
+
+def test_things_can_be_sent_to_other_processes() -> None:
+    match = make_match(seats=2)
+    things = things_of(match)
+    sent = pickle.loads(pickle.dumps(things))  # noqa: S301
+    assert [part.tobytes() for part in sent] == [part.tobytes() for part in things]
+    assert (sent.instance == things.instance).all()
+    assert (sent.color == things.color).all()

@@ -1,0 +1,54 @@
+"""A short battle, printed step by step: the same with compiled kernels and with plain Python.
+
+Run as a script, with NUMBA_DISABLE_JIT=1, it prints what ``report`` returns otherwise.
+"""
+
+import json
+import sys
+import warnings
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import numpy as np
+
+from builders import box, flat_world, map_from
+from wildscav_engine.compilation.atomics import count_one, number_now, raise_to, tell
+from wildscav_engine.compilation.kernel import config, kernel
+from wildscav_engine.sensors import DepthCamera, Lidar
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import FIELDS, Field
+from wildscav_engine.specs.spec import MatchSpec
+
+
+@kernel
+def _use_atomics(numbers: np.ndarray, returned: np.ndarray) -> None:
+    returned[0] = tell(numbers, 0, 7)
+    returned[1] = count_one(numbers, 0)
+    returned[2] = raise_to(numbers, 0, 5)
+    returned[3] = raise_to(numbers, 0, 11)
+    returned[4] = number_now(numbers, 0)
+
+
+def report() -> list[object]:
+    """Play, and return what came of it."""
+    world = flat_world(40, [box((-4, 0, 4), (4, 3, 5))])
+    seats = ("submission", "fighter", "gatherer")
+    game_map = map_from(world)
+    match = Match(MatchSpec(track="battle", map=game_map.spec, seed=5, seats=seats, time_limit=20), game_map)
+    actions = np.zeros((len(seats), FIELDS), np.float32)
+    actions[0, [Field.WALK_SPEED, Field.TURN, Field.SHOOT, Field.JUMP, Field.PICK_UP]] = 10.0, 3.0, 1, 1, 1
+    digests = []
+    for _ in range(8):
+        match.step(actions)
+        digests.append(str(match.digest))
+    readings = [sensor.read(match, [0]).astype(float).sum() for sensor in (DepthCamera(6, 4), Lidar())]
+    returned = np.zeros(5, np.int64)
+    _use_atomics(np.zeros(1, np.int64), returned)
+    return [digests, readings, returned.tolist()]
+
+
+if __name__ == "__main__":
+    assert config.DISABLE_JIT
+    warnings.simplefilter("ignore", RuntimeWarning)  # NumPy's own numbers complain where words overflow
+    sys.stdout.write(json.dumps(report()))

@@ -1,0 +1,142 @@
+"""Robots play: they find supplies, they fight, and they never act beyond the rules."""
+
+import numpy as np
+import pytest
+
+from builders import flat_world, map_from
+from wildscav_engine.maps import generate_map
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.simulation.batch import Batch
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.robots import ROBOTS
+from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec, ZoneConfig, ZonePhase
+
+
+@pytest.fixture(scope="module")
+def country() -> GameMap:
+    return generate_map(MapConfig(size=80, houses=3), 2)
+
+
+def play(country: GameMap, *seats: str, seed: int = 0, track: str = "battle") -> Match:
+    match = Match(MatchSpec(track=track, map=country.spec, seed=seed, seats=seats, time_limit=60), country)
+    match.play_out()
+    return match
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_robot_walks_about_and_keeps_to_the_rules(country: GameMap, name: str) -> None:
+    match = play(country, *[name] * 4)
+    assert match.state.agents.walked[0].min() > 50
+    actions = np.array(match.actions_played)
+    assert np.isfinite(actions).all()
+    assert actions[..., 1].max() <= 10
+
+
+def test_gatherers_gather_and_walkers_do_not(country: GameMap) -> None:
+    match = play(country, "gatherer", "walker", track="gathering")
+    assert match.state.agents.supplies[0, 0] > 10
+    assert match.state.agents.supplies[0, 1] == 0
+
+
+def test_gatherers_do_not_stay_at_a_box_that_they_cannot_reach() -> None:
+    spec = MapSpec(config=MapConfig(size=100, houses=4, density="high", storeys=(2, 3)), seed=1)
+    match = Match(MatchSpec(track="gathering", map=spec, seats=("gatherer",) * 8, time_limit=60))
+    ways = []
+    while not match.over:
+        match.step()
+        ways.append(match.state.agents.position[0].copy())
+
+    quarters = np.array(ways)[:600].reshape(4, 150, 8, 3)  # of 15 s each
+    extents = np.ptp(quarters, axis=1).max(axis=-1)
+    assert extents.min() > 2.0
+
+
+def test_fighters_kill_each_other(country: GameMap) -> None:
+    match = play(country, *["fighter"] * 8)
+    assert match.state.agents.kills[0].sum() >= 3
+    assert match.state.agents.hits[0].sum() < match.state.agents.shots[0].sum()
+
+
+def test_a_robot_does_what_it_does_whatever_was_sent_for_its_seat(country: GameMap) -> None:
+    spec = MatchSpec(track="battle", map=country.spec, seats=("fighter", "gatherer"), time_limit=10)
+    calm, loud = Match(spec, country), Match(spec, country)
+    for _ in range(50):
+        calm.step()
+        loud.step(np.full((2, 8), 7, np.float32))
+    assert calm.digest == loud.digest
+
+
+def test_robots_have_numbers_of_their_own() -> None:
+    numbers = [robot.number for robot in ROBOTS.values()]
+    assert len(set(numbers)) == len(numbers)
+    assert 0 not in numbers  # that is a submission
+
+
+def duel(one: str, other: str, matches: int) -> list[int]:
+    """Return how often each of two fighters on open ground killed the other."""
+    world = map_from(flat_world())
+    kills = np.zeros(2, int)
+    for seed in range(matches):
+        rules = Rules(respawn_time=1, invincible_time=1, spare_ammo=10_000)
+        seats = (one, other) if seed % 2 else (other, one)
+        spec = MatchSpec(track="battle", map=world.spec, seed=seed, seats=seats, time_limit=60, rules=rules)
+        match = Match(spec, world)
+        match.play_out()
+        kills += match.state.agents.kills[0][:: 1 if seed % 2 else -1]
+    return kills.tolist()
+
+
+@pytest.mark.parametrize(("better", "worse"), [("fighter", "fighter-easy"), ("fighter-hard", "fighter")])
+def test_a_better_fighter_kills_more_often_than_it_dies(better: str, worse: str) -> None:
+    wins, losses = duel(better, worse, 20)
+    assert wins > 1.1 * losses
+
+
+def test_a_better_gatherer_has_more_supplies_in_the_end() -> None:
+    world = map_from(flat_world())
+    totals = []
+    for kind in ("gatherer-easy", "gatherer", "gatherer-hard"):
+        specs = [
+            MatchSpec(track="gathering", map=world.spec, seed=seed, seats=(kind,), time_limit=4)
+            for seed in range(12)
+        ]
+        batch = Batch(specs, [world] * len(specs))
+        for _ in range(40):
+            batch.step(np.zeros((len(specs), 1, FIELDS), np.float32))
+        totals.append(int(batch.state.agents.supplies.sum()))
+    assert totals == sorted(set(totals))
+
+
+def test_a_better_seeker_is_at_the_target_sooner() -> None:
+    world = map_from(flat_world())
+    frames = []
+    ends = {"start": (-15, 0, -15), "target": (15, 0, 9)}
+    for kind in ("seeker-easy", "seeker", "seeker-hard"):
+        spec = MatchSpec(track="navigation", map=world.spec, seats=(kind,), **ends)
+        match = Match(spec, world)
+        match.play_out()
+        assert match.result().ending == "goal"
+        frames.append(match.frame)
+    assert frames == sorted(frames, reverse=True)
+
+
+def test_seekers_find_a_hidden_target(country: GameMap) -> None:
+    endings = [
+        play(country, *["seeker-hard"] * 4, seed=seed, track="capture").result().ending for seed in range(6)
+    ]
+    assert endings.count("goal") >= 3
+
+
+@pytest.mark.parametrize("name", ["walker", "gatherer", "fighter"])
+def test_robots_stay_in_the_safe_zone(country: GameMap, name: str) -> None:
+    phase = ZonePhase(wait=0, shrink=5, share=0.3, damage=1)
+    zone = ZoneConfig(phases=(phase,))
+    spec = MatchSpec(
+        track="royale", map=country.spec, seats=(name,) * 4, teams=(0,) * 4, time_limit=60, zone=zone
+    )
+    match = Match(spec, country)
+    match.play_out()
+    # One or the other may get stuck on its way.
+    assert match.state.agents.health[0].mean() > 70

@@ -1,0 +1,110 @@
+"""Rulings on death and what comes after."""
+
+import pytest
+
+from builders import act, make_match, place
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.rules import Rules
+
+
+def duel(**rules: float) -> Match:
+    match = make_match(seats=2, rules=Rules(**{"shot_damage": 100, **rules}))
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10), yaw=180)
+    return match
+
+
+@pytest.mark.parametrize(
+    ("health", "left"),
+    [
+        (100, 80),  # a hit is a hit
+        (20, 0),  # exactly enough
+        (10, 0),  # overkill stops at zero
+    ],
+)
+def test_damage(health: int, left: int) -> None:
+    match = duel(shot_damage=20)
+    match.state.agents.health[0, 1] = health
+    act(match, 1, seat_0={"shoot": 1})
+    assert match.state.agents.health[0, 1] == left
+
+
+def test_two_agents_can_kill_each_other_in_one_frame() -> None:
+    match = duel()
+    act(match, 1, seat_0={"shoot": 1}, seat_1={"shoot": 1})
+    assert match.state.agents.health[0].tolist() == [0, 0]
+    assert match.state.agents.kills[0].tolist() == [1, 1]
+    assert match.state.agents.deaths[0].tolist() == [1, 1]
+
+
+def test_the_dead_come_back_after_10_seconds_with_everything_but_half_their_supplies() -> None:
+    match = duel()
+    match.state.agents.supplies[0, 1] = 31
+    act(match, 1, seat_0={"shoot": 1})
+    act(match, 98)
+    assert match.state.agents.health[0, 1] == 0
+    act(match, 2)
+    agents = match.state.agents
+    assert agents.health[0, 1] == 100
+    assert agents.supplies[0, 1] == 16
+    assert (agents.clip[0, 1], agents.spare_ammo[0, 1]) == (15, 60)
+    assert match.game_map.outdoor.tolist().count(agents.position[0, 1].tolist()) == 1
+
+
+def test_the_dead_wait_500_frames_to_the_frame() -> None:
+    match = make_match(seats=2, rules=Rules(shot_damage=100), frames_per_action=1)
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10))
+    act(match, 1, seat_0={"shoot": 1})
+    act(match, 499)
+    assert match.state.agents.health[0, 1] == 0
+    act(match, 1)
+    assert match.state.agents.health[0, 1] == 100
+    assert match.state.agents.invincible_left[0, 1] == 500
+
+
+def test_the_dead_do_nothing_and_are_no_obstacle() -> None:
+    match = duel()
+    act(match, 1, seat_0={"shoot": 1})
+    act(match, 20, seat_0={"walk_speed": 8}, seat_1={"walk_speed": 8, "shoot": 1})
+    assert match.state.agents.position[0, 0, 2] == pytest.approx(16)
+    assert match.state.agents.position[0, 1, 2] == 10
+    assert match.state.agents.shots[0, 1] == 0
+
+
+def test_whoever_came_back_cannot_be_hurt_for_10_seconds() -> None:
+    match = duel(respawn_time=1.0)
+    act(match, 1, seat_0={"shoot": 1})
+    act(match, 10)
+    place(match, 1, (0, 0, 10))
+    act(match, 40, seat_0={"shoot": 1})
+    assert match.state.agents.health[0, 1] == 100
+    assert match.state.agents.hits[0, 0] > 1  # hits they are all the same
+    act(match, 70)
+    place(match, 1, (0, 0, 10))
+    match.state.agents.clip[0, 0] = 15
+    act(match, 2, seat_0={"shoot": 1})
+    assert match.state.agents.health[0, 1] == 0
+
+
+def test_dropped_supplies_lie_where_the_agent_died_and_can_be_taken() -> None:
+    match = duel()
+    match.state.supplies.quantity[:] = 0
+    match.state.agents.supplies[0, 1] = 10
+    act(match, 1, seat_0={"shoot": 1})
+    slot = int(match.state.supplies.quantity[0].argmax())
+    assert match.state.supplies.quantity[0, slot] == 5
+    assert match.state.supplies.position[0, slot] == pytest.approx([0, 0, 10])
+    act(match, 20, seat_0={"walk_speed": 5, "pick_up": 1})
+    assert match.state.agents.supplies[0, 0] == 5
+
+
+def test_supplies_are_conserved_in_a_whole_battle() -> None:
+    match = make_match(seats=1, world=None, rules=Rules())
+    spec = match.spec.model_copy(update={"seats": ("fighter",) * 6, "time_limit": 60.0, "seed": 4})
+    battle = Match(spec, match.game_map)
+    total = battle.state.supplies.quantity.sum()
+    while not battle.over:
+        battle.step()
+        assert battle.state.supplies.quantity.sum() + battle.state.agents.supplies.sum() == total
+    assert battle.state.agents.deaths.sum() > 0

@@ -1,0 +1,17 @@
+"""How much memory a match takes beside its map."""
+
+import pytest
+
+from wildscav_engine.simulation.state import allocate_state
+from wildscav_engine.simulation.visibility import allocate_seen
+
+
+@pytest.mark.parametrize(("seats", "slots"), [(1, 0), (10, 400), (100, 2000), (1000, 10_000)])
+def test_a_match_takes_20_kb_and_2_kb_an_agent_and_32_b_a_box(seats: int, slots: int) -> None:
+    state = allocate_state(1, seats, slots, phases=16)
+    parts = (*state.agents, *state.supplies, *state.matches, *allocate_seen(1, seats))
+    assert sum(array.nbytes for array in parts) <= 20_000 + 2_000 * seats + 32 * slots
+
+
+def test_a_box_takes_28_bytes() -> None:
+    assert sum(array.nbytes for array in allocate_state(1, 1, 1000).supplies) == 28_000

@@ -1,0 +1,129 @@
+"""Rulings on who sees whom, and which boxes."""
+
+import numpy as np
+import pytest
+
+from builders import act, box, flat_world, make_match, place
+from wildscav_engine.geometry.world import Kind, Solid
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.rules import Rules
+
+
+def watch(
+    position: tuple[float, float, float], pitch: float = 0.0, solids: list[Solid] | None = None
+) -> bool:
+    """Whether an agent at the origin that looks north sees one at a position."""
+    match = make_match(seats=2, world=flat_world(80, solids or []))
+    place(match, 0, (0, 0, 0), pitch=pitch)
+    place(match, 1, position)
+    act(match, 1)
+    return bool(match.seen.agent_count[0, 0] == 1)
+
+
+@pytest.mark.parametrize(
+    ("position", "seen"),
+    [
+        ((0, 0, 10), True),
+        ((0, 0, -10), False),  # behind
+        ((9.5, 0, 10), True),  # 43.5° to the right: the view is 90° wide
+        ((11, 0, 10), False),
+        ((10.4, 0, 10), True),  # its axis is at 46.1°, but its left side in view
+        ((-10.4, 0, 10), True),
+        ((-9.5, 0, 10), True),
+        ((0, 0, 38), True),
+        ((0, 9, 10), False),  # 37° up: the view is 50.6° high
+    ],
+)
+def test_the_view_is_a_frustum(position: tuple[float, float, float], seen: bool) -> None:
+    assert watch(position) == seen
+
+
+def test_looking_at_the_sky_hides_the_ground() -> None:
+    assert not watch((0, 0, 10), pitch=-60)
+
+
+def test_a_wall_hides_and_a_low_one_does_not() -> None:
+    assert not watch((0, 0, 10), solids=[box((-3, 0, 5), (3, 3, 5.3))])
+    assert watch((0, 0, 10), solids=[box((-3, 0, 5), (3, 1.2, 5.3))])
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "seen"),
+    [
+        (-3, 0.2, True),  # hides the axis, but not the right side
+        (-0.2, 3, True),
+        (-0.2, 0.2, True),  # a post in front of it
+        (-0.5, 0.5, False),  # as wide as the body
+        (-3, 0.5, False),
+    ],
+)
+def test_a_body_half_behind_something_is_seen(left: float, right: float, seen: bool) -> None:
+    assert watch((0, 0, 10), solids=[box((left, 0, 9), (right, 3, 9.1))]) == seen
+
+
+def test_who_stands_right_above_is_seen_by_who_looks_up() -> None:
+    assert watch((0, 5, 0), pitch=-90)
+    assert not watch((0, 5, 0), pitch=0)
+
+
+@pytest.mark.parametrize(("sill", "seen"), [(0.9, True), (2.0, False)])
+def test_windows_are_looked_through(sill: float, seen: bool) -> None:
+    """A wall as high as a house, with an opening from a sill to a lintel."""
+    wall = [
+        box((-9, 0, 5), (9, sill, 5.3)),
+        box((-9, sill + 0.8, 5), (9, 9, 5.3)),
+        box((-9, 0, 5), (-0.5, 9, 5.3)),
+        box((0.5, 0, 5), (9, 9, 5.3)),
+    ]
+    assert watch((0, 0, 10), solids=wall) == seen
+
+
+@pytest.mark.parametrize("kind", [Kind.CROWN, Kind.BUSH, Kind.TRUNK])
+def test_plants_hide(kind: Kind) -> None:
+    assert not watch((0, 0, 10), solids=[box((-2, 0, 5), (2, 4, 7), kind)])
+
+
+def test_seeing_is_not_mutual() -> None:
+    match = make_match(seats=2)
+    place(match, 0, (0, 0, 0), yaw=0)
+    place(match, 1, (0, 0, 10), yaw=0)
+    act(match, 1)
+    assert match.seen.agent_count[0].tolist() == [1, 0]
+
+
+def test_the_nearest_come_first_and_sixteen_at_most() -> None:
+    match = make_match(seats=20)
+    place(match, 0, (0, 0, -18))
+    for seat in range(1, 20):
+        place(match, seat, (((seat * 7) % 5) - 2, 0, -14 + seat * 1.5))
+    act(match, 1)
+    seen = match.seen.agents[0, 0]
+    assert match.seen.agent_count[0, 0] == 16
+    way = match.state.agents.position[0, seen] - match.state.agents.position[0, 0]
+    distances = np.linalg.norm(way, axis=1)
+    assert (np.diff(distances) >= 0).all()
+
+
+def boxes_seen(match: Match) -> list[int]:
+    return match.seen.supplies[0, 0, : match.seen.supply_count[0, 0]].tolist()
+
+
+def test_boxes_are_known_within_20_metres_even_behind_walls() -> None:
+    wall = box((-3, 0, 5), (3, 3, 5.3))
+    match = make_match("gathering", world=flat_world(80, [wall]))
+    place(match, 0, (0, 0, 0))
+    supplies = match.state.supplies
+    supplies.quantity[:] = 0
+    for slot, z in enumerate((19.9, 20.1, 6.0)):
+        supplies.position[0, slot] = (0, 0, z)
+        supplies.quantity[0, slot], supplies.appears[0, slot] = 1, 0
+    act(match, 1)
+    assert boxes_seen(match) == [2, 0]
+
+
+def test_the_dead_see_nothing_and_are_not_seen() -> None:
+    match = make_match(seats=2, rules=Rules(shot_damage=100))
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10), yaw=180)
+    act(match, 1, seat_0={"shoot": 1})
+    assert match.seen.agent_count[0].tolist() == [0, 0]

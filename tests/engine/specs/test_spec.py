@@ -1,0 +1,68 @@
+"""Specs refuse what cannot be, in one line that says what is allowed."""
+
+import pytest
+from pydantic import ValidationError
+
+from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.spec import MapConfig, MatchSpec, SupplyConfig, one_line
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        (
+            {"track": "racing"},
+            "track is 'racing'; the tracks are navigation, gathering, capture, battle, royale",
+        ),
+        (
+            {"track": "battle", "seats": ["wizard"]},
+            "seat 0 is filled by 'wizard'; allowed are submission",
+        ),
+        ({"track": "battle", "seats": []}, "seats"),
+        ({"track": "battle", "target": [0, 0, 0]}, "target is given, but battle has no target"),
+        ({"track": "navigation", "supplies": {}}, "supplies is given, but navigation has no supplies"),
+        ({"track": "battle", "time_limit": 0}, "time_limit: Input should be greater than 0, not 0"),
+        ({"track": "battle", "seed": -1}, "seed"),
+        ({"track": "battle", "rules": {"gravity": 1}}, "no rule is called gravity"),
+        ({"track": "battle", "rules": {"supply_loss": 2}}, "supply_loss"),
+        ({"track": "battle", "map": {"config": {"size": 41}}}, "map.config.size"),
+        ({"track": "battle", "map": {"config": {"storeys": [3, 1]}}}, "storeys is (3, 1)"),
+        ({"track": "battle", "speed": 3}, "speed: Extra inputs are not permitted"),
+        ({"track": "battle", "start": [0, 0, float("nan")]}, "start.2"),
+    ],
+)
+def test_what_cannot_be_is_refused(fields: dict[str, object], said: str) -> None:
+    with pytest.raises(ValidationError) as caught:
+        MatchSpec.model_validate(fields)
+    assert said in one_line(caught.value)
+    assert "\n" not in one_line(caught.value)
+
+
+def test_a_spec_survives_json() -> None:
+    spec = MatchSpec(
+        track="battle",
+        seats=("submission", "fighter"),
+        seed=2**64 - 1,
+        rules=Rules(shot_damage=7),
+        supplies=SupplyConfig(spacing=5),
+    )
+    assert MatchSpec.model_validate_json(spec.model_dump_json()) == spec
+
+
+def test_whole_numbers_for_real_rules_become_real() -> None:
+    spec = MatchSpec.model_validate({"track": "battle", "rules": {"respawn_time": 3}})
+    assert isinstance(spec.rules.respawn_time, float)
+
+
+def test_a_quantity_range_must_ascend() -> None:
+    with pytest.raises(ValidationError, match="outdoor_quantity"):
+        SupplyConfig(outdoor_quantity=(5, 1))
+
+
+def test_the_defaults_are_the_originals() -> None:
+    rules = Rules()
+    assert (rules.start_health, rules.clip_size, rules.spare_ammo, rules.shot_damage) == (100, 15, 60, 20)
+    assert (rules.respawn_time, rules.invincible_time, rules.supply_loss) == (10, 10, 0.5)
+    assert (rules.water_speed_factor, rules.target_distance, rules.supply_sight) == (0.5, 1, 20)
+    assert MatchSpec(track="navigation").frames_per_action == 5
+    assert MapConfig().size == 100

@@ -1,0 +1,59 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from wildscav_engine.view.recording import frame
+
+EAST, NORTH, UP = np.eye(3)  # Rerun's axes in a replay
+
+
+def turned(quaternion: NDArray[np.float32], vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turn a vector by a unit quaternion x, y, z, w."""
+    axis, w = quaternion[:3].astype(np.float64), float(quaternion[3])
+    return vector + 2 * np.cross(axis, np.cross(axis, vector) + w * vector)
+
+
+@pytest.mark.parametrize(
+    ("game", "rerun"),
+    [
+        ((1.0, 0.0, 0.0), EAST),
+        ((0.0, 1.0, 0.0), UP),
+        ((0.0, 0.0, 1.0), NORTH),
+    ],
+)
+def test_east_stays_east_and_up_becomes_the_third_axis(
+    game: tuple[float, float, float], rerun: NDArray[np.float64]
+) -> None:
+    np.testing.assert_array_equal(frame.points(np.array(game)), rerun)
+
+
+@pytest.mark.parametrize(
+    ("yaw", "pitch", "forwards", "right"),
+    [
+        (0.0, 0.0, NORTH, EAST),
+        (90.0, 0.0, EAST, -NORTH),  # clockwise from above
+        (180.0, 0.0, -NORTH, -EAST),
+        (-90.0, 0.0, -EAST, NORTH),
+        (0.0, 90.0, -UP, EAST),  # a positive pitch looks down
+        (90.0, -90.0, UP, -NORTH),
+    ],
+)
+def test_a_camera_looks_where_the_agent_looks(
+    yaw: float, pitch: float, forwards: NDArray[np.float64], right: NDArray[np.float64]
+) -> None:
+    camera = frame.camera_rotations(np.array([yaw]), np.array([pitch]))[0]
+    looks = frame.points(frame.directions(np.array(yaw), np.array(pitch)))
+
+    np.testing.assert_allclose(looks, forwards, atol=1e-6)
+    np.testing.assert_allclose(turned(camera, np.array([0.0, 0.0, 1.0])), forwards, atol=1e-6)
+    np.testing.assert_allclose(turned(camera, np.array([1.0, 0.0, 0.0])), right, atol=1e-6)
+
+
+def test_triangles_keep_their_outside() -> None:
+    a, b, c = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # from above in the game's order
+    assert np.cross(b - a, c - a)[1] > 0
+
+    corners = frame.points(np.array([a, b, c]))
+    first, second, third = corners[frame.triangles(np.array([[0, 1, 2]], np.int32))[0]]
+
+    assert np.cross(second - first, third - first)[2] > 0
