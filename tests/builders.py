@@ -12,7 +12,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import Supplies
 from wildscav_engine.simulation.systems.supplies import index_boxes
-from wildscav_engine.simulation.visibility import Seen
+from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
 

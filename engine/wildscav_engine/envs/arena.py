@@ -13,8 +13,8 @@ from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, STANDING, Part
 from wildscav_engine.envs.spaces.facts import allocate_desk, write_rows
 from wildscav_engine.envs.spaces.flat import Flattener
-from wildscav_engine.envs.spaces.match_view import MatchView
 from wildscav_engine.envs.spaces.observation import Observation, Readings, Sight, layout_of, readings_space
+from wildscav_engine.envs.spaces.row_view import RowView
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.state import State
 from wildscav_engine.specs.actions import FIELDS
@@ -50,7 +50,7 @@ class Arena:
         self.terms = tuple(config.reward_weights)
         self.sight = Sight(config.read_sensors(), self.learners, config.threads)
         self.batch: Batch | None = None
-        self._views: dict[int, MatchView] = {}
+        self._views: dict[int, RowView] = {}
         self._state: State | None = None
         seats = len(config.seats)
         self.actions = np.zeros((matches, seats, FIELDS), np.float32)
@@ -158,10 +158,10 @@ class Arena:
         flattener = self._flattener
         return Reading(found if flattener is None else flattener.flatten(found, axes=2), rows)
 
-    def view(self, match: int) -> MatchView:
+    def view(self, match: int) -> RowView:
         """Return one match, for what looks at matches one by one."""
         if match not in self._views:
-            self._views[match] = MatchView(self._batch, match)
+            self._views[match] = RowView(self._batch, match)
         return self._views[match]
 
     def terminated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
@@ -191,4 +191,4 @@ class Arena:
 
     def measure(self, match: int, learner: int) -> Mapping[str, float]:
         """Return the metrics of a learner's match as it stands."""
-        return self.track.measure(self.view(match).as_match, learner)
+        return self.track.measure(self.view(match), learner)

@@ -18,7 +18,7 @@ from wildscav_engine.envs.settings.episodes import Episodes
 from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND
 from wildscav_engine.envs.spaces.columns import Part
-from wildscav_engine.envs.spaces.global_state import overview, overview_space
+from wildscav_engine.envs.spaces.global_state import global_state, global_state_space
 from wildscav_engine.envs.spaces.masks import flat_mask, flat_space
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
@@ -62,7 +62,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         }
         space = flat_space(self.arena.mode.space) if self.config.flat else self.arena.mode.space
         self.action_spaces: dict[str, Space[Any]] = dict.fromkeys(self.possible_agents, space)
-        self.state_space: Box = overview_space(self.config)
+        self.state_space: Box = global_state_space(self.config)
         self._seats = {agent: seat for seat, agent in enumerate(self.possible_agents)}
         self._rows = [self.arena.actions[:, seat] for seat in range(self.config.agents)]
         self._alive = self.arena.layout.first(Part.BODY)
@@ -192,8 +192,10 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         return other
 
     def state(self) -> NDArray[np.float32]:
-        """Return all that matters of the whole match, robots included, as ``overview.py`` says."""
-        return overview(self.arena)
+        """Return all that matters of the whole match, robots included, as ``spaces/global_state.py`` says."""
+        if self.arena.batch is None:
+            raise RuntimeError("there is no episode: reset the environment first")
+        return global_state(self.arena.batch.state)
 
     def render(self) -> Any:
         """Return the picture that the render mode says, of the first agent or from above."""

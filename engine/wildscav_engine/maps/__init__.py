@@ -3,8 +3,9 @@
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.catalogue import load_map, map_spec
 from wildscav_engine.maps.errors import MapError
-from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap, House, Room
+from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 from wildscav_engine.maps.generate import generate_map
+from wildscav_engine.maps.settlements.houses import House, Room
 
 __all__ = [
     "GENERATOR_VERSION",

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import blake2b
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.shapes import Pose, Rectangle, pose
 from wildscav_engine.geometry.world import World
+from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.specs.spec import MapConfig, MapSpec
 
 if TYPE_CHECKING:
@@ -20,32 +20,6 @@ if TYPE_CHECKING:
 # Raised by every change that makes another map of the same config and seed.
 GENERATOR_VERSION = 7
 SUPPLY_SPACING = 5.0  # m at least between the indoor points of supplies
-
-
-class Room(NamedTuple):
-    """A room of a house: what lies between its walls."""
-
-    level: int  # 0 is the ground floor
-    area: Rectangle  # m, in the axes of the house
-
-
-@dataclass(frozen=True)
-class House:
-    """Where a house stands: a rectangle turned about its middle."""
-
-    center: tuple[float, float]  # m, x and z
-    size: tuple[float, float]  # m, width and depth before turning
-    yaw: float  # degrees
-    ground: float  # m, height of its ground floor
-    storeys: int
-    storey_height: float  # m
-    wings: tuple[Rectangle, ...] = ()  # m, in its own axes: the outlines of its parts, walls included
-    rooms: tuple[Room, ...] = ()
-
-    @property
-    def pose(self) -> Pose:
-        """Its own axes: across, and along to its front."""
-        return pose(*self.center, self.yaw)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +75,7 @@ class GameMap:
         """What the surfaces of this map look like; made for the first picture."""
         from wildscav_engine.rendering.shading.materials import materials_of
 
-        return materials_of(self)
+        return materials_of(self.world, self.solid_house)
 
     @cached_property
     def digest(self) -> str:

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import CELL, Solid
 from wildscav_engine.maps.base import Base, load_base
 from wildscav_engine.maps.errors import MapError
-from wildscav_engine.maps.game_map import House
 from wildscav_engine.maps.ground.terrain import Terrain, level_ground, make_terrain
 from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_plan, house_of
 from wildscav_engine.maps.placements import fixed_houses, placed_solids
+from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.maps.settlements.sites import Settlement, Site, footprints_of, room_for, settle
 from wildscav_engine.maps.vegetation.planting import plant
 from wildscav_engine.specs.spec import MapConfig

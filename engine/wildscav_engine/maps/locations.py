@@ -12,7 +12,7 @@ from wildscav_engine.geometry.clearance import is_clear
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind, World
-from wildscav_engine.maps.game_map import House
+from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.maps.walk import WalkGraph
 from wildscav_engine.maps.walk.lattice import FINE
 

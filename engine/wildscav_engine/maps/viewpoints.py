@@ -8,7 +8,8 @@ from wildscav_engine.arithmetic.elementary_functions import arctangent
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import World, cell_of
-from wildscav_engine.maps.game_map import GameMap, House
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.specs.body import BODY_HEIGHT, EYE_HEIGHT
 
 AWAY = 1.1, 9.0  # times the greater side of a house, plus m: how far away it is looked at best

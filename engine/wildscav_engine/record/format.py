@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS
@@ -23,6 +22,7 @@ from wildscav_engine.specs.result import MatchResult
 from wildscav_engine.specs.spec import MatchSpec, one_line
 from wildscav_engine.storage.binary_format import ContainerError, Layout, decompress, pack, unpack
 from wildscav_engine.storage.files import read_limited, write_whole
+from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION
 
 RECORD_VERSION = 2  # of this layout and of its header
 LAYOUT = Layout(b"WILDSCAV", RECORD_VERSION, "a record of a match")

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION, MapError, map_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.record.format import Record, RecordError
 from wildscav_engine.simulation.match import Match, MatchSetupError
+from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION
 
 
 class Verification(NamedTuple):

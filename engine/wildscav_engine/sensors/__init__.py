@@ -1,7 +1,8 @@
-"""What an agent perceives: one file and one registry line a sensor."""
+"""What an agent perceives, one file a sensor. ``extensions.py`` lists them."""
 
 from collections.abc import Mapping
 
+from wildscav_engine.extensions import Registry
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.camera import ColorCamera
 from wildscav_engine.sensors.compass import Compass
@@ -14,18 +15,7 @@ from wildscav_engine.sensors.segmentation import SegmentationCamera
 from wildscav_engine.sensors.teammates import Teammates
 from wildscav_engine.sensors.visible_agents import VisibleAgents
 
-SENSORS: dict[str, type[Sensor]] = {
-    "depth": DepthCamera,
-    "lidar": Lidar,
-    "camera": ColorCamera,
-    "segmentation": SegmentationCamera,
-    "normals": NormalCamera,
-    "visible_agents": VisibleAgents,
-    "teammates": Teammates,
-    "nearby_supplies": NearbySupplies,
-    "compass": Compass,
-    "zone": SafeZone,
-}
+SENSORS: Registry[type[Sensor]] = Registry("wildscav.sensors")
 
 __all__ = [
     "SENSORS",

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -55,7 +55,7 @@ class Sensor(ABC):
         """The shape, type and bounds of one seat's reading."""
 
     @abstractmethod
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[Any]:
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[Any]:
         """Return the readings of some seats, (len(seats), *space.shape).
 
         Raises:
@@ -141,7 +141,7 @@ def table_space(limit: int, columns: Sequence[Column]) -> "Box":
     return Box(np.tile(row.low, (limit, 1)), np.tile(row.high, (limit, 1)), dtype=np.float32)
 
 
-def rows_of(match: "Match", seats: Sequence[int]) -> NDArray[np.int64]:
+def rows_of(match: "MatchView", seats: Sequence[int]) -> NDArray[np.int64]:
     """Return seats as rows of the state's arrays.
 
     Raises:

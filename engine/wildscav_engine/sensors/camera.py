@@ -15,14 +15,14 @@ from wildscav_engine.rendering.shading.pictures import shade
 from wildscav_engine.rendering.trace import Hits
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optics.dynamic_objects import as_things, things_of
+from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
 from wildscav_engine.sensors.optics.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 
 @sensor
@@ -53,12 +53,13 @@ class ColorCamera(PaintedCamera):
         super().prepare(game_map)
         _ = game_map.materials
 
-    def moving_in(self, match: "Match") -> Solids:
+    def moving_in(self, match: "MatchView") -> Solids:
         """Return the living agents and the supply boxes that are there."""
-        return things_of(match)
+        return dynamic_objects_of(match)
 
     def paint(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, hits: Hits, images: NDArray[np.uint8]
     ) -> None:
         """Write colours."""
-        shade(game_map, as_things(moving), cameras, hits, images, shadows=self.shadows)
+        objects = as_dynamic_objects(moving)
+        shade(game_map.world, game_map.materials, objects, cameras, hits, images, shadows=self.shadows)

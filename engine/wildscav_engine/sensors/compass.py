@@ -21,7 +21,7 @@ from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of, sen
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 INF = np.inf
 COLUMNS = (
@@ -50,7 +50,7 @@ class Compass(Sensor):
         """(5,)."""
         return row_space(COLUMNS)
 
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), 5).
 
         Raises:

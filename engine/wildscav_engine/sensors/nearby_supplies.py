@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
-from wildscav_engine.simulation.visibility import SUPPLY_LIMIT
+from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 MOST_SUPPLIES = 2.0**31  # in a box: what a 32-bit count holds
 
@@ -51,7 +51,7 @@ class NearbySupplies(Sensor):
         """(limit, 6)."""
         return table_space(self.limit, self.columns)
 
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 6).
 
         Raises:

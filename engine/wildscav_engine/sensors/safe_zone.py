@@ -20,7 +20,7 @@ from wildscav_engine.specs.rules import FRAME
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 INF = np.inf
 COLUMNS = (
@@ -58,7 +58,7 @@ class SafeZone(Sensor):
         """(11,)."""
         return row_space(COLUMNS)
 
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), 11).
 
         Raises:

@@ -16,17 +16,18 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.optics.dynamic_objects import Things, as_things, things_of
+from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
 from wildscav_engine.sensors.optics.pinhole import PaintedCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 FIRST_AGENT, FIRST_SOLID, FIRST_BOX = 10_000, 1_000_000, 1_000_000_000
 GREATEST = 2**31 - 1
@@ -61,9 +62,9 @@ class SegmentationCamera(PaintedCamera):
         greatest = max(Kind) if self.label == "kind" else GREATEST
         return Box(0, int(greatest), self.shape, self.dtype)  # type: ignore[arg-type]
 
-    def moving_in(self, match: "Match") -> Solids:
+    def moving_in(self, match: "MatchView") -> Solids:
         """Return the living agents and the supply boxes that are there."""
-        return things_of(match)
+        return dynamic_objects_of(match)
 
     def paint(
         self,
@@ -74,7 +75,7 @@ class SegmentationCamera(PaintedCamera):
         images: NDArray[Any],
     ) -> None:
         """Write labels."""
-        kinds, things = game_map.world.solid_kind, as_things(moving)
+        kinds, things = game_map.world.solid_kind, as_dynamic_objects(moving)
         if self.label == "kind":
             labels = np.concatenate([kinds, things.kind]).astype(np.int32)
         else:
@@ -84,7 +85,7 @@ class SegmentationCamera(PaintedCamera):
         _label(hits.solid, labels, images)
 
 
-def _instances(things: Things) -> NDArray[np.int64]:
+def _instances(things: DynamicObjects) -> NDArray[np.int64]:
     first = np.where(things.kind == Kind.AGENT, FIRST_AGENT, FIRST_BOX)
     return np.asarray(first + things.instance, np.int64)
 

@@ -18,7 +18,7 @@ from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 INF = np.inf
 MOST_SUPPLIES = 2.0**31  # carried: what a 32-bit count holds
@@ -62,7 +62,7 @@ class Teammates(Sensor):
         """(limit, 13)."""
         return table_space(self.limit, COLUMNS)
 
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 13).
 
         Raises:
@@ -75,7 +75,7 @@ class Teammates(Sensor):
             reading[: len(mates)] = _describe(match, int(row), mates)
         return readings
 
-    def _nearest(self, match: "Match", row: int) -> NDArray[np.int64]:
+    def _nearest(self, match: "MatchView", row: int) -> NDArray[np.int64]:
         """Return the seats of the nearest teammates, nearest first."""
         agents = match.state.agents
         mates = np.flatnonzero(agents.team[0, : match.seats] == agents.team[0, row])
@@ -86,7 +86,7 @@ class Teammates(Sensor):
         return nearest
 
 
-def _describe(match: "Match", row: int, mates: NDArray[np.int64]) -> NDArray[np.float64]:
+def _describe(match: "MatchView", row: int, mates: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return (len(mates), 13) what a seat knows of some teammates."""
     agents = match.state.agents
     x, y, z = (agents.position[0, mates] - agents.position[0, row]).T

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
-from wildscav_engine.simulation.visibility import AGENT_LIMIT
+from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 INF = np.inf
 # Seats and teams are numbers below 1000; rules allow 10,000 hp at most.
@@ -62,7 +62,7 @@ class VisibleAgents(Sensor):
         """(limit, 13)."""
         return table_space(self.limit, COLUMNS)
 
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[np.float32]:
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return (len(seats), limit, 13).
 
         Raises:

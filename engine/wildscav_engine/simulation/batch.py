@@ -14,14 +14,14 @@ from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.simulation.play import look, play_batch
-from wildscav_engine.simulation.set_up import MatchSetupError, place_match, plan_match
+from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match
 from wildscav_engine.simulation.snapshot import History, check_size, decode, encode, map_for, write
 from wildscav_engine.simulation.state import State, allocate_state, with_room
+from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
 from wildscav_engine.simulation.thread_pool import Crew, Job, crew, most_together
-from wildscav_engine.simulation.visibility import Seen, allocate_seen
+from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.actions import FIELDS, Field, no_actions
 from wildscav_engine.specs.spec import MatchSpec
-from wildscav_engine.tracks import TRACKS
 
 
 class NewActions(NamedTuple):

@@ -1,4 +1,4 @@
-"""A map in figures."""
+"""Statistics of a map: its size, houses, water, plants, places and supplies."""
 
 from collections import Counter
 
@@ -11,8 +11,8 @@ from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 SUPPLY_SEED = 0  # of the match whose supplies are counted
 
 
-def figures_of(game_map: GameMap) -> dict[str, str]:
-    """Return a map's figures by name, as text."""
+def map_statistics(game_map: GameMap) -> dict[str, str]:
+    """Return a map's statistics by name, as text."""
     config, world = game_map.config, game_map.world
     rows, columns = world.water.shape
     storeys = Counter(house.storeys for house in game_map.houses)

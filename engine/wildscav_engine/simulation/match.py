@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.batch import Batch, check_actions
-from wildscav_engine.simulation.set_up import MatchSetupError, WaveInfo, seed_of_seat
+from wildscav_engine.simulation.setup.match_setup import MatchSetupError, WaveInfo, seed_of_seat
 from wildscav_engine.simulation.snapshot import History, StateError, decode
 from wildscav_engine.simulation.state import Ending, State
-from wildscav_engine.simulation.visibility import Seen
+from wildscav_engine.simulation.systems.visibility import Seen
+from wildscav_engine.simulation.track import Track
 from wildscav_engine.specs.actions import FIELDS, no_actions
 from wildscav_engine.specs.result import MatchResult, SeatResult
 from wildscav_engine.specs.spec import SUBMISSION, MatchSpec
-from wildscav_engine.tracks import Track
 
 __all__ = ["Match", "MatchSetupError", "StartInfo", "StateError", "WaveInfo"]
 

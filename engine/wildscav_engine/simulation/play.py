@@ -8,7 +8,7 @@ from wildscav_engine.compilation.kernel import kernel, only_for
 from wildscav_engine.maps.bank import world_at
 from wildscav_engine.simulation.state import allocate_state
 from wildscav_engine.simulation.step import play_step
-from wildscav_engine.simulation.visibility import allocate_seen, look_at_match
+from wildscav_engine.simulation.systems.visibility import allocate_seen, look_at_match
 from wildscav_engine.specs.rules import Rules
 
 _EXAMPLE = allocate_state(1, 1, 1, 1)

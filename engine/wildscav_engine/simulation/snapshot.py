@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from wildscav_engine import SIMULATION_VERSION
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.row_copy import ITEM, LENGTH, copy_row
 from wildscav_engine.maps import GENERATOR_VERSION, GameMap, MapError, map_of
 from wildscav_engine.simulation.state import allocate_state
-from wildscav_engine.simulation.visibility import allocate_seen
+from wildscav_engine.simulation.systems.visibility import allocate_seen
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.spec import MatchSpec, one_line
 from wildscav_engine.storage.binary_format import ContainerError, Layout, pack, unpack
+from wildscav_engine.version import SIMULATION_VERSION
 
 LAYOUT = Layout(b"WILDSNAP", 1, "a state of a match")
 VERSIONS = {"simulation_version": SIMULATION_VERSION, "generator_version": GENERATOR_VERSION}

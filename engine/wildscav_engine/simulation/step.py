@@ -25,9 +25,9 @@ from wildscav_engine.simulation.systems.endings import (
 )
 from wildscav_engine.simulation.systems.supplies import index_boxes, pick_up
 from wildscav_engine.simulation.systems.turn_order import draw_turns
+from wildscav_engine.simulation.systems.visibility import Seen, look_around
 from wildscav_engine.simulation.systems.weapons import handle_weapons, shoot
 from wildscav_engine.simulation.systems.zone import hurt_outside
-from wildscav_engine.simulation.visibility import Seen, look_around
 from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, Field
 from wildscav_engine.specs.rules import FRAME, Rules
 

@@ -1,9 +1,10 @@
 """The specs: everything that a map and a match are functions of."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules, RulesField
 
 if TYPE_CHECKING:
@@ -164,6 +165,30 @@ class MapSpec(Spec):
     seed: Seed = 0
 
 
+class TrackRules(Protocol):
+    """What a spec has to know of its track; see ``simulation/track.py``."""
+
+    has_target: bool
+    has_supplies: bool
+    has_supply_goal: bool
+    has_zone: bool
+
+    def teams(self, seats: int) -> tuple[int, ...]:
+        """Return the team of each seat where the spec does not say."""
+
+
+class RobotName(Protocol):
+    """What a spec has to know of a robot; see ``simulation/robots/base.py``."""
+
+    @property
+    def name(self) -> str:
+        """What fills a seat with it."""
+
+
+_TRACKS: Registry[TrackRules] = Registry("wildscav.tracks", make=lambda track: track())
+_ROBOTS: Registry[tuple[RobotName, ...]] = Registry("wildscav.robots")
+
+
 class MatchSpec(Spec):
     """One match: with every action of every seat, all that happens in it is a function of this."""
 
@@ -232,18 +257,13 @@ class MatchSpec(Spec):
     @property
     def team_of_seats(self) -> tuple[int, ...]:
         """The team of each seat."""
-        from wildscav_engine.tracks import TRACKS
-
-        return self.teams if self.teams is not None else TRACKS[self.track].teams(len(self.seats))
+        return self.teams if self.teams is not None else _TRACKS[self.track].teams(len(self.seats))
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
-        from wildscav_engine.simulation.robots import ROBOTS
-        from wildscav_engine.tracks import TRACKS
-
-        if self.track not in TRACKS:
-            raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(TRACKS)}")
-        track = TRACKS[self.track]
+        if self.track not in _TRACKS:
+            raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(_TRACKS)}")
+        track = _TRACKS[self.track]
         for field, has in (
             ("target", track.has_target),
             ("start_range", track.has_target),
@@ -253,9 +273,10 @@ class MatchSpec(Spec):
         ):
             if getattr(self, field) is not None and not has:
                 raise ValueError(f"{field} is given, but {self.track} has no {field.replace('_', ' ')}")
+        robots = [robot.name for levels in _ROBOTS.values() for robot in levels]
         for seat, name in enumerate(self.seats):
-            if name != SUBMISSION and name not in ROBOTS:
-                allowed = ", ".join([SUBMISSION, *ROBOTS])
+            if name != SUBMISSION and name not in robots:
+                allowed = ", ".join([SUBMISSION, *robots])
                 raise ValueError(f"seat {seat} is filled by {name!r}; allowed are {allowed}")
         return self
 

@@ -1,18 +1,5 @@
-"""The kinds of match: one file and one registry line a track."""
+"""The kinds of match, one file each. ``extensions.py`` lists them."""
 
-from wildscav_engine.specs.track import Metric, Track
-from wildscav_engine.tracks.battle import Battle
-from wildscav_engine.tracks.capture import Capture
-from wildscav_engine.tracks.gathering import Gathering
-from wildscav_engine.tracks.navigation import Navigation
-from wildscav_engine.tracks.royale import Royale
-
-TRACKS: dict[str, Track] = {
-    "navigation": Navigation(),
-    "gathering": Gathering(),
-    "capture": Capture(),
-    "battle": Battle(),
-    "royale": Royale(),
-}
+from wildscav_engine.simulation.track import TRACKS, Metric, Track
 
 __all__ = ["TRACKS", "Metric", "Track"]

@@ -2,9 +2,7 @@
 
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.specs.track import (
+from wildscav_engine.simulation.track import (
     AGENTS_SEEN,
     PAPER_DEPTH,
     SUPPLIES_SEEN,
@@ -13,9 +11,11 @@ from wildscav_engine.specs.track import (
     Track,
     carried_by_team,
 )
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
 
 if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 OVER_THE_MAP = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0)
 
@@ -43,7 +43,7 @@ class Battle(Track):
         """Return the spec's supplies, or the map's, or the competition's first wave over the whole map."""
         return spec.supplies or spec.map.config.supplies or OVER_THE_MAP
 
-    def measure(self, match: "Match", seat: int) -> dict[str, float]:
+    def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return the supplies that the team carries, and the seat's kills and deaths."""
         agents = match.state.agents
         return {

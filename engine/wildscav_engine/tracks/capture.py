@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.specs.track import MOVES, Track
+from wildscav_engine.simulation.track import MOVES, Track
 from wildscav_engine.tracks.navigation import Navigation, time_to_target
 
 if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 
 class Capture(Track):
@@ -30,7 +30,7 @@ class Capture(Track):
         """Return one team for all."""
         return (0,) * seats
 
-    def measure(self, match: "Match", seat: int) -> dict[str, float]:
+    def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return used and punish time, their sum, and whether this seat's team reached the target."""
         team = match.spec.team_of_seats
         return time_to_target(match, [mate for mate in range(match.seats) if team[mate] == team[seat]])

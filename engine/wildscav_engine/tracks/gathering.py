@@ -3,10 +3,7 @@
 import functools
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.rules import FRAME
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.specs.track import (
+from wildscav_engine.simulation.track import (
     MOVES,
     PAPER_DEPTH,
     SUPPLIES_SEEN,
@@ -15,9 +12,12 @@ from wildscav_engine.specs.track import (
     Track,
     carried_by_team,
 )
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import FRAME
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
 
 if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 
 class Gathering(Track):
@@ -46,7 +46,7 @@ class Gathering(Track):
         """Return the spec's supplies, or the map's, or one wave around the middle of the map."""
         return spec.supplies or spec.map.config.supplies or _around_the_middle(spec.map.config.size)
 
-    def measure(self, match: "Match", seat: int) -> dict[str, float]:
+    def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return the supplies that the team and the seat carry, and the time of the match."""
         return {
             "supplies": carried_by_team(match, seat),

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from wildscav_engine.simulation.track import MOVES, Metric, Track
 from wildscav_engine.specs.rules import FRAME
-from wildscav_engine.specs.track import MOVES, Metric, Track
 
 if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 PUNISHED_SPEED = 10.0  # m/s: a target not reached costs twice the time that the way left takes at this speed
 
@@ -34,12 +34,12 @@ class Navigation(Track):
         Metric("success", "success rate", "", lower_is_better=False),
     )
 
-    def measure(self, match: "Match", seat: int) -> dict[str, float]:
+    def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return used and punish time, their sum, and whether this seat reached the target."""
         return time_to_target(match, [seat])
 
 
-def time_to_target(match: "Match", seats: list[int]) -> dict[str, float]:
+def time_to_target(match: "MatchView", seats: list[int]) -> dict[str, float]:
     """Return used and punish time, their sum, and success, of whichever of some seats did best."""
     agents = match.state.agents
     reached = bool(agents.reached[0, seats].any())

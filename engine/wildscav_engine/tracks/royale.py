@@ -4,9 +4,7 @@ import functools
 from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.simulation.systems.elimination import placement_now
-from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
-from wildscav_engine.specs.track import (
+from wildscav_engine.simulation.track import (
     AGENTS_SEEN,
     PAPER_DEPTH,
     SUPPLIES_SEEN,
@@ -15,10 +13,12 @@ from wildscav_engine.specs.track import (
     Track,
     carried_by_team,
 )
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
 from wildscav_engine.tracks.battle import Battle
 
 if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 WIN = 100.0  # points for the first place
 SHARES = (0.6, 0.5, 0.5, 0.4, 0.0)  # of the zone's radius that each phase leaves
@@ -59,7 +59,7 @@ class Royale(Track):
         """Return the spec's schedule, or one of five phases that fills nine tenths of the time limit."""
         return spec.zone or _default_zone(spec.time_limit)
 
-    def measure(self, match: "Match", seat: int) -> dict[str, float]:
+    def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return points, the team's placement and supplies, and the seat's kills."""
         agents, matches = match.state.agents, match.state.matches
         placement = placement_now(

@@ -39,7 +39,7 @@ def settle_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, li
 
 def _nearest_usable(game_map: "GameMap", place: "Place", reach: float | None) -> "Place":
     """Return a place if one can be there, else the nearest of the map's locations where one can."""
-    from wildscav_engine.simulation.starts import usable_place
+    from wildscav_engine.simulation.setup.starts import usable_place
 
     if (usable := usable_place(game_map, place, reach)) == place:
         return place

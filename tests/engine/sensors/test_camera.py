@@ -8,7 +8,7 @@ from builders import act, box, flat_world, make_match, map_from, place
 from wildscav_engine.geometry.world import Solid
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import ColorCamera
-from wildscav_engine.sensors.optics.dynamic_objects import things_of
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.simulation.match import Match
 
 CAMERA = ColorCamera(width=64, height=36)
@@ -64,7 +64,7 @@ def test_ones_own_body_is_never_in_ones_own_picture(pitch: float) -> None:
     empty = camera.render(match.game_map, [(0, 1.5, 0)], [0.0], [pitch])[0]
     assert (mine == empty).all()
     from_outside = camera.render(
-        match.game_map, [(0, 1.5, -3)], [0.0], [0.0], moving=things_of(match), viewers=[1]
+        match.game_map, [(0, 1.5, -3)], [0.0], [0.0], moving=dynamic_objects_of(match), viewers=[1]
     )
     assert (from_outside != camera.render(match.game_map, [(0, 1.5, -3)], [0.0], [0.0])).any()
 

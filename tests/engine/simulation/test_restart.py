@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from builders import box, flat_world, map_from
 from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.simulation.batch import Batch
-from wildscav_engine.simulation.set_up import MatchSetupError
+from wildscav_engine.simulation.setup.match_setup import MatchSetupError
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
 

@@ -13,7 +13,7 @@ from wildscav_engine.record import record_of, verify_record
 from wildscav_engine.simulation import snapshot
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.set_up import MatchSetupError
+from wildscav_engine.simulation.setup.match_setup import MatchSetupError
 from wildscav_engine.simulation.snapshot import StateError
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec

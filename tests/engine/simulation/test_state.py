@@ -3,7 +3,7 @@
 import pytest
 
 from wildscav_engine.simulation.state import allocate_state
-from wildscav_engine.simulation.visibility import allocate_seen
+from wildscav_engine.simulation.systems.visibility import allocate_seen
 
 
 @pytest.mark.parametrize(("seats", "slots"), [(1, 0), (10, 400), (100, 2000), (1000, 10_000)])

@@ -46,7 +46,7 @@ VERSIONS = {
         Version(
             "simulation",
             SIMULATION_VERSION,
-            "SIMULATION_VERSION in engine/wildscav_engine/__init__.py",
+            "SIMULATION_VERSION in engine/wildscav_engine/version.py",
             cases.match_digests,
         ),
         Version(

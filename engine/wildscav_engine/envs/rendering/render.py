@@ -9,11 +9,11 @@ from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.envs.rendering.markers import mark_agents
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.sensors import ColorCamera, DepthCamera
-from wildscav_engine.sensors.optics.dynamic_objects import things_of
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.arena import Arena
-    from wildscav_engine.envs.spaces.match_view import MatchView
+    from wildscav_engine.envs.spaces.row_view import RowView
     from wildscav_engine.view.live import LiveView
 
 FROM_ABOVE = 40.0  # degrees, the field of view of the picture from above
@@ -60,9 +60,9 @@ class Picture:
         if self._mode not in {"rgb_array", "depth_array"}:
             return None
         camera = self._color if self._mode == "rgb_array" else self._depth
-        return np.asarray(camera.read(view.as_match, [seat])[0])
+        return np.asarray(camera.read(view, [seat])[0])
 
-    def _from_above(self, view: "MatchView") -> NDArray[Any]:
+    def _from_above(self, view: "RowView") -> NDArray[Any]:
         """Return a picture with the whole map in it, north at the top."""
         heights = view.game_map.world.heights
         half = view.game_map.config.size / 2
@@ -70,7 +70,7 @@ class Picture:
         # High enough that the edges are in the picture from bottom to top, the highest of them, too.
         tangent = _tangent(FROM_ABOVE / 2) * min(1.0, ratio)
         eye = np.array([[0.0, float(heights.max()) + max(CLEARANCE, half / tangent), 0.0]])
-        moving = things_of(view.as_match)
+        moving = dynamic_objects_of(view)
         picture = np.array(self._above.render(view.game_map, eye, [0.0], [90.0], moving=moving)[0])
         mark_agents(picture, view.state.agents, float(eye[0, 1]), tangent_of_half=_tangent(FROM_ABOVE / 2))
         return picture

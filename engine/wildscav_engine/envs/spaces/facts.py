@@ -11,7 +11,7 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.simulation.state import NOBODY, NOT_OUT, Agents, Ending, Matches, allocate_state
 from wildscav_engine.simulation.systems.supplies import team_supplies
-from wildscav_engine.simulation.visibility import allocate_seen
+from wildscav_engine.simulation.systems.visibility import allocate_seen
 from wildscav_engine.specs.rules import FRAME
 from wildscav_engine.tracks.rewards import FACTS, Fact, Facts, Plan, RewardSum, pay, write_facts
 

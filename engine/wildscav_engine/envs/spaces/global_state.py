@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.envs.arena import Arena
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import FAR, FAST, LONG, MANY
-from wildscav_engine.simulation.state import NOT_OUT, Agents
+from wildscav_engine.simulation.state import NOT_OUT, Agents, State
 from wildscav_engine.specs.rules import FRAME
 
 MATCH_LOW, MATCH_HIGH = (0.0, -FAR, -FAR, -FAR), (LONG, FAR, FAR, FAR)
@@ -22,19 +21,16 @@ SEAT_LOW = (0, 0, -FAR, -FAR, -FAR, -FAST, -FAST, -FAST, -1, -1, -90, 0, 0, 0)
 SEAT_HIGH = (1, 1000, FAR, FAR, FAR, FAST, FAST, FAST, 1, 1, 90, 10_000, MANY, MANY)
 
 
-def overview_space(config: EnvConfig) -> Box:
-    """Return the space of ``overview``."""
+def global_state_space(config: EnvConfig) -> Box:
+    """Return the space of ``global_state``."""
     seats = len(config.seats)
     low = np.array([*MATCH_LOW, *SEAT_LOW * seats], np.float32)
     return Box(low, np.array([*MATCH_HIGH, *SEAT_HIGH * seats], np.float32), dtype=np.float32)
 
 
-def overview(arena: Arena) -> NDArray[np.float32]:
-    """Return the row of the first match of an arena."""
-    batch = arena.batch
-    if batch is None:
-        raise RuntimeError("there is no episode: reset the environment first")
-    agents, _, matches = batch.state
+def global_state(state: State) -> NDArray[np.float32]:
+    """Return the row of the first match of a state."""
+    agents, _, matches = state
     seats = agents.health.shape[1]
     row = np.empty(len(MATCH_LOW) + seats * len(SEAT_LOW), np.float32)
     row[0] = max(0, matches.frame_limit[0] - matches.frame[0]) * FRAME

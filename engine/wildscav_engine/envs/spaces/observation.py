@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import EVENTS, GROUPS, PARTS, STANDING, Part, parts_of
 from wildscav_engine.envs.spaces.flat import Flattener
-from wildscav_engine.envs.spaces.match_view import MatchView
+from wildscav_engine.envs.spaces.row_view import RowView
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, look_in_parts, some_of
@@ -119,13 +119,13 @@ class Sight:
             for sensor in self._still.values():
                 sensor.prepare(game_map)
 
-    def read(self, batch: "Batch", view: Callable[[int], MatchView], found: Readings) -> None:
+    def read(self, batch: "Batch", view: Callable[[int], RowView], found: Readings) -> None:
         """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
         if self._still:
             self._read_still(batch, found)
         for name, sensor in self._others.items():
             matches = range(len(batch.specs))
-            readings = [sensor.read(view(match).as_match, self._learners) for match in matches]
+            readings = [sensor.read(view(match), self._learners) for match in matches]
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
 
     def _read_still(self, batch: "Batch", found: Readings) -> None:

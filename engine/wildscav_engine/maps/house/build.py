@@ -1,11 +1,11 @@
 """Houses made of convex solids, from their plans."""
 
 from wildscav_engine.geometry.world import Kind, Solid
-from wildscav_engine.maps.game_map import House
-from wildscav_engine.maps.game_map import Room as MapRoom
 from wildscav_engine.maps.house.builder import RAILING, Builder
 from wildscav_engine.maps.house.plan import SLAB, STOREY_HEIGHT, HousePlan, Side, Stairs
 from wildscav_engine.maps.house.roof import build_roofs
+from wildscav_engine.maps.settlements.houses import House
+from wildscav_engine.maps.settlements.houses import Room as MapRoom
 from wildscav_engine.maps.settlements.sites import Site
 
 FLOOR_LIFT = 0.08  # m of the ground floor above the levelled ground

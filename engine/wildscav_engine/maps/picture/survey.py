@@ -13,7 +13,8 @@ from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, cast_ray
 from wildscav_engine.geometry.world import CELL, Kind, World, cell_of
-from wildscav_engine.maps.game_map import GameMap, House
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.settlements.houses import House
 
 CUT_HEIGHT = 1.35  # m above the floor: over the sills of windows, below the tops of doors
 EAVES = 0.9  # m that a roof may reach beyond the walls

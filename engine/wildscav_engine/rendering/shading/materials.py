@@ -1,6 +1,6 @@
 """What the surfaces of a map look like: a colour for each solid, the way its grain runs, and the ground."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +9,6 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.palette import of_solids
 from wildscav_engine.rendering.shading.ground import GroundLook, ground_look
-
-if TYPE_CHECKING:
-    from wildscav_engine.maps.game_map import GameMap
 
 UPRIGHT = 1e-6  # a face whose normal rises less than this stands upright
 
@@ -24,12 +21,16 @@ class Materials(NamedTuple):
     ground: GroundLook
 
 
-def materials_of(game_map: "GameMap") -> Materials:
-    """Return what a map is made of."""
-    world = game_map.world
+def materials_of(world: World, solid_house: NDArray[np.int16]) -> Materials:
+    """Return what a map is made of.
+
+    Args:
+        world: Of the map.
+        solid_house: (S,) the house that a solid belongs to, -1 for none.
+    """
     axis = np.empty((len(world.solid_kind), 2))
     _write_axes(world, axis)
-    return Materials(of_solids(world.solid_kind, game_map.solid_house), axis, ground_look(world))
+    return Materials(of_solids(world.solid_kind, solid_house), axis, ground_look(world))
 
 
 @kernel

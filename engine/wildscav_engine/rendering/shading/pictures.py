@@ -1,6 +1,6 @@
 """Pictures: the colour of what each ray met, in the light of the sun and the sky."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.shading.color_sums import Color, Vector, clipped, dot, mixed
 from wildscav_engine.rendering.shading.creases import creased
 from wildscav_engine.rendering.shading.ground import ground_color, ground_normal
@@ -21,10 +22,6 @@ from wildscav_engine.rendering.shading.surfaces import textured
 from wildscav_engine.rendering.shading.water import DEEP, MURK, water_color
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.sensors.optics.dynamic_objects import Things
-
-if TYPE_CHECKING:
-    from wildscav_engine.maps.game_map import GameMap
 
 LIFT, LIFT_SHARE = 0.004, 2e-4  # m, and m per m of distance, how far off its surface a ray of light starts
 
@@ -49,8 +46,9 @@ class Surface(NamedTuple):
 
 
 def shade(
-    game_map: "GameMap",
-    things: Things,
+    world: World,
+    materials: Materials,
+    moving: DynamicObjects,
     cameras: Cameras,
     hits: Hits,
     images: NDArray[np.uint8],
@@ -60,15 +58,16 @@ def shade(
     """Make pictures of what rays met.
 
     Args:
-        game_map: The map.
-        things: What moves in it.
+        world: The static world.
+        materials: What it looks like.
+        moving: What moves in it.
         cameras: N cameras.
         hits: Of N images, water included.
         images: (N, H, W, 3) red, green, blue, written.
         shadows: Whether things cast shadows.
     """
-    subject = Lit(game_map.world, game_map.materials, things.solids, things.color, shadows)
-    near, ways = np.empty(len(things.kind), np.int64), np.empty((*images.shape[1:3], 3))
+    subject = Lit(world, materials, moving.solids, moving.color, shadows)
+    near, ways = np.empty(len(moving.kind), np.int64), np.empty((*images.shape[1:3], 3))
     _shade(subject, cameras, hits, near, ways, images)
 
 

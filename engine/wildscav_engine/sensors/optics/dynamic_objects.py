@@ -5,22 +5,19 @@ colour of its team, a helmet with a dark visor, a rifle and a pack, so that one 
 """
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Protocol
 
 import numpy as np
-from numba.extending import typeof_impl
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import Kind, write_plane
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.palette import SUPPLY_BOX, of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
-from wildscav_engine.simulation.state import Supplies
+from wildscav_engine.simulation.state import State, Supplies
 from wildscav_engine.simulation.systems.supplies import is_there
-
-if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
 
 FACES, CORNERS = 6, 8  # of a part
 AGENT, BOX = int(Kind.AGENT), int(Kind.SUPPLY_BOX)
@@ -56,34 +53,19 @@ TURN_OF_BOXES = 137.5  # degrees between one box and the next, so that they do n
 PALE = 0.5  # share of white in the colours of an agent that cannot be hurt
 
 
-class Things(Solids):
-    """What moves, part by part: S solids that also know what they belong to and what they look like."""
-
-    instance: NDArray[np.int32]  # (S,) the seat of an agent, the serial number of a box
-    color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255
-
-    def __new__(cls, solids: Solids, instance: NDArray[np.int32], color: NDArray[np.float64]) -> "Things":
-        """Return solids with what is known about them besides."""
-        things = super().__new__(cls, *solids)
-        things.instance, things.color = instance, color
-        return things
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.solids, self.instance, self.color)
+class Moment(Protocol):
+    """What images show of a match: as it stands now."""
 
     @property
-    def solids(self) -> Solids:
-        """The solids alone."""
-        return Solids(*self)
+    def state(self) -> State:
+        """The state, with a leading axis of length one."""
+
+    @property
+    def frame(self) -> int:
+        """Frames played so far."""
 
 
-@typeof_impl.register(Things)
-def _type_for_kernels(things: Things, context: Any) -> Any:
-    """Let kernels take things for the solids that they are, so that none is compiled twice."""
-    return typeof_impl(things.solids, context)
-
-
-def things_of(match: "Match") -> Things:
+def dynamic_objects_of(match: Moment) -> DynamicObjects:
     """Return the living agents of a match and the boxes that are there now; seats own their bodies."""
     agents = match.state.agents
     supplies = Supplies(*(array[0] for array in match.state.supplies))
@@ -100,21 +82,21 @@ def things_of(match: "Match") -> Things:
     looks = colors_of_bodies(int(teams.max(initial=0)) + 1)
     _write_looks_of_agents(seats, looks, teams, invincible_left, instance[:bodies], color[:bodies])
     _write_looks_of_boxes(supplies.serial, slots, instance[bodies:], color[bodies:])
-    return Things(solids, instance, color)
+    return DynamicObjects(solids, instance, color)
 
 
-def as_things(solids: Solids) -> Things:
-    """Return things as they are, and other solids in the colour of their owner, or else of supply boxes.
+def as_dynamic_objects(solids: Solids) -> DynamicObjects:
+    """Return dynamic objects as they are, other solids in the colour of their owner or of supply boxes.
 
     The instance of such a solid is its owner, or its own index if it has none.
     """
-    if isinstance(solids, Things):
+    if isinstance(solids, DynamicObjects):
         return solids
     owned = solids.owner != NO_OWNER
     color = np.tile(CRATE_COLORS[0], (len(solids.kind), 1))
     color[owned] = [of_seat(seat) for seat in solids.owner[owned].tolist()] or np.zeros((0, 3))
     instance = np.where(owned, solids.owner, np.arange(len(solids.kind)))
-    return Things(solids, instance.astype(np.int32), color)
+    return DynamicObjects(solids, instance.astype(np.int32), color)
 
 
 @lru_cache(maxsize=8)

@@ -12,12 +12,12 @@ from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.tracing.solids import Solids, gather_solids
 from wildscav_engine.sensors.base import Sensor, rows_of
-from wildscav_engine.sensors.optics.dynamic_objects import things_of
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.specs.body import EYE_HEIGHT
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 WORTH_SHARING = 20_000  # rays; fewer are looked along before another thread is awake
 LEAST_PART = 8  # images, where threads share them
@@ -87,11 +87,11 @@ class OpticalSensor(Sensor):
         """How many rays one reading takes."""
         return self.shape[0] * self.shape[1]
 
-    def moving_in(self, match: "Match") -> Solids:  # noqa: ARG002
+    def moving_in(self, match: "MatchView") -> Solids:  # noqa: ARG002
         """Return what is seen in a match besides the static world: nothing, unless a sensor says else."""
         return NOTHING_MOVES
 
-    def read(self, match: "Match", seats: Sequence[int]) -> NDArray[Any]:
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[Any]:
         """Return what some agents see, (len(seats), *shape).
 
         Raises:
@@ -194,9 +194,9 @@ class MovingOption(OpticalSensor):
 
     moving: bool
 
-    def moving_in(self, match: "Match") -> Solids:
+    def moving_in(self, match: "MatchView") -> Solids:
         """Return the agents and supply boxes if they are asked for."""
-        return things_of(match) if self.moving else NOTHING_MOVES
+        return dynamic_objects_of(match) if self.moving else NOTHING_MOVES
 
 
 def look_in_parts(look_at: Callable[[slice], bool], images: int, rays: int, threads: int) -> bool:

@@ -1,15 +1,13 @@
 """Agents and supply boxes put somewhere by hand, for pictures without a match."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
-from wildscav_engine.sensors.optics.dynamic_objects import Things, things_of
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.simulation.state import State, allocate_state
-
-if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
 
 Place = tuple[float, float, float]  # m, on the ground
 
@@ -21,7 +19,7 @@ class _Moment(NamedTuple):
     frame: int = 0
 
 
-def placed_things(agents: Sequence[tuple[Place, float]], boxes: Sequence[Place]) -> Things:
+def placed_objects(agents: Sequence[tuple[Place, float]], boxes: Sequence[Place]) -> DynamicObjects:
     """Return agents and boxes as images show them.
 
     Args:
@@ -35,4 +33,4 @@ def placed_things(agents: Sequence[tuple[Place, float]], boxes: Sequence[Place])
     state.agents.yaw[0] = [yaw for _, yaw in agents]
     state.supplies.quantity[:], state.supplies.serial[0] = 1, np.arange(len(boxes))
     state.supplies.position[0] = np.array(boxes).reshape(-1, 3)
-    return things_of(cast("Match", _Moment(state)))
+    return dynamic_objects_of(_Moment(state))

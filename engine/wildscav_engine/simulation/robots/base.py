@@ -15,8 +15,8 @@ from wildscav_engine.arithmetic.random_numbers import Stream, uniform_in
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.simulation.robots.skill import LEVELS, Skill
 from wildscav_engine.simulation.state import Agents, Matches, Supplies
+from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.simulation.systems.zone import zone_at
-from wildscav_engine.simulation.visibility import Seen
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAME
 

@@ -4,13 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.simulation.robots.base import Situation, keep_safe
+from wildscav_engine.extensions import Registry
+from wildscav_engine.simulation.robots.base import Robot, Situation, keep_safe
 from wildscav_engine.simulation.robots.fighter import FIGHTERS, fight
 from wildscav_engine.simulation.robots.gatherer import GATHERERS, collect
 from wildscav_engine.simulation.robots.seeker import SEEKERS, find
 from wildscav_engine.simulation.robots.walker import WALKERS, walk
 
-ROBOTS = {robot.name: robot for robot in (*WALKERS, *GATHERERS, *FIGHTERS, *SEEKERS)}
+KINDS: Registry[tuple[Robot, ...]] = Registry("wildscav.robots")
+ROBOTS = {robot.name: robot for levels in KINDS.values() for robot in levels}
 
 _WALKER, _GATHERER, _FIGHTER, _SEEKER = (
     kind[0].number // 10 for kind in (WALKERS, GATHERERS, FIGHTERS, SEEKERS)

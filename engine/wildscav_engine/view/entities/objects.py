@@ -6,7 +6,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from wildscav_engine.maps.game_map import GameMap, House
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.view.recording import colors, frame

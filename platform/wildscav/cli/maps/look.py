@@ -106,9 +106,9 @@ def _picture(
     """
     from wildscav.terminal.console import error_console
     from wildscav_engine.sensors.display.legend import draw_reading
-    from wildscav_engine.sensors.optics.placed_objects import placed_things
+    from wildscav_engine.sensors.optics.placed_objects import placed_objects
 
-    things = placed_things(
+    things = placed_objects(
         [(_place(game_map, wanted), wanted.numbers[-1]) for wanted in agents],
         [_place(game_map, wanted) for wanted in boxes],
     )

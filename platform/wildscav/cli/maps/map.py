@@ -111,10 +111,10 @@ def export(
 def info(choose: Callable[[], Choice], as_json: AsJson = False) -> None:
     """Print a map's figures."""
     from wildscav.terminal.console import console, print_json
-    from wildscav_engine.simulation.map_statistics import figures_of
+    from wildscav_engine.simulation.map_statistics import map_statistics
 
     choice = choose()
-    figures = figures_of(choice.game_map) | {"made in": f"{_seconds_to_make(choice.game_map):.2f} s"}
+    figures = map_statistics(choice.game_map) | {"made in": f"{_seconds_to_make(choice.game_map):.2f} s"}
     console.print(_table(choice.title, figures))
     if as_json:
         print_json({"map": choice.title, "figures": figures})

@@ -20,7 +20,7 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.simulation.play import agents_of, matches_at, seen_of, supplies_of
 from wildscav_engine.simulation.state import Agents, Matches, Supplies
 from wildscav_engine.simulation.systems.supplies import team_supplies
-from wildscav_engine.simulation.visibility import Seen
+from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.rules import FRAME
 
 ROOM = 4096  # bytes for one observation; 16 agents, 32 boxes and the largest numbers need fewer than 3,100

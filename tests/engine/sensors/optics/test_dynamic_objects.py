@@ -8,9 +8,10 @@ import pytest
 from builders import act, box, make_match, place
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Kind
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, gather_solids
-from wildscav_engine.sensors.optics.dynamic_objects import BODY, CRATE, Things, as_things, things_of
+from wildscav_engine.sensors.optics.dynamic_objects import BODY, CRATE, as_dynamic_objects, dynamic_objects_of
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
 
@@ -33,7 +34,7 @@ def battle(seats: int = 3) -> Match:
     return match
 
 
-def instances(things: Things, kind: Kind) -> set[int]:
+def instances(things: DynamicObjects, kind: Kind) -> set[int]:
     return set(things.instance[things.kind == kind].tolist())
 
 
@@ -41,7 +42,7 @@ def instances(things: Things, kind: Kind) -> set[int]:
 def test_an_agents_body_is_within_the_cylinder_that_is_hit(yaw: float) -> None:
     match = battle(1)
     place(match, 0, (3.0, 1.5, -2.0), yaw)
-    corners = things_of(match).corners
+    corners = dynamic_objects_of(match).corners
     aside = np.hypot(corners[:, 0] - 3.0, corners[:, 2] + 2.0)
     assert aside.max() <= BODY_RADIUS
     assert corners[:, 1].min() == 1.5
@@ -52,7 +53,7 @@ def test_the_faces_of_a_part_meet_in_its_corners() -> None:
     match = battle(2)
     place(match, 1, (5.0, 0.0, 2.0), 73.0)
     put_box(match, 0, (1.0, 2.0, 3.0))
-    things = things_of(match)
+    things = dynamic_objects_of(match)
     assert len(things.kind) == 2 * len(BODY) + len(CRATE)
     for part in range(len(things.kind)):
         planes = things.faces[things.face_start[part] : things.face_start[part + 1]]
@@ -70,7 +71,7 @@ def test_the_faces_of_a_part_meet_in_its_corners() -> None:
 def test_the_visor_is_on_the_side_that_an_agent_looks_to(yaw: float, ahead: tuple[int, int]) -> None:
     match = battle(1)
     place(match, 0, (0.0, 0.0, 0.0), yaw)
-    things = things_of(match)
+    things = dynamic_objects_of(match)
     middle = (things.low[VISOR] + things.high[VISOR]) / 2
     assert middle[[0, 2]] @ np.array(ahead) > 0.1
 
@@ -78,15 +79,15 @@ def test_the_visor_is_on_the_side_that_an_agent_looks_to(yaw: float, ahead: tupl
 def test_the_dead_and_the_absent_are_not_seen() -> None:
     match = battle(3)
     match.state.agents.health[0, 1] = 0
-    assert instances(things_of(match), Kind.AGENT) == {0, 2}
+    assert instances(dynamic_objects_of(match), Kind.AGENT) == {0, 2}
     match.state.agents.present[0, 2] = False
-    assert instances(things_of(match), Kind.AGENT) == {0}
+    assert instances(dynamic_objects_of(match), Kind.AGENT) == {0}
 
 
 def test_a_seat_owns_its_body_and_nobody_owns_a_box() -> None:
     match = battle(2)
     put_box(match, 0, (1.0, 0.0, 3.0))
-    things = things_of(match)
+    things = dynamic_objects_of(match)
     assert things.owner.tolist() == [0] * len(BODY) + [1] * len(BODY) + [NO_OWNER] * len(CRATE)
 
 
@@ -95,16 +96,16 @@ def test_a_box_is_there_from_its_frame_on_until_it_is_picked_up() -> None:
     place(match, 0, (0.0, 0.0, 0.0))
     put_box(match, 0, (0.5, 0.0, 0.5))
     put_box(match, 1, (9.0, 0.0, 9.0), appears=match.frame + 1)
-    assert instances(things_of(match), Kind.SUPPLY_BOX) == {40}
+    assert instances(dynamic_objects_of(match), Kind.SUPPLY_BOX) == {40}
     act(match, seat_0={"pick_up": 1})
     assert match.state.supplies.quantity[0, 0] == 0
-    assert instances(things_of(match), Kind.SUPPLY_BOX) == {41}
+    assert instances(dynamic_objects_of(match), Kind.SUPPLY_BOX) == {41}
 
 
 def test_a_box_stands_where_it_lies_and_is_about_60_cm_wide() -> None:
     match = battle(1)
     put_box(match, 0, (4.0, 1.0, -7.0))
-    things = things_of(match)
+    things = dynamic_objects_of(match)
     corners = things.corners[things.corner_start[len(BODY)] :]
     assert (corners.max(axis=0) + corners.min(axis=0))[[0, 2]] / 2 == pytest.approx([4.0, -7.0])
     assert corners[:, 1].max() == pytest.approx(1.58)
@@ -113,7 +114,7 @@ def test_a_box_stands_where_it_lies_and_is_about_60_cm_wide() -> None:
 
 
 def test_teams_have_colours_that_are_far_apart() -> None:
-    things = things_of(battle(8))
+    things = dynamic_objects_of(battle(8))
     torsos = things.color[TORSO :: len(BODY)]
     assert torsos[3] == pytest.approx(of_seat(3))
     apart = np.abs(torsos[:, None] - torsos).sum(axis=-1)
@@ -123,16 +124,16 @@ def test_teams_have_colours_that_are_far_apart() -> None:
 def test_one_team_has_one_colour() -> None:
     match = battle(3)
     match.state.agents.team[0, :3] = (0, 1, 0)
-    torsos = things_of(match).color[TORSO :: len(BODY)]
+    torsos = dynamic_objects_of(match).color[TORSO :: len(BODY)]
     assert (torsos[0] == torsos[2]).all()
     assert (torsos[0] != torsos[1]).any()
 
 
 def test_who_cannot_be_hurt_is_pale() -> None:
     match = battle(2)
-    before = things_of(match).color
+    before = dynamic_objects_of(match).color
     match.state.agents.invincible_left[0, 1] = 3
-    after = things_of(match).color
+    after = dynamic_objects_of(match).color
     body = slice(len(BODY), None)
     assert (after[: len(BODY)] == before[: len(BODY)]).all()
     assert after[body] == pytest.approx((before[body] + 255.0) / 2)
@@ -140,22 +141,22 @@ def test_who_cannot_be_hurt_is_pale() -> None:
 
 def test_solids_of_any_making_take_the_colour_of_their_owner() -> None:
     solids = gather_solids([box((0, 0, 0), (1, 1, 1), Kind.AGENT), box((3, 0, 0), (4, 1, 1))], [2, NO_OWNER])
-    things = as_things(solids)
+    things = as_dynamic_objects(solids)
     assert things.color[0] == pytest.approx(of_seat(2))
     assert things.instance.tolist() == [2, 1]
-    assert as_things(things) is things
-    assert len(as_things(gather_solids([])).color) == 0
+    assert as_dynamic_objects(things) is things
+    assert len(as_dynamic_objects(gather_solids([])).color) == 0
 
 
 def test_a_match_without_anything_has_no_things() -> None:
     match = battle(1)
     match.state.agents.health[:] = 0
-    assert len(things_of(match).kind) == 0
+    assert len(dynamic_objects_of(match).kind) == 0
 
 
 def test_things_can_be_sent_to_other_processes() -> None:
     match = make_match(seats=2)
-    things = things_of(match)
+    things = dynamic_objects_of(match)
     sent = pickle.loads(pickle.dumps(things))  # noqa: S301
     assert [part.tobytes() for part in sent] == [part.tobytes() for part in things]
     assert (sent.instance == things.instance).all()

@@ -4,8 +4,8 @@ import numpy as np
 from tests.builders import make_match, place
 
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.sensors.optics.dynamic_objects import things_of
-from wildscav_engine.sensors.optics.placed_objects import placed_things
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.sensors.optics.placed_objects import placed_objects
 
 
 def test_what_is_placed_looks_as_it_does_in_a_match() -> None:
@@ -15,8 +15,8 @@ def test_what_is_placed_looks_as_it_does_in_a_match() -> None:
     match.state.agents.invincible_left[:] = 0
     match.state.supplies.quantity[:] = 0
 
-    of_match = things_of(match)
-    placed = placed_things([((1.0, 0.5, 2.0), 30.0), ((-4.0, 0.0, 3.0), -90.0)], [])
+    of_match = dynamic_objects_of(match)
+    placed = placed_objects([((1.0, 0.5, 2.0), 30.0), ((-4.0, 0.0, 3.0), -90.0)], [])
 
     for one, other in zip(of_match, placed, strict=True):
         assert np.array_equal(one, other)
@@ -25,7 +25,7 @@ def test_what_is_placed_looks_as_it_does_in_a_match() -> None:
 
 
 def test_boxes_stand_where_they_are_put() -> None:
-    things = placed_things([], [(1.0, 2.0, 3.0), (5.0, 0.0, -6.0)])
+    things = placed_objects([], [(1.0, 2.0, 3.0), (5.0, 0.0, -6.0)])
     assert set(things.kind.tolist()) == {Kind.SUPPLY_BOX}
     for number, (x, y, z) in enumerate([(1.0, 2.0, 3.0), (5.0, 0.0, -6.0)]):
         own = things.instance == number
@@ -36,4 +36,4 @@ def test_boxes_stand_where_they_are_put() -> None:
 
 
 def test_nothing_may_be_placed() -> None:
-    assert len(placed_things([], []).kind) == 0
+    assert len(placed_objects([], []).kind) == 0

@@ -13,8 +13,8 @@ from wildscav_engine.geometry.squares import squares_over
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import NOBODY, Agents, squares_for
 from wildscav_engine.simulation.systems.crowd import TOUCH, gather_near
+from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, sees_body
 from wildscav_engine.simulation.systems.weapons import meet_body
-from wildscav_engine.simulation.visibility import AGENT_LIMIT, sees_body
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import Rules
 

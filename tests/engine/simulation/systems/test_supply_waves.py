@@ -10,7 +10,7 @@ from builders import RICH, WILD, act, flat_world, make_match, map_from, place
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.maps import GameMap, generate_map, map_of, map_spec
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.starts import usable_place
+from wildscav_engine.simulation.setup.starts import usable_place
 from wildscav_engine.specs.spec import MapConfig, MatchSpec, SupplyConfig, SupplyWave
 
 

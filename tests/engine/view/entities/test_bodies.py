@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from wildscav_engine.sensors.optics.placed_objects import placed_things
+from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.view.entities.bodies import figure, looks_of, stances
 from wildscav_engine.view.recording import frame
 
@@ -12,7 +12,7 @@ from .test_frame import turned
 
 @pytest.mark.parametrize("yaw", [0.0, 90.0, -35.0])
 def test_a_figure_is_where_the_cameras_see_the_agent(yaw: float) -> None:
-    seen = placed_things([((0.0, 0.0, 0.0), yaw)], [])
+    seen = placed_objects([((0.0, 0.0, 0.0), yaw)], [])
     rotations, offsets = stances(np.array([yaw]), np.array([False]))
     shown = np.array([turned(rotations[0], corner) for corner in figure().positions]) + offsets[0]
 
@@ -22,7 +22,7 @@ def test_a_figure_is_where_the_cameras_see_the_agent(yaw: float) -> None:
 
 
 def test_a_figure_wears_the_colours_that_the_cameras_show() -> None:
-    seen = placed_things([((0.0, 0.0, 0.0), 0.0), ((9.0, 0.0, 0.0), 0.0)], [])
+    seen = placed_objects([((0.0, 0.0, 0.0), 0.0), ((9.0, 0.0, 0.0), 0.0)], [])
     parts = len(seen.color) // 2
 
     np.testing.assert_allclose(looks_of(1).usual[::24], seen.color[parts:], atol=0.5)

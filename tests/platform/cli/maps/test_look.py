@@ -18,7 +18,7 @@ from wildscav_engine.maps.viewpoints import viewpoint_of
 from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera
 from wildscav_engine.sensors.display.colors import of_distances
 from wildscav_engine.sensors.optics.optical import OpticalSensor
-from wildscav_engine.sensors.optics.placed_objects import placed_things
+from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.spec import MapConfig
 
@@ -121,7 +121,7 @@ def test_agents_and_boxes_that_are_put_somewhere_are_in_the_picture(
     assert (done.returncode, done.stderr) == (0, "")
     grounds = [(x, ground_at(BARE_MAP.world, x, z).height, z) for x, z in ((-1, 5), (1, 5), (2, 6), (0, 0))]
     (agent, *boxes, (x, y, z)) = grounds
-    things = placed_things([(agent, 180.0)], boxes)
+    things = placed_objects([(agent, 180.0)], boxes)
     (image,) = ColorCamera(32, 18).render(BARE_MAP, [(x, y + EYE_HEIGHT, z)], [0], [0], moving=things)
     assert (pixels(tmp_path / "a.png") == image).all()
     assert (image != alone).any()

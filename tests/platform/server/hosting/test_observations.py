@@ -14,7 +14,7 @@ from wildscav.server.hosting.observation_encoding import ROOM, put_observations
 from wildscav.server.hosting.observations import Senses
 from wildscav.server.hosting.warm_up import warm
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.visibility import AGENT_LIMIT, SUPPLY_LIMIT
+from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, SUPPLY_LIMIT
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.rules import FRAME
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec

@@ -11,14 +11,14 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.locations import OUTDOOR_SPACING
 from wildscav_engine.simulation.robots import ROBOTS
-from wildscav_engine.simulation.starts import MatchSetupError, choose_starts
+from wildscav_engine.simulation.setup.starts import MatchSetupError, choose_starts
 from wildscav_engine.simulation.state import State
 from wildscav_engine.simulation.systems.supplies import choose_indoor, choose_outdoor, fill_boxes
 from wildscav_engine.simulation.systems.zone import COLUMNS as ZONE_COLUMNS
 from wildscav_engine.simulation.systems.zone import plan_zone
+from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
-from wildscav_engine.tracks import TRACKS
 
 __all__ = ["Boxes", "MatchSetupError", "Setup", "WaveInfo", "place_match", "plan_match", "seed_of_seat"]
 

@@ -4,7 +4,7 @@ from typing import Any, TypeVar
 
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.state import State
-from wildscav_engine.simulation.visibility import Seen
+from wildscav_engine.simulation.systems.visibility import Seen
 
 Arrays = TypeVar("Arrays")
 
@@ -16,8 +16,8 @@ def _some(arrays: Arrays, part: slice) -> Arrays:
     return rows
 
 
-class MatchView:
-    """One row of a batch with the face of a ``Match``; it shows the row as it is now."""
+class RowView:
+    """One row of a batch that sensors and tracks read like a match (``MatchView``): as it is now."""
 
     def __init__(self, batch: Batch, row: int) -> None:
         """Look at a row. The view is of no use any more once the row is restarted."""
@@ -29,11 +29,6 @@ class MatchView:
         self.seats = len(self.spec.seats)
         self.state = State(_some(agents, part), _some(supplies, part), _some(matches, part))
         self._batch, self._part = batch, part
-
-    @property
-    def as_match(self) -> Any:
-        """The view, for what is typed to take a ``Match``."""
-        return self
 
     @property
     def seen(self) -> Seen:

@@ -4,11 +4,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, ZoneConfig
 
 if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match_view import MatchView
 
 MOVES = frozenset({Field.WALK_DIRECTION, Field.WALK_SPEED, Field.TURN, Field.LOOK, Field.JUMP})
 
@@ -63,11 +64,14 @@ class Track(ABC):
         return NO_ZONE
 
     @abstractmethod
-    def measure(self, match: "Match", seat: int) -> Mapping[str, float]:
+    def measure(self, match: "MatchView", seat: int) -> Mapping[str, float]:
         """Return a seat's value of every metric, for a match that is over (or as it stands)."""
 
 
-def carried_by_team(match: "Match", seat: int) -> float:
+TRACKS: Registry[Track] = Registry("wildscav.tracks", make=lambda track: track())
+
+
+def carried_by_team(match: "MatchView", seat: int) -> float:
     """Return the supplies that a seat's team carries."""
     agents = match.state.agents
     of_team = agents.team[0] == agents.team[0, seat]
