@@ -91,7 +91,7 @@ def test_where_the_engine_lies_is_in_nothing_that_is_kept(kept: Path, elsewhere:
 def test_after_an_edit_of_a_constant_what_reads_it_is_compiled_anew(folder: Path, tmp_path: Path) -> None:
     edited = tmp_path / "edited"
     shutil.copytree(PACKAGE, edited / PACKAGE.name)
-    with (edited / PACKAGE.name / "body.py").open("a") as body:
+    with (edited / PACKAGE.name / "specs/body.py").open("a") as body:
         body.write("TAN_SLOPE_LIMIT = 2.0\n")
     assert said_by(start(edited, folder)) == (edited, ["is_steep"], [1.0, False])
 

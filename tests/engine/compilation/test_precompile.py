@@ -24,7 +24,7 @@ def run(code: str) -> str:
 def test_what_is_compiled_ahead_plays_matches_and_makes_depth_maps() -> None:
     """It is closed to all other types, so a call that needed another one would fail."""
     said = run("""
-        from wildscav_engine import ahead
+        from wildscav_engine.compilation import precompile as ahead
         ahead.main()
         from wildscav_engine.maps import generate_map
         from wildscav_engine.simulation.match import Match
