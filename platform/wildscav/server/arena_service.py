@@ -18,7 +18,7 @@ from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_seat_result
 
 if TYPE_CHECKING:
-    from wildscav_engine.spec import MatchSpec
+    from wildscav_engine.specs.spec import MatchSpec
 
 OPEN_LIMIT = 64  # matches at one time
 KEPT_LIMIT = 256  # finished matches that can still be asked for
