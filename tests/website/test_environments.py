@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Dict
 
-from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.observation import observation_space, readings_space
-from wildscav_engine.envs.presets import PRESETS
+from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.settings.presets import PRESETS
+from wildscav_engine.envs.spaces.observation import observation_space, readings_space
 from wildscav_engine.tracks import TRACKS
 from wildscav_website.environments import Environment, environments, page
 from wildscav_website.observed import observation_rows

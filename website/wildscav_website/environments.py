@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Space
 
 from wildscav_engine.envs import PRESETS
-from wildscav_engine.envs.actions import ActionMode, action_mode
 from wildscav_engine.envs.batched import several_config
-from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.observation import readings_space
 from wildscav_engine.envs.registry import env_id, zoo_id
+from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.single import single_config
+from wildscav_engine.envs.spaces.actions import ActionMode, action_mode
+from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.tracks import TRACKS, Track
 from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_website.links import ROOT

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 from gymnasium.spaces import Box, Dict
 
-from wildscav_engine.envs.columns import GROUPS
-from wildscav_engine.envs.config import EnvConfig
-from wildscav_engine.envs.observation import readings_space
+from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.spaces.columns import GROUPS
+from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.sensors.base import Column
 
 

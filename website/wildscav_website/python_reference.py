@@ -52,13 +52,13 @@ PAGES = {
         "What a match is made of. [The rules](../rules.md) say what the numbers mean.",
         (
             *(
-                f"wildscav_engine.spec.{name}"
+                f"wildscav_engine.specs.spec.{name}"
                 for name in ("MatchSpec", "MapSpec", "MapConfig", "SupplyConfig")
             ),
-            *(f"wildscav_engine.spec.{name}" for name in ("SupplyWave", "ZoneConfig", "ZonePhase")),
-            "wildscav_engine.rules.Rules",
-            "wildscav_engine.match.Match",
-            "wildscav_engine.result.MatchResult",
+            *(f"wildscav_engine.specs.spec.{name}" for name in ("SupplyWave", "ZoneConfig", "ZonePhase")),
+            "wildscav_engine.specs.rules.Rules",
+            "wildscav_engine.simulation.match.Match",
+            "wildscav_engine.specs.result.MatchResult",
             "wildscav_engine.tracks.Track",
         ),
     ),
