@@ -7,7 +7,7 @@ from wildscav.legacy.channel import Client
 from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand, Request
 from wildscav.legacy.episode import read_episode
 from wildscav.legacy.program import read_address
-from wildscav.legacy.requests import START, Requests
+from wildscav.legacy.request_messages import START, Requests
 from wildscav.legacy.session import match_of
 
 WARM_UP = 20  # steps of the real match after which its observations are taken

@@ -25,7 +25,7 @@ from wildscav.grpc_settings import EXPERIMENTS, VARIABLE
 from wildscav.proto.match_pb2 import GetMatchRequest, HostMatchRequest, ServerMessage
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server import Clock, HostedMatch, MatchServer
-from wildscav.server.hosting.observations import Senses
+from wildscav.server.hosting.observations import SeatObservations
 from wildscav.server.hosting.warm_up import warm
 from wildscav.server.workers.shared_server import SharedServer
 from wildscav.wire.matches import decode_seat_address
@@ -113,14 +113,14 @@ async def _script(environment: dict[str, str], *arguments: str) -> asyncio.subpr
 def sample_messages(seats: int, count: int = 100) -> list[ServerMessage]:
     """Return what the first seat of such a match is sent."""
     match = Match(match_spec(seats))
-    senses = Senses(match, [0])
+    observations = SeatObservations(match, [0])
     messages = []
     for step in range(count):
         rows = no_actions(seats)
         rows[:, Field.WALK_DIRECTION], rows[:, Field.WALK_SPEED] = step * 3.0, 6.0
         match.step(rows)
-        senses.take([30.0])
-        messages.append(ServerMessage.FromString(encode_observation(senses.of(0), {})))
+        observations.encode([30.0])
+        messages.append(ServerMessage.FromString(encode_observation(observations.of(0), {})))
     return messages
 
 

@@ -11,7 +11,7 @@ from wildscav.agent import (
     VisibleAgent,
 )
 from wildscav.errors import WildscavError
-from wildscav.grpc_settings import tune
+from wildscav.grpc_settings import tune_grpc
 from wildscav.sdk.run import run
 from wildscav.version import __version__
 
@@ -29,4 +29,4 @@ __all__ = [
     "run",
 ]
 
-tune()  # here, because all that imports gRPC lies in this package or imports it first
+tune_grpc()  # here, because all that imports gRPC lies in this package or imports it first

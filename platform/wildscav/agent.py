@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav.errors import AgentError
-from wildscav.lazy_record import Arriving
+from wildscav.lazy_record import LazyRecord
 
 Vector: TypeAlias = tuple[float, float, float]  # (x, y, z), m or m/s
 
@@ -136,7 +136,7 @@ class SupplyBox(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Observation(Arriving):
+class Observation(LazyRecord):
     """What an agent senses before a step."""
 
     step: int  # number of the step that an action is wanted for

@@ -9,6 +9,6 @@ VARIABLE = "GRPC_EXPERIMENTS"
 EXPERIMENTS = "-event_engine_client,-event_engine_listener"
 
 
-def tune() -> None:
+def tune_grpc() -> None:
     """Have gRPC poll for itself, unless the environment says otherwise."""
     os.environ.setdefault(VARIABLE, EXPERIMENTS)

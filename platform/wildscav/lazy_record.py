@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Self
 
 
-class Arriving:
+class LazyRecord:
     """Base of frozen dataclasses with slots; made in full, or with ``read_by``."""
 
     __slots__ = ("_read",)

@@ -7,7 +7,7 @@ from wildscav.server.http2 import allowance
 from wildscav.server.http2.calls import STREAMS
 from wildscav.server.http2.inbound import HEADER_LIMIT
 from wildscav.server.http2.stream import WAITING
-from wildscav_evaluator.matches.play import DOOR
+from wildscav_evaluator.matches.play import SEAT_ENDPOINT
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions import archives
 
@@ -50,16 +50,16 @@ def test_the_limits_of_archives_are_told() -> None:
 def test_what_a_connection_may_cost_is_told() -> None:
     for words in (
         (
-            f"{allowance.STRANGERS:g} on a connection before it has joined, {allowance.MOST:,g} after, "
+            f"{allowance.UNKNOWN:g} on a connection before it has joined, {allowance.MOST:,g} after, "
             f"and {allowance.A_SECOND:g} a second more; a header counts as {allowance.HEADERS_COST:g}; "
             f"each message that the server sends earns at least {allowance.A_MESSAGE:g}"
         ),
         f"{HEADER_LIMIT >> 10} KiB a call",
-        f"in an evaluation {DOOR.connections}, and {DOOR.visits} in a whole match",
+        f"in an evaluation {SEAT_ENDPOINT.connections}, and {SEAT_ENDPOINT.visits} in a whole match",
         f"{STREAMS} streams each",
         f"{WAITING} messages ahead",
     ):
         assert words in PAGE, words
     assert (allowance.SHARE, allowance.READ_COST) == (0.25, 0.25)
     assert "each read counts as a quarter of such a frame" in PAGE
-    assert "a quarter of a core together" in PAGE
+    assert "a quarter of a core for all of them" in PAGE

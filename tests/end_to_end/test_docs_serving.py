@@ -14,7 +14,7 @@ from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.test_docs import blocks
 
 from wildscav.server.hosting.warm_up import warm
-from wildscav.server.server_metrics import ServerMeters
+from wildscav.server.server_metrics import ServerMetrics
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "serving.md"
@@ -88,7 +88,7 @@ def greet(client: ssl.SSLContext, server: ssl.SSLContext, host: str) -> str | No
 
 
 def test_every_metric_of_the_server_is_told() -> None:
-    families = ServerMeters(list, lambda: 0).collect()
+    families = ServerMetrics(list, lambda: 0).collect()
     names = {
         f"{family.name}_total" if isinstance(family, CounterMetricFamily) else family.name
         for family in families

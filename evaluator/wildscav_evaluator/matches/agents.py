@@ -60,7 +60,7 @@ class MatchAgents:
         meter.take()
         return late_for_platform(
             report.late,
-            report.thoughts,
+            report.slow_answers,
             self._hosted.clock,
             meter.waited,
             used_up=report.status == SeatStatus.TIMED_OUT,

@@ -13,7 +13,7 @@ from pathlib import Path
 from wildscav.errors import SensorError, UserError, WildscavError, describe
 from wildscav.server import (
     Clock,
-    Door,
+    EndpointSettings,
     HostedMatch,
     MatchCancelledError,
     MatchOutcome,
@@ -39,7 +39,7 @@ from wildscav_evaluator.submissions.submission import Submission
 
 SOCKET = "match.sock"
 # Of a seat's own socket: connections that its agent may have open at one time, and that it may ever make.
-DOOR = Door(connections=16, visits=64)
+SEAT_ENDPOINT = EndpointSettings(connections=16, visits=64)
 FAREWELL = 3.0  # s for an agent's process to end by itself after the match; a container takes one
 TRIES = 3  # for a match that the platform breaks
 PAUSE = 0.5  # s between them: what is short now may be there again
@@ -163,7 +163,7 @@ async def play_once(
         PlatformFaultError: A sandbox failed under an agent.
     """
     with socket_folders(len(seating.seats)) as folders:
-        server = MatchServer(door=DOOR)
+        server = MatchServer(endpoint_settings=SEAT_ENDPOINT)
         # A socket of its own for each seat: a sandbox hands over just that, and no other token works there.
         addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
         try:

@@ -17,7 +17,7 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
     Args:
         sensors: What will be read in matches, for each submission.
     """
-    from wildscav.server.hosting.observations import Senses
+    from wildscav.server.hosting.observations import SeatObservations
     from wildscav.server.hosting.warm_up import warm_map
     from wildscav_engine.maps.export.mesh import solids_mesh
     from wildscav_engine.sensors import parse_sensors
@@ -34,7 +34,7 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
         while not match.over:
             match.step(no_actions(match.seats) + np.float32(1.0))
         match.start_info(0)
-        Senses(match, [0]).take([0.0])
+        SeatObservations(match, [0]).encode([0.0])
         match.result()
     for wanted in sensors:
         for sensor in parse_sensors(wanted).values():

@@ -20,7 +20,7 @@ from multiprocessing.process import BaseProcess
 from typing import cast
 
 from wildscav.system import leftovers
-from wildscav.system.worker_processes import be_worker, starting_workers
+from wildscav.system.worker_processes import become_worker, starting_workers
 from wildscav_evaluator.matches.jobs import Broken, Job, JobResult, Told, after_death, run_job
 from wildscav_evaluator.matches.warm import Wanted, warm
 from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog
@@ -238,7 +238,7 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
         parent: The process that started this one.
         _lock: Is held until this process ends, however it ends.
     """
-    be_worker(parent)
+    become_worker(parent)
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
         while True:
             message = connection.recv()

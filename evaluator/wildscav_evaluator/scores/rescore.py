@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from wildscav.errors import UserError, describe
-from wildscav.system.worker_processes import be_worker, starting_workers
+from wildscav.system.worker_processes import become_worker, starting_workers
 from wildscav.terminal.console import printable
 from wildscav_engine.record import RECORD_VERSION, SUFFIX, Record, RecordError, read_record, verify_record
 from wildscav_engine.specs.spec import MatchSpec
@@ -88,7 +88,7 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
         return
     count, spawn = min(jobs, len(paths)), get_context("spawn")
     before = active_children()
-    with ProcessPoolExecutor(count, spawn, be_worker, (os.getpid(),)) as pool:
+    with ProcessPoolExecutor(count, spawn, become_worker, (os.getpid(),)) as pool:
         try:
             # The first alone, so that the others find compiled whatever it had to compile.
             with starting_workers():

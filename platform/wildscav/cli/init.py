@@ -74,10 +74,10 @@ def init(
 
         content = policy_files(from_policy, name, track, option or [], choose, activation)
     _write(folder, content)
-    _say_what_is_next(folder, name)
+    _print_next_steps(folder, name)
 
 
-def _say_what_is_next(folder: Path, name: str) -> None:
+def _print_next_steps(folder: Path, name: str) -> None:
     from rich.text import Text
 
     from wildscav.terminal.console import console

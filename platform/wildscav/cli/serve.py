@@ -127,18 +127,25 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     """Serve in this process."""
     from wildscav.monitoring.logs import open_log
     from wildscav.monitoring.metrics import serving_metrics
-    from wildscav.server import Door, MatchServer
+    from wildscav.server import EndpointSettings, MatchServer
     from wildscav.server.hosting.warm_up import warm
     from wildscav.terminal.console import console
     from wildscav.terminal.engine_progress import preparing
 
-    door = Door(tls=how.certificate.context() if how.certificate else None, insecure=how.insecure)
-    server = MatchServer(arena=True, organizer_token=how.token, door=door, log=open_log(how.log_format))
+    endpoint_settings = EndpointSettings(
+        tls=how.certificate.context() if how.certificate else None, insecure=how.insecure
+    )
+    server = MatchServer(
+        arena=True,
+        organizer_token=how.token,
+        endpoint_settings=endpoint_settings,
+        log=open_log(how.log_format),
+    )
     taken = await server.start(how.addresses)
     with preparing(console, is_said=how.log_format == "json"):
         await asyncio.to_thread(warm)
     _say_listening(taken)
-    with serving_metrics(server.meters, how.metrics_port) as metrics:
+    with serving_metrics(server.metrics, how.metrics_port) as metrics:
         if metrics is not None:
             console.print(f"metrics at {metrics}", highlight=False)
         await stopped.wait()

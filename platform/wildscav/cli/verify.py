@@ -121,15 +121,15 @@ def _check(path: Path, checks: "Sequence[RecordCheck]", key: str | None) -> Find
     try:
         record = read_record(path)
         result = verify_record(record)
-        complaint = next(filter(None, (check(path, record, key) for check in checks)), "")
+        objection = next(filter(None, (check(path, record, key) for check in checks)), "")
     except RecordError as error:
         return Finding(path, False, printable(str(error).removeprefix(f"{path}: ")))
     except OSError as error:
         return Finding(path, False, printable(describe(error)))
     except MemoryError:
         return Finding(path, False, "its match does not fit into this machine's memory")
-    if result.holds and complaint:
-        return Finding(path, False, printable(complaint))
+    if result.holds and objection:
+        return Finding(path, False, printable(objection))
     message = f"{record.steps} steps" if result.holds else result.message
     # A record of another generator says itself which engine made it.
     if record.engine_version != ENGINE_VERSION and record.generator_version == GENERATOR_VERSION:

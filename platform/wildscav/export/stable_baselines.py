@@ -9,8 +9,15 @@ from typing import Any
 import numpy as np
 
 from wildscav.errors import UserError
-from wildscav.export.trained import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, Shape, Trained, pack_layers
-from wildscav.policy.choosing import NUMBERS, SCORES, SQUASHED, VALUES
+from wildscav.export.trained_model import (
+    LAYERS_FILE,
+    ONNX_FILE,
+    ONNX_REQUIREMENT,
+    Shape,
+    Trained,
+    pack_layers,
+)
+from wildscav.policy.action_choice import NUMBERS, SCORES, SQUASHED, VALUES
 
 NAMES = {"Tanh": "tanh", "ReLU": "relu", "ELU": "elu", "LeakyReLU": "leaky_relu", "SiLU": "silu"}
 # What changes nothing when a policy plays.
@@ -186,8 +193,31 @@ def _onnx(policy: Any) -> bytes:
     """
     import torch
 
-    space, spaces = policy.observation_space, _spaces(policy)
-    shapes = {name: _shape(inner) for name, inner in spaces.items()}
+    spaces = _spaces(policy)
+    given = tuple(
+        torch.zeros(1, *_shape(inner), dtype=torch.as_tensor(np.zeros(1, inner.dtype)).dtype)
+        for inner in spaces.values()
+    )
+    module, names = _outputs_of(policy), list(spaces)
+    file = io.BytesIO()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the exporter itself
+            torch.onnx.export(module, given, file, input_names=names, output_names=["outputs"], dynamo=False)
+    except Exception as error:  # noqa: BLE001 - the exporter's errors have many bases
+        raise UserError(
+            f"the policy is more than fully connected layers, and PyTorch cannot write it as ONNX: {error} "
+            "(pip install onnx)",
+            exit_code=2,
+        ) from None
+    return file.getvalue()
+
+
+def _outputs_of(policy: Any) -> Any:
+    """Return a module from an observation's arrays, as the environment has them, to a policy's outputs."""
+    import torch
+
+    spaces = _spaces(policy)
 
     class Outputs(torch.nn.Module):  # type: ignore[misc]
         def __init__(self) -> None:
@@ -199,26 +229,10 @@ def _onnx(policy: Any) -> bytes:
                 name: array.permute(0, 3, 1, 2) if _is_transposed(inner) else array
                 for (name, inner), array in zip(spaces.items(), arrays, strict=True)
             }
-            return _forward(self.policy, seen if hasattr(space, "spaces") else seen["observation"])
+            is_one = not hasattr(policy.observation_space, "spaces")
+            return _forward(self.policy, seen["observation"] if is_one else seen)
 
-    given = tuple(
-        torch.zeros(1, *shape, dtype=torch.as_tensor(np.zeros(1, spaces[name].dtype)).dtype)
-        for name, shape in shapes.items()
-    )
-    file = io.BytesIO()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of the exporter itself
-            torch.onnx.export(
-                Outputs(), given, file, input_names=list(shapes), output_names=["outputs"], dynamo=False
-            )
-    except Exception as error:  # noqa: BLE001 - the exporter's errors have many bases
-        raise UserError(
-            f"the policy is more than fully connected layers, and PyTorch cannot write it as ONNX: {error} "
-            "(pip install onnx)",
-            exit_code=2,
-        ) from None
-    return file.getvalue()
+    return Outputs()
 
 
 def _forward(policy: Any, seen: Any) -> Any:

@@ -8,8 +8,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
 
-from wildscav.legacy.maps import is_written, write_map
-from wildscav.system.worker_processes import be_worker, starting_workers
+from wildscav.legacy.map_files import is_written, write_map
+from wildscav.system.worker_processes import become_worker, starting_workers
 
 PROGRAM = "fps.x86_64"
 HOME = Path(__file__).parents[2]  # the folder that holds the package of Wildscav
@@ -77,7 +77,7 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
         return
     # New processes, not copies of this one, in which kernels may have run.
     count, spawn = min(workers, len(ids)), get_context("spawn")
-    with ProcessPoolExecutor(count, spawn, be_worker, (os.getpid(),)) as pool:
+    with ProcessPoolExecutor(count, spawn, become_worker, (os.getpid(),)) as pool:
         with starting_workers():
             jobs = {pool.submit(write_map, map_id, folder): map_id for map_id in ids}
         try:

@@ -16,8 +16,8 @@ from typing import NoReturn
 
 from wildscav.errors import UserError, WildscavError
 from wildscav.legacy.channel import Client, ClientGoneError
+from wildscav.legacy.client_process import UserHandler, find_client, has_own_stderr, interrupt
 from wildscav.legacy.session import Session
-from wildscav.legacy.user import UserHandler, find_client, has_own_stderr, interrupt
 
 USAGE = "is started by the client's Game.init() as: fps.x86_64 -IP:HOST -PORT:N"
 

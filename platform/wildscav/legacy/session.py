@@ -11,8 +11,8 @@ from wildscav.legacy.actions import read_actions
 from wildscav.legacy.channel import Client
 from wildscav.legacy.commander_pb2 import GameState, GMCommand, Reply
 from wildscav.legacy.episode import Episode, RefusedEpisodeError, read_episode
-from wildscav.legacy.places import settle_places
-from wildscav.legacy.requests import START, Requests
+from wildscav.legacy.request_messages import START, Requests
+from wildscav.legacy.start_places import settle_places
 from wildscav.terminal.console import counted
 
 if TYPE_CHECKING:

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from wildscav.agent import Action, MatchInfo, Observation
-from wildscav.policy.acting import action_mode
+from wildscav.policy.action_modes import action_mode
 from wildscav.policy.errors import PolicyError
-from wildscav.policy.observing import Events, Observer
-from wildscav.policy.stacking import Stack, Stacked
+from wildscav.policy.observation_groups import Events, Observer
+from wildscav.policy.observation_stack import Stack, Stacked
 
 FORMAT = 1
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav.policy.errors import PolicyError
-from wildscav.policy.stacking import Stacked
+from wildscav.policy.observation_stack import Stacked
 
 Numbers = NDArray[np.float32]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wildscav.agent import Action, Agent, MatchInfo, Observation
-from wildscav.policy.choosing import chooser_of
+from wildscav.policy.action_choice import chooser_of
 from wildscav.policy.environment import Environment
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.networks import Choose, load_network

@@ -13,7 +13,7 @@ import grpc
 from wildscav.agent import Action, MatchInfo, Observation
 from wildscav.errors import ServerUnreachableError
 from wildscav.proto.match_pb2 import ClientMessage, MatchOver, ServerMessage
-from wildscav.sdk.credentials import Credentials, why_not
+from wildscav.sdk.credentials import Credentials, explain_tls_failure
 from wildscav.wire.actions import encode_action
 from wildscav.wire.errors import decode_error
 from wildscav.wire.matches import decode_match_info, encode_join, encode_ready
@@ -22,7 +22,7 @@ from wildscav.wire.observations import decode_observation
 METHOD = "/wildscav.match.v1.Match/Play"
 CONNECT_TIMEOUT = 5.0  # s
 NOT_ENCRYPTED = Credentials()
-LONG_THOUGHT = 0.05  # s after which it is worth a look whether the server is still there
+LONG_SILENCE = 0.05  # s after which it is worth a look whether the server is still there
 CHANNEL_OPTIONS = (
     ("grpc.max_receive_message_length", -1),  # sensors may be large, and the server is trusted
     ("grpc.enable_http_proxy", 0),
@@ -78,7 +78,7 @@ class Connection:
             response_deserializer=ServerMessage.FromString,
         )
         self._call = play()
-        self._heard = self._loop.time()  # when the last message came
+        self._last_heard = self._loop.time()  # when the last message came
         return await self._exchange(self._join)
 
     async def _connect(self) -> None:
@@ -97,13 +97,13 @@ class Connection:
             raise ServerUnreachableError(f"no match server answers at {self._address}") from None
 
     async def _check_tls(self) -> None:
-        why = await asyncio.to_thread(why_not, self._address, self._credentials)
+        why = await asyncio.to_thread(explain_tls_failure, self._address, self._credentials)
         if why:
             raise ServerUnreachableError(f"no match server answers at {self._address}{why}")
 
     async def _exchange(self, message: ClientMessage) -> ServerMessage:
         """Send a message and wait for the next one."""
-        if self._loop.time() - self._heard > LONG_THOUGHT:
+        if self._loop.time() - self._last_heard > LONG_SILENCE:
             # Events have not been looked at while the agent thought. If the server has ended the stream, its
             # reason would be lost in the failure of writing.
             await asyncio.sleep(0.001)
@@ -122,7 +122,7 @@ class Connection:
             raise decode_error(error, self._address) from None
         if not isinstance(message, ServerMessage):
             raise ServerUnreachableError(f"{self._address} closed the connection before the match was over")
-        self._heard = self._loop.time()
+        self._last_heard = self._loop.time()
         return message
 
     async def first(self) -> Observation | None:

@@ -78,7 +78,7 @@ def _read(path: str) -> bytes:
         raise UserError(f"cannot read {describe(error)}", exit_code=2) from None
 
 
-def why_not(address: str, credentials: Credentials) -> str:
+def explain_tls_failure(address: str, credentials: Credentials) -> str:
     """Return why TLS fails at an address, in half a sentence that ends a line; "" if it does not.
 
     gRPC tells its users nothing of it but that there is no connection.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from wildscav.agent import Agent, check_action
 from wildscav.errors import AgentError, UserError
-from wildscav.sdk.watchdog import OverdueWatch, end_watch
+from wildscav.sdk.watchdog import StepWatchdog, end_watch
 
 if TYPE_CHECKING:
     from wildscav.proto.match_pb2 import MatchOver
@@ -67,14 +67,14 @@ def make_agent(factory: Callable[[], Agent]) -> Agent:
 
 def play(agent: Agent, address: str, token: str) -> "MatchOver":
     """Play one match with an agent that has been made, and return how it ended."""
-    wait_in_line()
+    use_batch_scheduling()
     # A loop of its own, which an agent that asks for the current one does not get.
     with asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
         return runner.get_loop().run_until_complete(_play(agent, address, token))
 
 
-def wait_in_line() -> None:
-    """Let this thread, and what it starts from now on, not interrupt others when it is woken (Linux).
+def use_batch_scheduling() -> None:
+    """Have this thread, and what it starts from now on, not preempt others when it is woken (Linux).
 
     Agents are woken all at once, each for a moment. Where ten share two cores with the server, a match plays
     a tenth to a fifth more steps a second if each waits until whoever is at work has done its part.
@@ -91,24 +91,24 @@ async def _play(agent: Agent, address: str, token: str) -> "MatchOver":
     from wildscav.sdk.credentials import Credentials
     from wildscav.version import __version__
 
-    aside = Aside()
+    outside = OutsideEventLoop()
     async with Connection(address, token, __version__, Credentials.of()) as connection:
-        aside.call(agent.reset, connection.match)
+        outside.call(agent.reset, connection.match)
         end_watch()  # of the start
         observation = await connection.first()
-        watch = OverdueWatch(connection.match)
+        watch = StepWatchdog(connection.match)
         watching = asyncio.create_task(watch.run())
         try:
             while observation is not None:
                 watch.observation = observation
-                action = check_action(agent, aside.call(agent.act, observation))
+                action = check_action(agent, outside.call(agent.act, observation))
                 observation = await connection.answer(observation.step, action)
         finally:
             watching.cancel()
         return connection.over
 
 
-class Aside:
+class OutsideEventLoop:
     """Calls an agent's code as if no event loop ran, so that it may run loops of its own.
 
     Made by the task that plays the match. To stop the connection's loop for each call and to start it again

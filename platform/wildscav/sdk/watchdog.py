@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from wildscav.agent import MatchInfo, Observation
 
 START_VARIABLE = "WILDSCAV_START_LIMIT"  # s that the host gives an agent to start up
-EARLY = 0.9  # of the time to start up: afterwards the host may end the process at any moment
-BEAT = 0.5  # s between two settings of the watchdog, and so the most that a traceback comes late
+WARNING_SHARE = 0.9  # of the time to start up: afterwards the host may end the process at any moment
+REARM_INTERVAL = 0.5  # s between two settings of the watchdog, and so the most that a traceback comes late
 STDERR = 2  # the file descriptor, whatever the agent does with sys.stderr
-MOST = 3  # tracebacks in one match: more would only fill the log
+MOST_TRACEBACKS = 3  # in one match: more would only fill the log
 
 
 def watch_start_up() -> None:
@@ -29,7 +29,7 @@ def watch_start_up() -> None:
     except ValueError:
         return
     if 0.0 < limit < threading.TIMEOUT_MAX:
-        faulthandler.dump_traceback_later(EARLY * limit, file=STDERR)
+        faulthandler.dump_traceback_later(WARNING_SHARE * limit, file=STDERR)
 
 
 def end_watch() -> None:
@@ -37,7 +37,7 @@ def end_watch() -> None:
     faulthandler.cancel_dump_traceback_later()
 
 
-class OverdueWatch:
+class StepWatchdog:
     """Watches the steps of a match: prints the stacks when an answer takes longer than the agent may take.
 
     While the event loop turns, the agent's code is not running, and a task moves the watchdog on. So a step
@@ -56,12 +56,12 @@ class OverdueWatch:
         """Move the watchdog on until cancelled."""
         fires = float("inf")
         try:
-            while self._printed < MOST:
+            while self._printed < MOST_TRACEBACKS:
                 bank = 0.0 if self.observation is None else self.observation.time_bank
-                wait = self._budget + bank + BEAT
+                wait = self._budget + bank + REARM_INTERVAL
                 faulthandler.dump_traceback_later(wait, file=STDERR)
                 fires = time.monotonic() + wait
-                await asyncio.sleep(BEAT)
+                await asyncio.sleep(REARM_INTERVAL)
                 self._printed += time.monotonic() > fires
         finally:
             end_watch()

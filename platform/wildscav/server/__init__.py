@@ -1,14 +1,14 @@
 """The match server: many matches at once in one event loop, one stream a seat."""
 
-from wildscav.server.endpoints.endpoint import Door
+from wildscav.server.endpoints.endpoint import EndpointSettings
 from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
-from wildscav.server.hosting.reports import Fault, MatchOutcome, SeatReport, SeatStatus, ThinkTime, Thought
+from wildscav.server.hosting.reports import Fault, MatchOutcome, SeatReport, SeatStatus, SlowAnswer, ThinkTime
 from wildscav.server.hosting.time_limits import Clock
 from wildscav.server.match_server import MatchServer
 
 __all__ = [
     "Clock",
-    "Door",
+    "EndpointSettings",
     "Fault",
     "HostedMatch",
     "MatchCancelledError",
@@ -16,6 +16,6 @@ __all__ = [
     "MatchServer",
     "SeatReport",
     "SeatStatus",
+    "SlowAnswer",
     "ThinkTime",
-    "Thought",
 ]

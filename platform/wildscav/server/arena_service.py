@@ -1,4 +1,4 @@
-"""The Arena service: the front desk of a shared server."""
+"""The Arena service of a server that plays the matches itself."""
 
 import asyncio
 import json
@@ -55,13 +55,7 @@ class ArenaService:
         self._keepers: set[asyncio.Task[None]] = set()
 
     async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
-        """Open a match. See ``routes.Arena``."""
-        from pydantic import ValidationError
-
-        from wildscav_engine.record import RecordError, check_recordable
-        from wildscav_engine.simulation.match import MatchSetupError
-        from wildscav_engine.specs.spec import MatchSpec, one_line
-
+        """Open a match. See ``routes.ArenaHandler``."""
         if len(self._open) >= OPEN_LIMIT:
             raise RefusalError(
                 grpc.StatusCode.RESOURCE_EXHAUSTED, "ARENA_FULL", f"{OPEN_LIMIT} matches are open; try later"
@@ -69,18 +63,7 @@ class ArenaService:
         match_id, clock = secrets.token_hex(8), Clock()
         self._open[match_id] = None
         try:
-            spec = MatchSpec.model_validate_json(request.spec_json)
-            check_recordable(spec)
-            hosted = await self._server.host(
-                spec,
-                names=tuple(request.names) or tuple(f"seat {seat}" for seat in range(len(spec.seats))),
-                sensors={seat: _options(text) for seat, text in request.sensors_json.items()},
-                clock=clock,
-            )
-        except (ValueError, RecursionError, MatchSetupError, RecordError) as error:
-            del self._open[match_id]
-            message = one_line(error) if isinstance(error, ValidationError) else " ".join(str(error).split())
-            raise RefusalError(grpc.StatusCode.INVALID_ARGUMENT, "SPEC_INVALID", message) from None
+            hosted = await self._host(request, clock)
         except BaseException:
             del self._open[match_id]
             raise
@@ -91,6 +74,31 @@ class ArenaService:
         return HostMatchResponse(
             match_id=match_id, seat_tokens=hosted.tokens, join_timeout=clock.join_timeout
         )
+
+    async def _host(self, request: HostMatchRequest, clock: Clock) -> HostedMatch:
+        """Host the match that is asked for.
+
+        Raises:
+            RefusalError: It cannot be played or recorded.
+        """
+        from pydantic import ValidationError
+
+        from wildscav_engine.record import RecordError, check_recordable
+        from wildscav_engine.simulation.match import MatchSetupError
+        from wildscav_engine.specs.spec import MatchSpec, one_line
+
+        try:
+            spec = MatchSpec.model_validate_json(request.spec_json)
+            check_recordable(spec)
+            return await self._server.host(
+                spec,
+                names=tuple(request.names) or tuple(f"seat {seat}" for seat in range(len(spec.seats))),
+                sensors={seat: _options(text) for seat, text in request.sensors_json.items()},
+                clock=clock,
+            )
+        except (ValueError, RecursionError, MatchSetupError, RecordError) as error:
+            message = one_line(error) if isinstance(error, ValidationError) else " ".join(str(error).split())
+            raise RefusalError(grpc.StatusCode.INVALID_ARGUMENT, "SPEC_INVALID", message) from None
 
     async def _keep(self, match_id: str, hosted: HostedMatch) -> None:
         """Wait for a match's end and keep what came out of it."""
@@ -108,7 +116,7 @@ class ArenaService:
             self._closed.popitem(last=False)
 
     async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
-        """Tell how a match stands. See ``routes.Arena``."""
+        """Tell how a match stands. See ``routes.ArenaHandler``."""
         match_id = request.match_id
         if match_id in self._closed:
             return self._closed[match_id]

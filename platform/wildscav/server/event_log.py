@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 PAUSE = 1.0  # s after a refusal in which others of its reason are only counted, so that no flood fills a disk
 
 
-class Diary:
-    """Writes down what happens on a server.
+class EventLog:
+    """Writes the events of a server into a log.
 
     Args:
         log: Where to; nowhere if none.
@@ -23,13 +23,13 @@ class Diary:
         self._log = log
         self._refusals: dict[str, tuple[float, int]] = {}  # by reason: when last written, how many since
 
-    def opened(self, match: "HostedMatch") -> None:
+    def match_opened(self, match: "HostedMatch") -> None:
         """Write that a match can be joined."""
         if self._log is not None:
             track = match.match.spec.track
             self._log.info("match_opened", match=match.id, track=track, seats=len(match.seats))
 
-    def ended(self, match: "HostedMatch", how: str) -> None:
+    def match_ended(self, match: "HostedMatch", how: str) -> None:
         """Write how a match ended, and each of its seats.
 
         Args:
@@ -64,12 +64,12 @@ class Diary:
                 time_bank=round(report.time_bank, 3),
             )
 
-    def broke(self, address: str, error: Exception) -> None:
+    def stream_failed(self, address: str, error: Exception) -> None:
         """Write that something of ours failed with a stream of which nobody knows yet whose it is."""
         if self._log is not None:
             self._log.warning("stream_failed", address=address, fault="platform", error=repr(error))
 
-    def refused(self, refusal: RefusalError) -> None:
+    def stream_refused(self, refusal: RefusalError) -> None:
         """Write that a stream was refused or put out."""
         if self._log is None:
             return

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 from wildscav.monitoring.logs import Log
 from wildscav.server.arena_service import ArenaService
-from wildscav.server.endpoints.endpoint import Door, Entrance
-from wildscav.server.endpoints.match_service import Place
+from wildscav.server.endpoints.endpoint import Endpoint, EndpointSettings
+from wildscav.server.endpoints.match_service import Reservation
 from wildscav.server.endpoints.organizer import Organizer
 from wildscav.server.endpoints.routes import arena_routes
-from wildscav.server.event_log import Diary
+from wildscav.server.event_log import EventLog
 from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
 from wildscav.server.hosting.reports import SeatStatus
 from wildscav.server.hosting.seat import Seat, parse_sensors
-from wildscav.server.hosting.seat_time import SeatTime
+from wildscav.server.hosting.seat_clock import SeatClock
 from wildscav.server.hosting.time_limits import Clock, TimeBank
 from wildscav.server.hosting.warm_up import warm
-from wildscav.server.server_metrics import ServerMeters
+from wildscav.server.server_metrics import ServerMetrics
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
     from wildscav_engine.specs.spec import MatchSpec
 
-DEFAULT_DOOR = Door()
+DEFAULT_SETTINGS = EndpointSettings()
 
 
 class MatchServer:
@@ -37,7 +37,7 @@ class MatchServer:
     Args:
         arena: Whether matches can be opened over the wire, too.
         organizer_token: The secret that the arena asks for; needed on addresses that others can reach.
-        door: How each address is guarded.
+        endpoint_settings: Who may connect to each address, and how.
         log: Where to write what happens; nowhere if none.
     """
 
@@ -46,26 +46,26 @@ class MatchServer:
         *,
         arena: bool = False,
         organizer_token: str | None = None,
-        door: Door = DEFAULT_DOOR,
+        endpoint_settings: EndpointSettings = DEFAULT_SETTINGS,
         log: Log | None = None,
     ) -> None:
-        self._places: dict[str, Place] = {}
+        self._reservations: dict[str, Reservation] = {}
         self._matches: set[HostedMatch] = set()
-        self._entrances: list[Entrance] = []
-        self._door, self._time = door, SeatTime()
+        self._endpoints: list[Endpoint] = []
+        self._settings, self._time = endpoint_settings, SeatClock()
         self._organizer = Organizer(organizer_token)
         self._arena = arena_routes(ArenaService(self), self._organizer) if arena else {}
-        self.meters = ServerMeters(
-            lambda: self._matches, lambda: sum(one.strangers for one in self._entrances)
+        self.metrics = ServerMetrics(
+            lambda: self._matches, lambda: sum(one.pending_streams for one in self._endpoints)
         )
-        self._diary = Diary(log)
+        self._event_log = EventLog(log)
 
     async def start(self, addresses: Sequence[str], *, arena: bool = True) -> list[str]:
         """Listen; may be called again for more.
 
         Args:
             addresses: ``unix:/path`` or ``host:port``; port 0 takes a free one.
-            arena: Whether the server's arena, if it has one, can be reached there.
+            arena: Whether the server's Arena service, if it has one, can be reached there.
 
         Returns:
             The same, with the ports taken: what ``WILDSCAV_ADDRESS`` may be.
@@ -78,17 +78,25 @@ class MatchServer:
         for address in addresses:
             if more:
                 self._organizer.check_address(address)
-            self._door.check_address(address)
+            self._settings.check_address(address)
         allow_many_files()
         new = []
         for address in addresses:
             new.append(
-                Entrance(address, self._door, self._places, self._refused, self._broke, self._flooded, more)
+                Endpoint(
+                    address,
+                    self._settings,
+                    self._reservations,
+                    self._refused,
+                    self._broke,
+                    self._flooded,
+                    more,
+                )
             )
-            self._entrances.append(new[-1])
-        for entrance in new:
-            entrance.start()
-        return [entrance.address for entrance in new]
+            self._endpoints.append(new[-1])
+        for endpoint in new:
+            endpoint.start()
+        return [endpoint.address for endpoint in new]
 
     async def host(
         self,
@@ -137,43 +145,47 @@ class MatchServer:
         match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats], make)
         hosted = HostedMatch(match, names, seats, clock, self._time, starting=starting)
         self._matches.add(hosted)
-        self._places.update({seat.token: Place(hosted, seat, own.get(seat.number)) for seat in seats})
+        self._reservations.update(
+            {seat.token: Reservation(hosted, seat, own.get(seat.number)) for seat in seats}
+        )
         hosted.task.add_done_callback(lambda _: self._forget(hosted))
-        self._diary.opened(hosted)
+        self._event_log.match_opened(hosted)
         return hosted
 
     def _own_addresses(self, addresses: Mapping[int, str], numbers: Sequence[int]) -> Mapping[int, str]:
         """Check that seats can be joined over the addresses that are to be theirs."""
         if wrong := set(addresses) - set(numbers):
             raise ValueError(f"an address for seat {min(wrong)}, which no submission fills")
-        if unknown := set(addresses.values()) - {entrance.address for entrance in self._entrances}:
+        if unknown := set(addresses.values()) - {endpoint.address for endpoint in self._endpoints}:
             raise ValueError(f"this server does not listen on {min(unknown)}")
         return addresses
 
     def _refused(self, refusal: RefusalError) -> None:
-        self.meters.refused(refusal.reason)
-        self._diary.refused(refusal)
+        self.metrics.refused(refusal.reason)
+        self._event_log.stream_refused(refusal)
 
     def _broke(self, address: str, error: Exception) -> None:
         """Give up the matches that have a seat at an address where something of ours failed."""
-        self._diary.broke(address, error)
-        for match in {place.match for place in self._places.values() if place.address == address}:
+        self._event_log.stream_failed(address, error)
+        for match in {
+            reservation.match for reservation in self._reservations.values() if reservation.address == address
+        }:
             match.fail(error)
 
     def _flooded(self, address: str, reason: str) -> None:
         """Put the seats out that are joined at an address which their agent has flooded."""
         self._refused(ProtocolRefusalError("FLOOD", reason))
-        for place in tuple(self._places.values()):
-            if place.address == address:
-                place.match.give_up(place.seat.number, reason, SeatStatus.PROTOCOL_ERROR)
+        for reservation in tuple(self._reservations.values()):
+            if reservation.address == address:
+                reservation.match.give_up(reservation.seat.number, reason, SeatStatus.PROTOCOL_ERROR)
 
     def _forget(self, hosted: HostedMatch) -> None:
         self._matches.discard(hosted)
         how = "cancelled" if hosted.task.cancelled() else "failed" if hosted.task.exception() else "finished"
-        self.meters.ended(hosted, how)
-        self._diary.ended(hosted, how)
+        self.metrics.ended(hosted, how)
+        self._event_log.match_ended(hosted, how)
         for token in hosted.tokens.values():
-            self._places.pop(token, None)
+            self._reservations.pop(token, None)
 
     async def stop(self, grace: float = 1.0) -> None:
         """Cancel the matches that are not over, and close all connections.
@@ -181,13 +193,13 @@ class MatchServer:
         Args:
             grace: s that open calls have to end by themselves.
         """
-        for entrance in self._entrances:
-            entrance.announce_end()
+        for endpoint in self._endpoints:
+            endpoint.announce_end()
         for hosted in tuple(self._matches):
             hosted.cancel()
             with contextlib.suppress(MatchCancelledError):
                 await hosted.finished()
-        await asyncio.gather(*(entrance.stop(grace) for entrance in self._entrances))
+        await asyncio.gather(*(endpoint.stop(grace) for endpoint in self._endpoints))
 
 
 def allow_many_files() -> None:

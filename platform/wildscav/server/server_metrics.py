@@ -19,16 +19,18 @@ if TYPE_CHECKING:
 BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 5.0, 30.0)  # s, of step latencies
 
 
-class ServerMeters(Collector):
+class ServerMetrics(Collector):
     """The counts of one server.
 
     Args:
         matches: Returns the matches that are open.
-        strangers: Returns how many streams have not joined.
+        pending_streams: Returns how many streams have not joined.
     """
 
-    def __init__(self, matches: "Callable[[], Iterable[HostedMatch]]", strangers: Callable[[], int]) -> None:
-        self._matches, self._strangers = matches, strangers
+    def __init__(
+        self, matches: "Callable[[], Iterable[HostedMatch]]", pending_streams: Callable[[], int]
+    ) -> None:
+        self._matches, self._pending_streams = matches, pending_streams
         self._ended: Counter[tuple[str, str]] = Counter()  # by track and how
         self._seats: Counter[tuple[str, str]] = Counter()  # by outcome and fault
         self._refusals: Counter[str] = Counter()  # by reason
@@ -76,7 +78,9 @@ class ServerMeters(Collector):
             refusals.add_metric((reason,), count)
         yield refusals
         yield GaugeMetricFamily(
-            "wildscav_server_strangers", "Streams that have not said which seat they are.", self._strangers()
+            "wildscav_server_strangers",
+            "Streams that have not said which seat they are.",
+            self._pending_streams(),
         )
 
     def _of_matches(self, open_now: "list[HostedMatch]") -> Iterator[Metric]:

@@ -18,7 +18,7 @@ GRACE = 20.0  # s that an orphan has to end in good order
 def starting_workers() -> Iterator[None]:
     """Keep Ctrl-C, which a terminal sends to all, from processes that are started in this block.
 
-    Each keeps it off until it calls ``be_worker``: one that it met while it imports would say so at length.
+    Each keeps it off until it calls ``become_worker``: a Ctrl-C during its imports would print a traceback.
     """
     resource_tracker.ensure_running()  # which the first worker would start, and let Ctrl-C through again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -28,7 +28,7 @@ def starting_workers() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def be_worker(parent: int) -> None:
+def become_worker(parent: int) -> None:
     """Leave Ctrl-C to the process that started this one, and end with it.
 
     Args:

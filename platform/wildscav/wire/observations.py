@@ -20,18 +20,18 @@ from wildscav.wire.varint import encode_varint
 KEY = b"\x12"  # of ServerMessage.observation: field 2, and that its length follows
 
 
-def encode_observation(senses: bytes, tensors: Mapping[str, NDArray[Any]]) -> bytes:
+def encode_observation(observation: bytes, tensors: Mapping[str, NDArray[Any]]) -> bytes:
     """Return the bytes of a ``ServerMessage`` with an observation.
 
     Args:
-        senses: The bytes of an ``Observation`` without tensors.
+        observation: The bytes of an ``Observation`` without tensors.
         tensors: The seat's sensor readings by name, C-contiguous.
     """
     if tensors:
         readings = [encode_tensor(name, array) for name, array in tensors.items()]
         # Messages one after the other are one message with the fields of both.
-        senses += ObservationMessage(tensors=readings).SerializeToString()
-    return KEY + encode_varint(len(senses)) + senses
+        observation += ObservationMessage(tensors=readings).SerializeToString()
+    return KEY + encode_varint(len(observation)) + observation
 
 
 def encode_tensor(name: str, array: NDArray[Any]) -> Tensor:

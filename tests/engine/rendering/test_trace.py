@@ -69,7 +69,7 @@ def test_every_size_and_field_of_view_shows_what_is_there(
 @pytest.mark.parametrize("yaw", [0.0, 90.0, 137.0, -180.0])
 def test_looking_steeply_up_and_down_shows_what_is_there(village: Country, yaw: float, pitch: float) -> None:
     for place in (village.map.indoor[0], village.map.outdoor[40]):
-        # Aside from the grid of places, where many rays would run along edges of cells.
+        # OutsideEventLoop from the grid of places, where many rays would run along edges of cells.
         eye = (place[0] + 0.13, place[1] + 1.5, place[2] + 0.07)
         check(village.surface, village.scene, View(eye, yaw, pitch, (15, 9), 90.0))
 

@@ -39,9 +39,9 @@ ALL = [
             ("wildscav_engine.simulation.match:Match.start_info", 1),  # for the first message to a seat
             ("wildscav_engine.simulation.match:Match.start_info", 2),
             ("wildscav_engine.simulation.match:Match.result", 1),  # for the last one
-            ("wildscav.server.hosting.seat:Seat.sense", 5),
-            ("wildscav.server.hosting.observations:Senses.take", 5),
-            ("wildscav.server.endpoints.match_service:MatchService._place", 2),
+            ("wildscav.server.hosting.seat:Seat.read_sensors", 5),
+            ("wildscav.server.hosting.observations:SeatObservations.encode", 5),
+            ("wildscav.server.endpoints.match_service:MatchService._find_reservation", 2),
             ("wildscav.server.hosting.hosted_match:HostedMatch.join", 2),
             ("wildscav.server.hosting.hosted_match:HostedMatch.ready", 1),
             ("wildscav.server.hosting.hosted_match:HostedMatch.next_observation", 3),

@@ -8,22 +8,22 @@ from pathlib import Path
 
 import pytest
 
-from wildscav.server import Clock, Thought
+from wildscav.server import Clock, SlowAnswer
 from wildscav_evaluator.matches.lateness import late_for_platform
 from wildscav_evaluator.sandbox.agents.processor_waits import Sample, WaitMeter
 from wildscav_evaluator.scores.notes import late_for_machine
 
 CLOCK = Clock(step_budget=0.1, time_bank=1.0)
 # Steps 4 to 6 were played while the answer to step 4 was under way, which took 1.4 s.
-SLOW = Thought(step=4, asked=10.0, answered=11.4)
+SLOW = SlowAnswer(step=4, asked=10.0, answered=11.4)
 
 
 def nothing(start: float, end: float) -> float:
     return 0.0
 
 
-def judge(*thoughts: Thought, waited: float, used_up: bool = True) -> tuple[int, ...]:
-    return late_for_platform([4, 5, 6], thoughts, CLOCK, lambda start, end: waited, used_up=used_up)
+def judge(*slow_answers: SlowAnswer, waited: float, used_up: bool = True) -> tuple[int, ...]:
+    return late_for_platform([4, 5, 6], slow_answers, CLOCK, lambda start, end: waited, used_up=used_up)
 
 
 def test_steps_are_the_platforms_where_the_wait_makes_the_difference() -> None:
@@ -36,12 +36,12 @@ def test_steps_are_the_agents_where_it_was_too_slow_besides() -> None:
 
 
 def test_what_was_thought_before_has_used_the_bank() -> None:
-    before = Thought(step=2, asked=8.0, answered=8.9)
+    before = SlowAnswer(step=2, asked=8.0, answered=8.9)
     assert judge(before, SLOW, waited=0.3) == ()  # 0.5 s of the bank, then 1.0 s
 
 
 def test_an_agent_that_never_answers_is_late_by_itself() -> None:
-    never = Thought(step=5, asked=20.0, answered=30.0)  # as the match ended
+    never = SlowAnswer(step=5, asked=20.0, answered=30.0)  # as the match ended
     assert judge(never, waited=0.5) == ()
     # Nor does an answer that was late before for want of a processor excuse it.
     waits = {SLOW.asked: 0.5, never.asked: 0.0}

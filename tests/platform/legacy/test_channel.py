@@ -8,7 +8,7 @@ from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.channel import LARGEST, Client, ClientGoneError, TooLargeError
 from wildscav.legacy.commander_pb2 import GameState, GMCommand
-from wildscav.legacy.requests import START
+from wildscav.legacy.request_messages import START
 
 
 @pytest.mark.parametrize("watched", [True, False])

@@ -11,7 +11,7 @@ from tests.platform.legacy.helpers.commands import face_to_face, open_way
 from tests.platform.legacy.helpers.original import SCRIPTS, environment, free_port, install, logs, play
 
 from wildscav.legacy.install import install_engine
-from wildscav.legacy.maps import obj_of, paths_of
+from wildscav.legacy.map_files import obj_of, paths_of
 from wildscav_engine.maps import load_map
 from wildscav_engine.maps.export.files import locations_of
 from wildscav_engine.record import read_record, verify_record

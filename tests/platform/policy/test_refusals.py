@@ -10,8 +10,8 @@ import pytest
 
 from wildscav import MatchInfo, Observation
 from wildscav.policy import Environment, Policy
-from wildscav.policy.acting import action_mode
-from wildscav.policy.choosing import Chooser
+from wildscav.policy.action_choice import Chooser
+from wildscav.policy.action_modes import action_mode
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.networks import Choose, Layers, OnnxNetwork
 

@@ -199,9 +199,9 @@ def test_an_agent_that_plays_interrupts_nobody(tmp_path: Path) -> None:
 @pytest.mark.skipif(not hasattr(os, "SCHED_IDLE"), reason="the system has no such policy")
 def test_how_an_agents_user_chose_to_run_it_stays() -> None:
     code = (
-        "import os; from wildscav.sdk.run import wait_in_line; "
+        "import os; from wildscav.sdk.run import use_batch_scheduling; "
         "os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0)); "
-        "wait_in_line(); chosen = os.sched_getscheduler(0); "
+        "use_batch_scheduling(); chosen = os.sched_getscheduler(0); "
         "os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0)); print(chosen)"
     )
     done = subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.PIPE, text=True)

@@ -17,7 +17,7 @@ from tests.platform.helpers.manual_clock import HOP, HandSetLoop, serving_by_han
 from tests.platform.helpers.seats import connected, ended, host, serving, small_spec, start_agent
 
 from wildscav.proto.match_pb2 import ClientMessage, Join
-from wildscav.server import Clock, Door, MatchServer
+from wildscav.server import Clock, EndpointSettings, MatchServer
 from wildscav.server.hosting.warm_up import warm
 
 FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
@@ -144,7 +144,7 @@ def test_thousands_of_connections_leave_a_match_its_time(tmp_path: Path, said: b
 
 def test_one_address_has_so_many_connections_and_the_others_are_free(tmp_path: Path) -> None:
     async def play(_: MatchServer, __: str) -> None:
-        server = MatchServer(door=Door(connections=4))
+        server = MatchServer(endpoint_settings=EndpointSettings(connections=4))
         address, second = await server.start([f"unix:{tmp_path / name}.sock" for name in ("first", "second")])
         flood = await asyncio.to_thread(raw_connections, second.removeprefix("unix:"), 50, b"")
         await asyncio.sleep(0.2)

@@ -44,7 +44,7 @@ def fetch(address: str) -> str:
 def test_metrics_tell_matches_steps_latency_queue_and_faults(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str) -> str:
         await a_match_and_a_stranger(server, address)
-        with serving_metrics(server.meters, 0) as metrics:
+        with serving_metrics(server.metrics, 0) as metrics:
             assert metrics is not None
             return await asyncio.to_thread(fetch, metrics)
 

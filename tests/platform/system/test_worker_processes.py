@@ -70,10 +70,10 @@ def test_a_worker_whose_parent_is_gone_before_it_began_ends_at_once() -> None:
 INTERRUPTED = """
 import os, signal, sys, time
 from multiprocessing import get_context
-from wildscav.system.worker_processes import be_worker, starting_workers
+from wildscav.system.worker_processes import become_worker, starting_workers
 
 def work(parent, connection):
-    be_worker(parent)
+    become_worker(parent)
     connection.send("ready")
     time.sleep(0.5)  # in which Ctrl-C would end it
     connection.send("done")

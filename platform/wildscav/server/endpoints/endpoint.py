@@ -1,6 +1,6 @@
-"""An entrance of a match server: one address, with a listener of its own.
+"""An endpoint of a match server: one address, with a listener of its own.
 
-A seat can thus be tied to one address, and nobody who crowds one keeps others from joining at another.
+A seat can thus be tied to one address, and whoever crowds one keeps nobody from joining at another.
 """
 
 import contextlib
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.server.endpoints.addresses import UNIX, bind, is_public, with_port
-from wildscav.server.endpoints.match_service import MatchService, Place
+from wildscav.server.endpoints.match_service import MatchService, Reservation
 from wildscav.server.endpoints.routes import PLAY, Health
 from wildscav.server.http2.calls import Route
 from wildscav.server.http2.listener import Listener
@@ -21,10 +21,10 @@ CONNECTIONS = 2000  # to one address at one time
 
 
 @dataclass(frozen=True)
-class Door:
-    """How an address is guarded."""
+class EndpointSettings:
+    """Who may connect to an address, and how."""
 
-    connections: int = CONNECTIONS  # open at one time: then a stranger's has to go
+    connections: int = CONNECTIONS  # open at one time: then one of an unknown client has to go
     visits: int | None = None  # connections that may come in all; then the address is closed
     tls: ssl.SSLContext | None = field(default=None, compare=False)  # of ports; unix sockets need none
     insecure: bool = False  # whether other machines may come without TLS
@@ -43,13 +43,13 @@ class Door:
             )
 
 
-class Entrance:
+class Endpoint:
     """Listens on one address, once it is started.
 
     Args:
         address: Free to be taken; port 0 takes any.
-        door: How it is guarded.
-        places: What each token stands for.
+        endpoint_settings: Who may connect, and how.
+        reservations: What each token stands for.
         refused: Told of every refusal.
         broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
         flooded: Told of the address of one seat that its agent flooded, and of what it did.
@@ -63,8 +63,8 @@ class Entrance:
     def __init__(
         self,
         address: str,
-        door: Door,
-        places: Mapping[str, Place],
+        endpoint_settings: EndpointSettings,
+        reservations: Mapping[str, Reservation],
         refused: Callable[[RefusalError], None],
         broke: Callable[[str, Exception], None],
         flooded: Callable[[str, str], None],
@@ -75,21 +75,21 @@ class Entrance:
         self.address = address if address.startswith(UNIX) else with_port(address, name[1])
         self._path = Path(name) if address.startswith(UNIX) else None
         self._inode = self._path.stat().st_ino if self._path else 0
-        self._service = MatchService(places, refused, broke, self.address)
+        self._service = MatchService(reservations, refused, broke, self.address)
         self._health = Health()
         self._listener = Listener(
             sockets,
             {PLAY: Route(self._service.play), **self._health.routes(), **more},
-            connections=door.connections,
-            visits=door.visits,
-            crowded=lambda reason: flooded(self.address, reason),
-            tls=None if self._path else door.tls,
+            connections=endpoint_settings.connections,
+            visits=endpoint_settings.visits,
+            on_flood=lambda reason: flooded(self.address, reason),
+            tls=None if self._path else endpoint_settings.tls,
         )
 
     @property
-    def strangers(self) -> int:
+    def pending_streams(self) -> int:
         """How many streams have not said which seat they are."""
-        return len(self._service.strangers)
+        return len(self._service.pending_streams)
 
     def start(self) -> None:
         """Let streams come in."""

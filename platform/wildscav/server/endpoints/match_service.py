@@ -12,7 +12,7 @@ from google.protobuf.message import DecodeError
 
 from wildscav.proto import PROTOCOL_VERSION
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join
-from wildscav.server.endpoints.pending_streams import Strangers
+from wildscav.server.endpoints.pending_streams import PendingStreams
 from wildscav.server.hosting.hosted_match import HostedMatch
 from wildscav.server.hosting.reports import SeatStatus
 from wildscav.server.hosting.seat import Seat
@@ -21,13 +21,13 @@ from wildscav.server.http2.stream import Stream
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
 JOIN_TIME = 10.0  # s that a new stream has to say who it is
-REFUSAL_DELAY = 0.2  # s until a stranger hears that it is refused: who tries again and again, tries slowly
+REFUSAL_DELAY = 0.2  # s until a client hears that it may not join: repeated attempts are slow
 STREAM_ENDED = "its stream ended"
 STALE_LIMIT = 16  # old answers that a seat may send in one step
 
 
-class Place(NamedTuple):
-    """What a token stands for."""
+class Reservation(NamedTuple):
+    """The seat that a token stands for."""
 
     match: HostedMatch
     seat: Seat
@@ -38,7 +38,7 @@ class MatchService:
     """Serves the seats of all matches of a server, for those who come in over one address.
 
     Args:
-        places: What each token stands for; the server adds and removes.
+        reservations: What each token stands for; the server adds and removes.
         refused: Told of every refusal.
         broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
         address: The address.
@@ -46,19 +46,19 @@ class MatchService:
 
     def __init__(
         self,
-        places: Mapping[str, Place],
+        reservations: Mapping[str, Reservation],
         refused: Callable[[RefusalError], None],
         broke: Callable[[str, Exception], None],
         address: str,
     ) -> None:
-        self._places, self._refused, self._broke, self._address = places, refused, broke, address
-        self.strangers = Strangers()
+        self._reservations, self._refused, self._broke, self._address = reservations, refused, broke, address
+        self.pending_streams = PendingStreams()
 
     async def play(self, stream: Stream) -> None:
         """Serve one seat from joining to the end of its match."""
         try:
-            place, join = await self._welcome(stream)
-            await _take_and_serve(place, stream, join)
+            reservation, join = await self._identify(stream)
+            await _join_and_serve(reservation, stream, join)
         except RefusalError as refusal:
             self._refused(refusal)
             raise
@@ -72,35 +72,36 @@ class MatchService:
             self._broke(self._address, error)
             raise _platform_failed() from error
 
-    async def _welcome(self, stream: Stream) -> tuple[Place, Join]:
-        """Find out who has come. Whoever is refused here waits for it."""
-        with self.strangers.counted(_this_task()):
+    async def _identify(self, stream: Stream) -> tuple[Reservation, Join]:
+        """Find out which seat a new stream is for; a refusal is delayed."""
+        with self.pending_streams.counted(_this_task()):
             try:
                 join = await _read_join(stream)
-                return self._place(join), join
+                return self._find_reservation(join), join
             except RefusalError:
                 await asyncio.sleep(REFUSAL_DELAY)
                 raise
 
-    def _place(self, join: Join) -> Place:
+    def _find_reservation(self, join: Join) -> Reservation:
         if join.protocol_version != PROTOCOL_VERSION:
             raise RefusalError(
                 grpc.StatusCode.FAILED_PRECONDITION,
                 "PROTOCOL_VERSION",
                 f"the client speaks protocol version {join.protocol_version}, the server {PROTOCOL_VERSION}",
             )
-        place = self._places.get(join.token)
-        if place is None:
+        reservation = self._reservations.get(join.token)
+        if reservation is None:
             raise RefusalError(
                 grpc.StatusCode.UNAUTHENTICATED, "SEAT_TOKEN_UNKNOWN", "no seat here has this token"
             )
-        if place.address not in (None, self._address):
+        if reservation.address not in (None, self._address):
             raise RefusalError(
                 grpc.StatusCode.PERMISSION_DENIED,
                 "SEAT_ELSEWHERE",
-                f"seat {place.seat.number} is not joined over this address: the token is another agent's",
+                f"seat {reservation.seat.number} is not joined over this address: "
+                "the token is another agent's",
             )
-        return place
+        return reservation
 
 
 def _this_task() -> "asyncio.Task[None]":
@@ -114,22 +115,22 @@ def _platform_failed() -> RefusalError:
     return RefusalError(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", "the platform failed")
 
 
-async def _take_and_serve(place: Place, stream: Stream, join: Join) -> None:
+async def _join_and_serve(reservation: Reservation, stream: Stream, join: Join) -> None:
     """Take a seat for this stream, and speak the protocol with it."""
     try:
-        place.match.join(place.seat, _this_task(), join)
+        reservation.match.join(reservation.seat, _this_task(), join)
         stream.trust()
     except RefusalError:
         raise
     except Exception as error:
-        place.match.fail(error)
+        reservation.match.fail(error)
         raise _platform_failed() from error
-    await _serve(place, stream)
+    await _serve(reservation, stream)
 
 
-async def _serve(place: Place, stream: Stream) -> None:
+async def _serve(reservation: Reservation, stream: Stream) -> None:
     """Speak the protocol with a seat that has been taken."""
-    match, seat = place.match, place.seat
+    match, seat = reservation.match, reservation.seat
     try:
         await stream.write(match.info_for(seat).SerializeToString())
         if seat.gets_ready:
@@ -138,7 +139,7 @@ async def _serve(place: Place, stream: Stream) -> None:
         while (observation := await match.next_observation(seat)) is not None:
             await stream.write(observation)
             match.receive(seat, await _read_answer(seat, stream))
-        await stream.write(match.goodbye_to(seat).SerializeToString())
+        await stream.write(match.final_message(seat).SerializeToString())
     except asyncio.CancelledError:
         refusal = seat.refusal or stream.refusal
         if refusal is None:  # the connection was lost

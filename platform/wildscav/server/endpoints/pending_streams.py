@@ -1,4 +1,4 @@
-"""Streams that have not said yet which seat they are: no more than so many at a time."""
+"""Pending streams, which have not joined a seat yet: no more than a limit at one time."""
 
 import asyncio
 from collections.abc import Iterator
@@ -8,19 +8,19 @@ import grpc
 
 from wildscav.wire.errors import RefusalError
 
-STRANGERS = 256  # at one time
+PENDING_LIMIT = 256  # at one time
 
 
-class Strangers:
-    """The strangers of a server. When there are too many, the one who has said nothing for longest has to go.
+class PendingStreams:
+    """The pending streams of an endpoint. When there are too many, the oldest one is refused.
 
-    An agent says at once who it is, so those who come to sit here make room for it.
+    An agent joins at once, so streams that only wait make room for it.
     """
 
-    def __init__(self, limit: int = STRANGERS) -> None:
+    def __init__(self, limit: int = PENDING_LIMIT) -> None:
         self._limit = limit
         self._tasks: dict[asyncio.Task[None], None] = {}  # in the order in which they came
-        self._sent_away: set[asyncio.Task[None]] = set()
+        self._evicted: set[asyncio.Task[None]] = set()
 
     def __len__(self) -> int:
         """Return how many there are."""
@@ -28,24 +28,24 @@ class Strangers:
 
     @contextmanager
     def counted(self, task: "asyncio.Task[None]") -> Iterator[None]:
-        """Count a stream as a stranger for as long as the block lasts.
+        """Count a stream as pending for as long as the block lasts.
 
         Args:
             task: Serves it, and runs the block.
 
         Raises:
-            RefusalError: It had to make room.
+            RefusalError: It had to make room for another one.
         """
         if len(self._tasks) >= self._limit:
             oldest = next(iter(self._tasks))
             del self._tasks[oldest]
-            self._sent_away.add(oldest)
+            self._evicted.add(oldest)
             oldest.cancel()
         self._tasks[task] = None
         try:
             yield
         except asyncio.CancelledError:
-            if task not in self._sent_away:  # its connection was lost
+            if task not in self._evicted:  # its connection was lost
                 raise
             raise RefusalError(
                 grpc.StatusCode.RESOURCE_EXHAUSTED,
@@ -54,4 +54,4 @@ class Strangers:
             ) from None
         finally:
             self._tasks.pop(task, None)
-            self._sent_away.discard(task)
+            self._evicted.discard(task)

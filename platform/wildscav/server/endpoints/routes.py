@@ -22,8 +22,8 @@ SPEC_LIMIT = 256 * 1024  # bytes of what an organizer sends
 Request = TypeVar("Request", bound=Message)
 
 
-class Arena(Protocol):
-    """The shared server's front desk: it opens matches for organizers, who have been let in already."""
+class ArenaHandler(Protocol):
+    """What serves the Arena service: it opens matches for organizers, who have been let in already."""
 
     async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
         """Open a match.
@@ -42,7 +42,7 @@ class Arena(Protocol):
         ...
 
 
-def arena_routes(arena: Arena, organizer: Organizer) -> dict[str, Route]:
+def arena_routes(arena: ArenaHandler, organizer: Organizer) -> dict[str, Route]:
     """Return how an arena is reached."""
     return {
         HOST_MATCH: Route(unary(HostMatchRequest, arena.host_match), SPEC_LIMIT, organizer.admit),

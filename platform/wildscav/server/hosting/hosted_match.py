@@ -15,7 +15,7 @@ from wildscav.server.hosting.lockstep import LAG, Lockstep
 from wildscav.server.hosting.observations import match_info
 from wildscav.server.hosting.reports import MatchOutcome, SeatStatus
 from wildscav.server.hosting.seat import Seat
-from wildscav.server.hosting.seat_time import SeatTime
+from wildscav.server.hosting.seat_clock import SeatClock
 from wildscav.server.hosting.time_limits import Clock
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
@@ -48,7 +48,7 @@ class HostedMatch:
         names: Sequence[str],
         seats: Sequence[Seat],
         clock: Clock,
-        seat_time: SeatTime,
+        seat_time: SeatClock,
         *,
         starting: bool = False,
     ) -> None:
@@ -64,7 +64,7 @@ class HostedMatch:
             self._all_launched.set()
         self._joined = asyncio.Event()  # nobody is waited for any more
         self._playing = False
-        self._goodbyes: dict[int, ServerMessage] = {}
+        self._final_messages: dict[int, ServerMessage] = {}
         self._task = asyncio.create_task(self._run(), name="match")
 
     # What the host of the match sees.
@@ -170,16 +170,16 @@ class HostedMatch:
 
     async def next_observation(self, seat: Seat) -> bytes | None:
         """Wait for what a seat that owes no answer is to be sent next; None: the match is over."""
-        while seat.number not in self._goodbyes:
+        while seat.number not in self._final_messages:
             observation = self._lockstep.observation_for(seat)
             if observation is not None:
                 return observation
-            await seat.its_turn()
+            await seat.wait_for_message()
         return None
 
-    def goodbye_to(self, seat: Seat) -> ServerMessage:
+    def final_message(self, seat: Seat) -> ServerMessage:
         """Return the last message to a seat, the match being over."""
-        return self._goodbyes[seat.number]
+        return self._final_messages[seat.number]
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
@@ -190,9 +190,9 @@ class HostedMatch:
         if seat.gone or self.match.over:
             return
         seat.gone = True
-        seat.mark(status, detail)
+        seat.set_outcome(status, detail)
         self._check_joined()
-        self._lockstep.go_on_without(seat)
+        self._lockstep.stop_waiting_for(seat)
 
     # The match itself.
 
@@ -229,9 +229,9 @@ class HostedMatch:
         self._playing = True
         for seat in self._seats.values():
             if not seat.ready:
-                self._shut_out(seat)
+                self._close_late_seat(seat)
 
-    def _shut_out(self, seat: Seat) -> None:
+    def _close_late_seat(self, seat: Seat) -> None:
         """Close a seat whose time to start up is over."""
         missed = "join" if seat.stream is None else "get ready"
         reason = f"did not {missed} within {self._clock.join_timeout:g} s"
@@ -247,11 +247,11 @@ class HostedMatch:
         started = time.perf_counter()
         await self._lockstep.play()
         seconds = time.perf_counter() - started
-        await self._say_goodbye()
+        await self._send_final_messages()
         reports = {number: seat.report() for number, seat in self._seats.items()}
         return MatchOutcome(self.match, reports, seconds)
 
-    async def _say_goodbye(self) -> None:
+    async def _send_final_messages(self) -> None:
         """Tell every seat that is still there how the match ended, and wait until it has heard."""
         result = self.match.result()
         for number, seat in self._seats.items():
@@ -260,8 +260,8 @@ class HostedMatch:
             conduct = seat.conduct_message()
             own = encode_seat_result(result.seats[number].model_dump(), self.names[number])
             over = MatchOver(result=own, steps=result.steps, frames=result.frames, conduct=conduct)
-            self._goodbyes[number] = ServerMessage(match_over=over)
-            seat.call()
+            self._final_messages[number] = ServerMessage(match_over=over)
+            seat.notify()
         streams = {seat.stream for seat in self._seats.values() if seat.stream is not None and seat.present}
         if streams:
             _, unheard = await asyncio.wait(streams, timeout=CLOSING_TIME)
@@ -271,13 +271,13 @@ class HostedMatch:
     def _mark_finished(self, seat: Seat) -> None:
         own, steps = seat.conduct.steps_played, self.match.step_number
         if seat.bank.used_up:
-            seat.mark(
+            seat.set_outcome(
                 SeatStatus.TIMED_OUT,
                 f"its time bank was used up, and step {seat.late[0]} was the first without its answer: "
                 f"{own} of {steps} steps were played with an answer of its own",
             )
         elif seat.conduct.late_steps:
-            seat.mark(
+            seat.set_outcome(
                 SeatStatus.FINISHED,
                 f"the match had no more time to wait: {own} of {steps} steps were played with its answer",
             )

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav.proto.match_pb2 import Action
-from wildscav.server.hosting.observations import Senses
-from wildscav.server.hosting.reports import Thought
+from wildscav.server.hosting.observations import SeatObservations
+from wildscav.server.hosting.reports import SlowAnswer
 from wildscav.server.hosting.seat import Seat
-from wildscav.server.hosting.seat_time import SeatTime
+from wildscav.server.hosting.seat_clock import SeatClock
 from wildscav.server.hosting.time_limits import Clock
 from wildscav.wire.actions import ACTION_FIELDS, decode_action
 from wildscav.wire.observations import encode_observation
@@ -30,7 +30,7 @@ from wildscav.wire.observations import encode_observation
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
 
-BREATH = 0.005  # s of playing without waiting after which other matches get their turn
+LONGEST_TURN = 0.005  # s of playing without waiting after which other matches get their turn
 LAG = 0.01  # s that the loop may be late with a deadline before the seats are given that time back
 
 
@@ -44,9 +44,9 @@ class Lockstep:
         time: What it is measured by.
     """
 
-    def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatTime) -> None:
+    def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatClock) -> None:
         self._match, self._seats, self._clock, self._time = match, seats, clock, time
-        self._senses = Senses(match, [seat.number for seat in seats])
+        self._observations = SeatObservations(match, [seat.number for seat in seats])
         self._loop = asyncio.get_running_loop()
         columns = range(len(ACTION_FIELDS))
         self._outside = tuple(column for column in columns if column not in match.track.fields)
@@ -55,7 +55,7 @@ class Lockstep:
         # The open step; times are those of seats:
         self._opened = 0.0
         self._due = 0.0  # when to look at the clock again
-        self._excused = False  # whether the server's own delay has been made good
+        self._lag_refunded = False  # whether the server's own delay has been made good
         self._timer: asyncio.TimerHandle | None = None
         self._step: int | None = None  # its number; None: no step is open
         self._rows: NDArray[np.float32] = np.zeros((match.seats, len(ACTION_FIELDS)), np.float32)
@@ -67,13 +67,13 @@ class Lockstep:
             self._open()
         await self._done
         for seat in self._seats:
-            self._note_thought(seat)  # what is still owed took until now at least
-        breathed = self._loop.time()
+            self._note_slow_answer(seat)  # what is still owed took until now at least
+        yielded = self._loop.time()
         while not self._match.over:
             self._match.step(np.zeros_like(self._rows))
-            if self._loop.time() - breathed > BREATH:
+            if self._loop.time() - yielded > LONGEST_TURN:
                 await asyncio.sleep(0)
-                breathed = self._loop.time()
+                yielded = self._loop.time()
 
     def fail(self, error: Exception) -> None:
         """End the match with an error."""
@@ -93,34 +93,34 @@ class Lockstep:
         """Return the bytes of the open step's message to a seat that has not had it; None: it must wait."""
         if self._step is None or seat not in self._pending or seat.asked == self._step:
             return None
-        if seat.bank.used_up and seat.sensing > self._clock.step_budget:
+        if seat.bank.used_up and seat.sensor_time > self._clock.step_budget:
             return None  # it cannot answer in time any more, and all others would wait for its sensors
-        message = encode_observation(self._senses.of(seat.number), self._sense(seat))
+        message = encode_observation(self._observations.of(seat.number), self._read_sensors(seat))
         now = self._time.now()
-        seat.asked, seat.asked_at = self._step, now - seat.sensing
-        seat.thinks_since = self._loop.time()
-        if seat.called:
-            seat.called, self._opened = False, now  # nobody pays for what others' observations take
+        seat.asked, seat.asked_at = self._step, now - seat.sensor_time
+        seat.answering_since = self._loop.time()
+        if seat.notified:
+            seat.notified, self._opened = False, now  # nobody pays for what others' observations take
         return message
 
-    def _sense(self, seat: Seat) -> dict[str, NDArray[Any]]:
+    def _read_sensors(self, seat: Seat) -> dict[str, NDArray[Any]]:
         """Read a seat's sensors: what that takes is the seat's own time, and nobody else's."""
         if not seat.sensors:
             return {}
         began = self._loop.time()
         with self._time.standing_still():
-            readings = seat.sense(self._match)
-        seat.sensing = self._loop.time() - began
+            readings = seat.read_sensors(self._match)
+        seat.sensor_time = self._loop.time() - began
         return readings
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Take a seat's answer to its last observation."""
-        self._note_thought(seat)
+        self._note_slow_answer(seat)
         if self._step is None or seat not in self._pending or seat.asked != self._step:
             seat.conduct.dropped_actions += 1
             return
         now = self._time.now()
-        self._give_back(now)
+        self._refund_lag(now)
         self._pending.discard(seat)
         if self._charge(seat, now):
             self._accept(seat, message)
@@ -132,7 +132,7 @@ class Lockstep:
     def _charge(self, seat: Seat, now: float) -> bool:
         """Charge a seat for the open step, and return whether it had the time."""
         elapsed = now - self._asked_at(seat)
-        seat.times.append(max(0.0, elapsed - seat.sensing) if seat.asked == self._step else elapsed)
+        seat.times.append(max(0.0, elapsed - seat.sensor_time) if seat.asked == self._step else elapsed)
         return seat.bank.charge(elapsed)
 
     def _count_late(self, seat: Seat) -> None:
@@ -141,12 +141,12 @@ class Lockstep:
         if self._step is not None:
             seat.late.append(self._step)
 
-    def _note_thought(self, seat: Seat) -> None:
+    def _note_slow_answer(self, seat: Seat) -> None:
         """Note how long a seat has taken for the answer that it owed, if that was longer than its budget."""
-        since, now = seat.thinks_since, self._loop.time()
+        since, now = seat.answering_since, self._loop.time()
         if since is not None and now - since > self._clock.step_budget:
-            seat.thoughts.append(Thought(seat.asked, since, now))
-        seat.thinks_since = None
+            seat.slow_answers.append(SlowAnswer(seat.asked, since, now))
+        seat.answering_since = None
 
     def _asked_at(self, seat: Seat) -> float:
         """Return from when a seat's time for the open step counts: it may still owe an older answer."""
@@ -161,9 +161,9 @@ class Lockstep:
             seat.conduct.ignored_fields += action.ignored
             self._rows[seat.number] = action.row
 
-    def go_on_without(self, seat: Seat) -> None:
+    def stop_waiting_for(self, seat: Seat) -> None:
         """Wait for a seat no longer: it has gone."""
-        self._note_thought(seat)
+        self._note_slow_answer(seat)
         self._pending.discard(seat)
         if self._step is not None:
             self._settle()
@@ -178,13 +178,13 @@ class Lockstep:
             self._done.set_result(None)
             return
         self._step = self._match.step_number
-        self._senses.take(seat.bank.left for seat in self._seats)
+        self._observations.encode(seat.bank.left for seat in self._seats)
         self._rows.fill(0.0)
         self._pending = set(present)
         self._opened = self._time.now()
         for seat in present:
-            seat.call()
-        self._excused = False
+            seat.notify()
+        self._lag_refunded = False
         # Until the budget is used up, nobody's time is.
         self._arm(self._opened + self._clock.step_budget)
 
@@ -258,17 +258,17 @@ class Lockstep:
 
     def _time_is_up(self) -> None:
         now = self._time.now()
-        self._give_back(now)
+        self._refund_lag(now)
         self._close_or_wait(now)
 
-    def _give_back(self, now: float) -> None:
+    def _refund_lag(self, now: float) -> None:
         """Give the agents back, once a step, what the server is late with looking at the clock.
 
         It was busy then, and answers may lie unread. Nobody gets more than has passed since it was asked.
         """
         lag = now - self._due
-        if lag > LAG and not self._excused:
-            self._excused = True
+        if lag > LAG and not self._lag_refunded:
+            self._lag_refunded = True
             self._opened = min(now, self._opened + lag + LAG)
             for seat in self._pending:
                 seat.asked_at = min(now, seat.asked_at + lag + LAG)

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
 
 
-class Senses:
-    """Takes what some seats of a match sense, all at once, and hands it out one by one.
+class SeatObservations:
+    """What some seats of a match observe: encoded for all at once, handed out one by one.
 
     Args:
         match: At any moment.
@@ -29,8 +29,8 @@ class Senses:
         self._out = np.zeros((len(seats), ROOM), np.uint8)
         self._lengths = np.zeros(len(seats), np.int64)
 
-    def take(self, time_banks: Iterable[float]) -> None:
-        """Take the match's present state.
+    def encode(self, time_banks: Iterable[float]) -> None:
+        """Encode what the seats observe in the match's present state.
 
         Args:
             time_banks: What each of the seats has left, s.
@@ -42,7 +42,7 @@ class Senses:
         self._put(*self._match.tables, self._numbers, left, self._out, self._lengths)
 
     def of(self, seat: int) -> bytes:
-        """Return what a seat sensed then, as the bytes of an ``Observation`` without tensors."""
+        """Return what a seat observed then, as the bytes of an ``Observation`` without tensors."""
         place = self._place[seat]
         return self._out[place, : self._lengths[place]].tobytes()
 

@@ -55,7 +55,7 @@ class ThinkTime(NamedTuple):
 NO_TIME = ThinkTime()
 
 
-class Thought(NamedTuple):
+class SlowAnswer(NamedTuple):
     """One answer that took longer than the budget; late steps may lie within it."""
 
     step: int  # that was to be answered
@@ -95,7 +95,7 @@ class SeatReport:
     time_bank: float = 0.0  # s left of it
     start_up: float | None = None  # s from its start until it was ready; none if it never was
     late: tuple[int, ...] = ()  # numbers of the late steps
-    thoughts: tuple[Thought, ...] = ()  # the answers that took longer than the budget, in order
+    slow_answers: tuple[SlowAnswer, ...] = ()  # the answers that took longer than the budget, in order
 
 
 @dataclass(frozen=True, slots=True)

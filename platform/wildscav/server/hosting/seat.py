@@ -1,4 +1,4 @@
-"""One submission seat of a hosted match: its rights, its bell and its conduct."""
+"""One submission seat of a hosted match: its token, its stream, its time and its conduct."""
 
 import asyncio
 from array import array
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wildscav.errors import SensorError
 from wildscav.proto.match_pb2 import SeatConduct
-from wildscav.server.hosting.reports import Conduct, SeatReport, SeatStatus, ThinkTime, Thought
+from wildscav.server.hosting.reports import Conduct, SeatReport, SeatStatus, SlowAnswer, ThinkTime
 from wildscav.server.hosting.time_limits import TimeBank
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct
@@ -38,27 +38,27 @@ class Seat:
         self.stream: asyncio.Task[Any] | None = None  # serves its connection
         self.refusal: RefusalError | None = None  # why its stream was ended
         self.sdk = ""  # what its client calls itself
-        self.gets_ready = False  # whether it says itself when it is set up
-        self.ready = False  # whether it is
-        self.start_up: float | None = None  # s that it took to be
+        self.gets_ready = False  # whether its client will say when its agent is set up
+        self.ready = False  # whether its agent is set up
+        self.start_up: float | None = None  # s until it was
         self.gone = False  # plays no action for the rest of the match
         self.asked = -1  # step of the last observation that it was handed
         self.asked_at = 0.0  # when its time for that step began: when it was sent, less what its sensors took
-        self.sensing = 0.0  # s that reading its sensors took for that step
+        self.sensor_time = 0.0  # s that reading its sensors took for that step
         self.conduct = Conduct()
         self.late: list[int] = []  # the steps that were played without its answer
-        self.thoughts: list[Thought] = []  # the answers that took longer than the budget
-        self.thinks_since: float | None = None  # by the loop's clock; none if it owes no answer
+        self.slow_answers: list[SlowAnswer] = []  # the answers that took longer than the budget
+        self.answering_since: float | None = None  # by the loop's clock; none if it owes no answer
         self.times = array("d")  # s, of each step
-        self.called = False  # whether its stream is about to fetch an observation
-        self._waiter: asyncio.Future[None] | None = None  # done when it is called
+        self.notified = False  # whether its stream is about to fetch an observation
+        self._waiter: asyncio.Future[None] | None = None  # done when it is notified
 
     @property
     def present(self) -> bool:
         """Whether it has joined and not gone."""
         return self.stream is not None and not self.gone
 
-    async def its_turn(self) -> None:
+    async def wait_for_message(self) -> None:
         """Wait until there is something to be sent to it."""
         self._waiter = asyncio.get_running_loop().create_future()
         try:
@@ -66,10 +66,10 @@ class Seat:
         finally:
             self._waiter = None
 
-    def call(self) -> None:
+    def notify(self) -> None:
         """Say that there is something to be sent to it; does nothing if it owes an answer."""
         if self._waiter is not None and not self._waiter.done():
-            self.called = True
+            self.notified = True
             self._waiter.set_result(None)
 
     def dismiss(self, refusal: RefusalError) -> None:
@@ -78,11 +78,11 @@ class Seat:
             self.refusal = refusal
             self.stream.cancel()
 
-    def sense(self, match: "Match") -> dict[str, NDArray[Any]]:
+    def read_sensors(self, match: "Match") -> dict[str, NDArray[Any]]:
         """Read the seat's sensors."""
         return {name: sensor.read(match, [self.number])[0] for name, sensor in self.sensors.items()}
 
-    def mark(self, status: SeatStatus, detail: str) -> None:
+    def set_outcome(self, status: SeatStatus, detail: str) -> None:
         """Say how the seat's part in the match ended, and why."""
         self.conduct.status = status
         self.conduct.detail = detail
@@ -110,7 +110,7 @@ class Seat:
             time_bank=self.bank.left,
             start_up=self.start_up,
             late=tuple(self.late),
-            thoughts=tuple(self.thoughts),
+            slow_answers=tuple(self.slow_answers),
             **asdict(self.conduct),
         )
 

@@ -5,7 +5,7 @@ import threading
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from wildscav.server.hosting.observations import Senses
+from wildscav.server.hosting.observations import SeatObservations
 
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
@@ -50,7 +50,7 @@ def _tiny_match() -> "Match":
     game_map = warm_map()
     match = Match(MatchSpec(track="navigation", map=game_map.spec, time_limit=0.1), game_map)
     match.start_info(0)
-    Senses(match, [0]).take([0.0])
+    SeatObservations(match, [0]).encode([0.0])
     match.step(no_actions(1))
     match.result()
     return match

@@ -1,4 +1,4 @@
-"""What a client may cost: an allowance for each connection, and a share of the time for all strangers."""
+"""What clients may cost: an allowance for each connection, and a share of the time for unknown clients."""
 
 import time
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from wildscav.server.http2.frames import Code, FrameError
 
 # Of one connection, in frames that carry no whole message; reading has its cost, too:
-STRANGERS = 400.0  # before anybody knows whose it is
+UNKNOWN = 400.0  # while its client is unknown
 MOST = 1000.0
 A_SECOND = 20.0  # that come back; honest clients send a ping now and then
 A_MESSAGE = 4.0  # that come back for every message that the server sends: each may be acknowledged
@@ -36,7 +36,7 @@ class Allowance:
     __slots__ = ("_clock", "_left", "_most", "_since")
 
     def __init__(self, clock: Callable[[], float]) -> None:
-        self._clock, self._most, self._left, self._since = clock, STRANGERS, STRANGERS, clock()
+        self._clock, self._most, self._left, self._since = clock, UNKNOWN, UNKNOWN, clock()
 
     def spend(self, cost: float, kind: str = "") -> None:
         """Pay for a frame, or for having read something.
@@ -71,14 +71,14 @@ class Allowance:
         self._most = MOST
 
 
-SHARE = 0.25  # of a processor core, for all strangers at one address
+SHARE = 0.25  # of a processor core, for all unknown clients at one address
 BURST = 0.05  # s that they may take at once
 # s that a connection is taken to cost before it has sent anything, and one that is gone at once:
 CONNECTION_COST, GONE_COST = 300e-6, 20e-6
 
 
 class Share:
-    """The time that strangers may take of the loop: those who are neither in a seat nor organizers.
+    """The time that unknown clients may take of the loop: those who are neither in a seat nor organizers.
 
     Args:
         clock: Tells the time, s.
@@ -97,7 +97,7 @@ class Share:
         self._left -= cost
 
     def wait(self) -> float:
-        """Return for how long nothing more is to be done for strangers, s; 0: not at all."""
+        """Return for how long nothing more is to be done for unknown clients, s; 0: not at all."""
         self._refill()
         return max(0.0, -self._left / SHARE)
 

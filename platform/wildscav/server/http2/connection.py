@@ -18,7 +18,7 @@ IDLE_TIME = 60.0  # s that a connection may be without a call
 SILENCE = 30.0  # s without a word after which a client is asked whether it is there
 SIGN_TIME = 10.0  # s that it has to answer
 LOOK = 5.0  # s between two looks at a connection's times
-SIP = 4096  # bytes read at a time of a connection of which nobody knows whose it is
+SIP = 4096  # bytes read at a time of an unknown client
 GREETING = write_settings(
     {
         Setting.MAX_CONCURRENT_STREAMS: STREAMS,
@@ -32,11 +32,11 @@ class Host(Protocol):
     """What a connection belongs to."""
 
     routes: Mapping[str, Route]
-    share: Share  # of all strangers together
+    share: Share  # of all unknown clients together
     buffer: memoryview  # what is read goes through it; nothing is in it between two reads
 
     def wait(self, connection: "Connection") -> None:
-        """Have a stranger wait, not being read, until strangers have time again."""
+        """Have an unknown client wait, unread, until unknown clients have time again."""
         ...
 
     def flooded(self, error: FloodError) -> None:
@@ -44,7 +44,7 @@ class Host(Protocol):
         ...
 
     def known(self, connection: "Connection") -> None:
-        """Count a connection no longer among the strangers'."""
+        """Count a connection no longer among the unknown clients'."""
         ...
 
     def closed(self, connection: "Connection") -> None:
@@ -99,7 +99,7 @@ class Connection(asyncio.BufferedProtocol):
         return self._host.buffer if self.known else self._host.buffer[:SIP]
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Take what was read, or keep it until strangers have time."""
+        """Take what was read, or keep it until unknown clients have time."""
         content = bytes(self._host.buffer[:nbytes])
         if self.known:
             self._take(content)
@@ -107,7 +107,7 @@ class Connection(asyncio.BufferedProtocol):
             self._kept += content
             self._pause()
         else:
-            self._take_from_stranger(content)
+            self._take_from_unknown(content)
 
     def eof_received(self) -> None:
         """Close: who says no more on a connection hears no more."""
@@ -164,7 +164,7 @@ class Connection(asyncio.BufferedProtocol):
             self.send(GREETING)
         return plain
 
-    def _take_from_stranger(self, content: bytes) -> None:
+    def _take_from_unknown(self, content: bytes) -> None:
         started = processor_time()
         self._take(content)
         self._host.share.spend(processor_time() - started)
@@ -177,7 +177,7 @@ class Connection(asyncio.BufferedProtocol):
     def resume(self) -> None:
         """Take what was kept, and read again."""
         kept, self._kept = self._kept, b""
-        self._take_from_stranger(kept)
+        self._take_from_unknown(kept)
         if self._transport is not None and not self._transport.is_closing():
             self._transport.resume_reading()
 
@@ -201,7 +201,7 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.write(self._encryption.encrypt(content))
 
     def trust(self) -> None:
-        """Count the connection as known: it no longer shares the time of strangers."""
+        """Count the connection as known: it no longer shares the time of unknown clients."""
         if not self.known:
             self.known = True
             self.allowance.widen()

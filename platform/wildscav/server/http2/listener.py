@@ -18,16 +18,17 @@ OUT_OF_FILES = 1.0  # s to wait when the system has no room for a connection
 class Listener:
     """Lets connections in, and keeps count of them.
 
-    A connection is a stranger's until a call on it has named a seat or an organizer. When there are too many
-    connections, the peer with the most strangers loses the one that came first. All strangers together have a
-    share of the loop's time; when they have used it up, no stranger is let in or read for a while.
+    A client is unknown until a call on its connection has named a seat or an organizer. When there are too
+    many connections, the peer with the most unknown clients loses its oldest one. All unknown clients
+    together have a share of the loop's time; when they have used it up, none of them is accepted or read for
+    a while.
 
     Args:
         sockets: Bound; they are closed with the listener.
         routes: What each method is served by.
         connections: How many may be open at one time.
         visits: How many may ever come; any number if none. If it is given, all who come are one agent.
-        crowded: Told what that agent did to be let in no more.
+        on_flood: Called with what that agent did when no more connections of it are accepted.
         tls: How connections are encrypted; they are not if none.
     """
 
@@ -38,20 +39,20 @@ class Listener:
         *,
         connections: int,
         visits: int | None = None,
-        crowded: Callable[[str], None] = lambda _: None,
+        on_flood: Callable[[str], None] = lambda _: None,
         tls: ssl.SSLContext | None = None,
     ) -> None:
         self.routes, self._sockets, self._tls = routes, list(sockets), tls
-        self._limit, self._visits, self._crowded = connections, visits, crowded
-        self._visited = 0
+        self._limit, self._visit_limit, self._on_flood = connections, visits, on_flood
+        self._visits = 0
         self._loop = asyncio.get_running_loop()
         self.share = Share(self._loop.time)
         self.buffer = memoryview(bytearray(65_536))
-        self._waiting: dict[Connection, None] = {}  # strangers, until there is time for them
+        self._waiting: dict[Connection, None] = {}  # unknown clients, until there is time for them
         self._open: dict[Connection, asyncio.Task[None]] = {}  # each with what sets it up
-        self._strangers: dict[str, dict[Connection, None]] = {}  # by peer, in the order in which they came
-        self._paused: asyncio.TimerHandle | None = None  # ends a pause for strangers
-        self._who_comes = False  # whether the last turn was of those who come
+        self._unknown: dict[str, dict[Connection, None]] = {}  # by peer, in the order in which they came
+        self._paused: asyncio.TimerHandle | None = None  # ends a pause for unknown clients
+        self._accepts_next = False  # whether the last turn was that of new connections
 
     def start(self) -> None:
         """Let connections in."""
@@ -62,15 +63,15 @@ class Listener:
 
     def _listen(self) -> None:
         for one in self._sockets:
-            self._loop.add_reader(one.fileno(), self._let_in, one)
+            self._loop.add_reader(one.fileno(), self._accept, one)
 
     def _stop_listening(self) -> None:
         for one in self._sockets:
             self._loop.remove_reader(one.fileno())
 
-    # Who comes.
+    # New connections.
 
-    def _let_in(self, at: socket.socket, most: int = AT_ONCE) -> None:
+    def _accept(self, at: socket.socket, most: int = AT_ONCE) -> None:
         for _ in range(most):
             if not self._sockets:
                 return
@@ -84,28 +85,28 @@ class Listener:
             except OSError:  # no more files, or no memory
                 self._pause(OUT_OF_FILES)
                 return
-            if not self._counted():
+            if not self._count_visit():
                 come.close()
                 return
             self._welcome(come, str(address[0]) if isinstance(address, tuple) else "")
 
-    def _counted(self) -> bool:
+    def _count_visit(self) -> bool:
         """Count who comes; return whether it is not one too many for this address."""
-        if self._visits is None:
+        if self._visit_limit is None:
             return True
-        self._visited += 1
-        if self._visited > self._visits:
-            self._let_in_no_more(f"flooded its socket with more than {self._visits} connections")
-        return self._visited <= self._visits
+        self._visits += 1
+        if self._visits > self._visit_limit:
+            self._stop_accepting(f"flooded its socket with more than {self._visit_limit} connections")
+        return self._visits <= self._visit_limit
 
-    def _let_in_no_more(self, reason: str) -> None:
+    def _stop_accepting(self, reason: str) -> None:
         self.close()
-        self._crowded(reason)
+        self._on_flood(reason)
 
     def flooded(self, error: FloodError) -> None:
         """Let nobody in any more, if all who come are one agent."""
-        if self._visits is not None and self._sockets:
-            self._let_in_no_more(str(error))
+        if self._visit_limit is not None and self._sockets:
+            self._stop_accepting(str(error))
 
     def _welcome(self, come: socket.socket, peer: str) -> None:
         """Set a connection up, unless whoever came has gone already."""
@@ -115,13 +116,13 @@ class Listener:
             come.close()
             return
         self.share.spend(CONNECTION_COST)
-        if len(self._open) >= self._limit and not self._send_one_away():
+        if len(self._open) >= self._limit and not self._evict_unknown():
             come.close()
             return
         if come.family != socket.AF_UNIX:
             come.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection = Connection(self, peer, self._tls)
-        self._strangers.setdefault(peer, {})[connection] = None
+        self._unknown.setdefault(peer, {})[connection] = None
         task = self._loop.create_task(self._set_up(connection, come), name="connection")
         # One that was cancelled before it began has closed nothing.
         task.add_done_callback(lambda done: come.close() if done.cancelled() else None)
@@ -135,12 +136,12 @@ class Listener:
             come.close()
             self.closed(connection)
 
-    def _send_one_away(self) -> bool:
-        """Close a stranger's connection; return whether there was one."""
-        if not self._strangers:
+    def _evict_unknown(self) -> bool:
+        """Close an unknown client's connection; return whether there was one."""
+        if not self._unknown:
             return False
-        crowd = max(self._strangers.values(), key=len)
-        one = next(iter(crowd))
+        of_peer = max(self._unknown.values(), key=len)
+        one = next(iter(of_peer))
         self._open[one].cancel()  # if it is still being set up
         one.abort()
         self.closed(one)
@@ -149,11 +150,11 @@ class Listener:
     # What connections tell.
 
     def known(self, connection: Connection) -> None:
-        """Count a connection no longer among the strangers'."""
-        crowd = self._strangers.get(connection.peer, {})
-        crowd.pop(connection, None)
-        if not crowd:
-            self._strangers.pop(connection.peer, None)
+        """Count a connection no longer among the unknown clients'."""
+        of_peer = self._unknown.get(connection.peer, {})
+        of_peer.pop(connection, None)
+        if not of_peer:
+            self._unknown.pop(connection.peer, None)
 
     def closed(self, connection: Connection) -> None:
         """Forget a connection."""
@@ -162,27 +163,27 @@ class Listener:
         self.known(connection)
 
     def wait(self, connection: Connection) -> None:
-        """Have a stranger wait until strangers have time again."""
+        """Have an unknown client wait until unknown clients have time again."""
         self._waiting[connection] = None
         self._pause(self.share.wait())
 
     def _pause(self, seconds: float) -> None:
-        """Do nothing for strangers for a while."""
+        """Do nothing for unknown clients for a while."""
         if self._paused is None:
             self._stop_listening()
             self._paused = self._loop.call_later(seconds, self._go_on)
 
     def _go_on(self) -> None:
-        """Take in turns what strangers have said, in the order in which they did, and those who come.
+        """Take turns between what unknown clients have sent, oldest first, and new connections.
 
-        So neither keep the others waiting for good, even if there is time for one of them only.
+        So neither keeps the other waiting for ever, even if there is time for one of them only.
         """
         self._paused = None
         while self._waiting and self.share.wait() == 0.0:
-            self._who_comes = not self._who_comes
-            if self._who_comes:
+            self._accepts_next = not self._accepts_next
+            if self._accepts_next:
                 for at in tuple(self._sockets):
-                    self._let_in(at, most=1)
+                    self._accept(at, most=1)
             else:
                 one = next(iter(self._waiting))
                 del self._waiting[one]

@@ -1,4 +1,4 @@
-"""The front desk of a shared server: it opens matches at the workers and asks them how they stand."""
+"""The dispatcher of a shared server: it opens matches at the workers and asks them how they stand."""
 
 from collections.abc import Awaitable, Sequence
 from itertools import count
@@ -7,7 +7,7 @@ from typing import TypeVar
 import grpc
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
-from wildscav.server.workers.supervisor import Worker, WorkerLostError
+from wildscav.server.workers.supervisor import WorkerLostError, WorkerSupervisor
 from wildscav.wire.errors import RefusalError, reason_of
 from wildscav.wire.matches import encode_seat_address
 
@@ -15,8 +15,8 @@ Answer = TypeVar("Answer")
 State = GetMatchResponse.State
 
 
-class FrontDesk:
-    """Serves organizers at one address.
+class Dispatcher:
+    """Serves the Arena service at one address of a shared server, by means of its workers.
 
     A match's id is ``WORKER.GENERATION-ID``: it says who plays it, and whether that process is there yet.
 
@@ -25,7 +25,7 @@ class FrontDesk:
         place: Which one of a worker's addresses goes with this one.
     """
 
-    def __init__(self, workers: Sequence[Worker], place: int) -> None:
+    def __init__(self, workers: Sequence[WorkerSupervisor], place: int) -> None:
         self._workers, self._place = workers, place
         self._turns = count()
 
@@ -34,7 +34,7 @@ class FrontDesk:
         return await _refused(self._host(request))
 
     async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
-        """Tell how a match stands. See ``routes.Arena``."""
+        """Tell how a match stands. See ``routes.ArenaHandler``."""
         return await _refused(self._get(request.match_id))
 
     async def _host(self, request: HostMatchRequest) -> HostMatchResponse:

@@ -1,4 +1,4 @@
-"""A server that many share: a front desk for organizers, and worker processes that play the matches.
+"""A server that many share: a dispatcher for organizers, and worker processes that play the matches.
 
 One event loop keeps one processor core busy, so there is a worker a core. A match is one worker's from its
 start to its end; its seats are joined there, at an address of the worker's own.
@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 
 from wildscav.monitoring.logs import open_log
 from wildscav.server.endpoints.addresses import UNIX, split
-from wildscav.server.endpoints.endpoint import Door, Entrance
+from wildscav.server.endpoints.endpoint import Endpoint, EndpointSettings
 from wildscav.server.endpoints.organizer import Organizer
 from wildscav.server.endpoints.routes import arena_routes
 from wildscav.server.endpoints.tls import Certificate
-from wildscav.server.event_log import Diary
+from wildscav.server.event_log import EventLog
 from wildscav.server.match_server import allow_many_files
-from wildscav.server.workers.dispatcher import FrontDesk
-from wildscav.server.workers.supervisor import Worker
-from wildscav.server.workers.worker import Orders
+from wildscav.server.workers.dispatcher import Dispatcher
+from wildscav.server.workers.supervisor import WorkerSupervisor
+from wildscav.server.workers.worker import WorkerConfig
 from wildscav.system.leftovers import own_folder
 
 if TYPE_CHECKING:
@@ -51,14 +51,16 @@ class SharedServer:
         metrics_port: int | None = None,
     ) -> None:
         self._organizer = Organizer(organizer_token)
-        self._door = Door(tls=certificate.context() if certificate else None, insecure=insecure)
+        self._settings = EndpointSettings(
+            tls=certificate.context() if certificate else None, insecure=insecure
+        )
         self._certificate = certificate
         self._count, self._log_format, self._metrics_port = workers, log_format, metrics_port
         self._folder = tempfile.TemporaryDirectory(prefix="serve-", dir=own_folder())
         self._log = open_log(log_format)
-        self._diary = Diary(self._log)
-        self._entrances: list[Entrance] = []
-        self.workers: list[Worker] = []
+        self._event_log = EventLog(self._log)
+        self._endpoints: list[Endpoint] = []
+        self.workers: list[WorkerSupervisor] = []
 
     async def start(self, addresses: Sequence[str]) -> list[str]:
         """Start the workers and listen.
@@ -77,19 +79,20 @@ class SharedServer:
         try:
             for address in addresses:
                 self._organizer.check_address(address)
-                self._door.check_address(address)
+                self._settings.check_address(address)
             allow_many_files()
             self.workers = [
-                Worker(self._orders(number, addresses), self._log) for number in range(1, self._count + 1)
+                WorkerSupervisor(self._config(number, addresses), self._log)
+                for number in range(1, self._count + 1)
             ]
             self._bind(addresses)
             await self._start_workers()
         except BaseException:
             await self.stop()
             raise
-        for entrance in self._entrances:
-            entrance.start()
-        return [entrance.address for entrance in self._entrances]
+        for endpoint in self._endpoints:
+            endpoint.start()
+        return [endpoint.address for endpoint in self._endpoints]
 
     async def _start_workers(self) -> None:
         """Start all of them, and wait until each is ready or has failed."""
@@ -100,29 +103,37 @@ class SharedServer:
     def _bind(self, addresses: Sequence[str]) -> None:
         """Take the organizers' addresses, though nobody is let in yet."""
         for place, address in enumerate(addresses):
-            desk = arena_routes(FrontDesk(self.workers, place), self._organizer)
-            self._entrances.append(
-                Entrance(address, self._door, {}, self._diary.refused, self._diary.broke, _ignore, desk)
+            routes = arena_routes(Dispatcher(self.workers, place), self._organizer)
+            self._endpoints.append(
+                Endpoint(
+                    address,
+                    self._settings,
+                    {},
+                    self._event_log.stream_refused,
+                    self._event_log.stream_failed,
+                    _ignore,
+                    routes,
+                )
             )
 
-    def _orders(self, number: int, addresses: Sequence[str]) -> Orders:
+    def _config(self, number: int, addresses: Sequence[str]) -> WorkerConfig:
         first = self._metrics_port
-        return Orders(
+        return WorkerConfig(
             seats=[beside(address, number) for address in addresses],
             arena=f"{UNIX}{Path(self._folder.name) / str(number)}",
             number=number,
             certificate=self._certificate,
-            insecure=self._door.insecure,
+            insecure=self._settings.insecure,
             log_format=self._log_format,
             metrics_port=first + number - 1 if first else first,
         )
 
     async def stop(self) -> None:
         """End the workers, their matches with them, and close all connections."""
-        for entrance in self._entrances:
-            entrance.announce_end()
+        for endpoint in self._endpoints:
+            endpoint.announce_end()
         await asyncio.gather(*(worker.stop() for worker in self.workers))
-        await asyncio.gather(*(entrance.stop(1.0) for entrance in self._entrances))
+        await asyncio.gather(*(endpoint.stop(1.0) for endpoint in self._endpoints))
         self._folder.cleanup()
 
 

@@ -11,32 +11,32 @@ import grpc
 from wildscav.errors import UserError, WildscavError
 from wildscav.monitoring.logs import Log
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.server.workers.worker import Orders, Ready
+from wildscav.server.workers.worker import WorkerConfig, WorkerReady
 
-PAUSE = 1.0  # s until a worker that ended is started again
-BEGINNING = 600.0  # s that a worker has to get ready: it may have to compile
-END = 10.0  # s that a worker has to stop by itself
-ANSWER_LIMIT = -1  # bytes: records come as large as they are
+RESTART_DELAY = 1.0  # s until a worker that ended is started again
+START_TIMEOUT = 600.0  # s that a worker has to get ready: it may have to compile
+STOP_TIMEOUT = 10.0  # s that a worker has to stop by itself
+UNLIMITED = -1  # bytes: records come as large as they are
 
 
 class WorkerLostError(WildscavError):
     """The worker that a call was for has ended."""
 
 
-class Worker:
+class WorkerSupervisor:
     """One worker process, started again whenever it ends.
 
     Args:
-        orders: What it is to do.
+        config: What it is to do.
         log: Where to write that it ended.
     """
 
-    def __init__(self, orders: Orders, log: Log) -> None:
-        self.number = orders.number  # from 1
+    def __init__(self, config: WorkerConfig, log: Log) -> None:
+        self.number = config.number  # from 1
         self.generation = 0  # how many processes it has had
         self.seats: Sequence[str] = ()  # addresses at which seats of its matches are joined
         self.metrics: str | None = None  # where its metrics are served
-        self._orders, self._log = orders, log
+        self._config, self._log = config, log
         self._process: asyncio.subprocess.Process | None = None
         self._channel: grpc.aio.Channel | None = None
         self._keeper: asyncio.Task[None] | None = None
@@ -57,37 +57,37 @@ class Worker:
             stdout=asyncio.subprocess.PIPE,
         )
         try:
-            ready = await self._give_orders(process)
+            ready = await self._configure(process)
         except BaseException:
             await _kill(process)
             raise
         self.seats, self.metrics = ready.seats, ready.metrics
-        self._orders = self._orders._replace(seats=ready.seats)  # the same again, if it must be
+        self._config = self._config._replace(seats=ready.seats)  # the same again, if it must be
         self.generation += 1
         self._channel = grpc.aio.insecure_channel(
-            self._orders.arena, options=[("grpc.max_receive_message_length", ANSWER_LIMIT)]
+            self._config.arena, options=[("grpc.max_receive_message_length", UNLIMITED)]
         )
 
-    async def _give_orders(self, process: asyncio.subprocess.Process) -> Ready:
-        """Tell a process what it is to do, and return its answer.
+    async def _configure(self, process: asyncio.subprocess.Process) -> WorkerReady:
+        """Send a process its configuration, and return its answer.
 
         Raises:
             UserError: It cannot do that, or gives no answer that can be understood.
         """
         if process.stdin is None or process.stdout is None:
             raise RuntimeError("a worker has pipes")
-        process.stdin.write(json.dumps(self._orders._asdict()).encode() + b"\n")
+        process.stdin.write(json.dumps(self._config._asdict()).encode() + b"\n")
         line = b""
         try:
-            async with asyncio.timeout(BEGINNING):
+            async with asyncio.timeout(START_TIMEOUT):
                 line = await process.stdout.readline()
                 if not line:
                     raise UserError(
                         f"worker {self.number} did not start: it ended with {await process.wait()}"
                     )
-            ready = Ready(**json.loads(line))
+            ready = WorkerReady(**json.loads(line))
         except TimeoutError:
-            raise UserError(f"worker {self.number} did not start within {BEGINNING:g} s") from None
+            raise UserError(f"worker {self.number} did not start within {START_TIMEOUT:g} s") from None
         except (ValueError, TypeError):
             said = line[:100].decode(errors="replace").strip()
             raise UserError(f"worker {self.number} did not start: it said {said!r}") from None
@@ -100,10 +100,10 @@ class Worker:
         while self._process is not None:
             code = await self._process.wait()
             self._log.warning("worker_ended", worker=self.number, exit_code=code, fault="platform")
-            await asyncio.sleep(PAUSE)
+            await asyncio.sleep(RESTART_DELAY)
             await self._close()
             while not await self._is_started_again():  # noqa: ASYNC110 - it is tried, not waited for
-                await asyncio.sleep(PAUSE)
+                await asyncio.sleep(RESTART_DELAY)
 
     async def _is_started_again(self) -> bool:
         try:
@@ -135,7 +135,7 @@ class Worker:
         if process.stdin is not None:
             process.stdin.close()
         try:
-            async with asyncio.timeout(END):
+            async with asyncio.timeout(STOP_TIMEOUT):
                 await process.wait()
         except TimeoutError:
             await _kill(process)

@@ -1,8 +1,8 @@
 """A worker of a shared server: a process with an event loop and matches of its own.
 
-``supervisor`` starts it as ``python -m wildscav.server.workers.worker``. Its orders are one line of JSON on
-its standard input, its answer is one on its standard output, and it ends when its input does: at the latest
-with whoever started it.
+``supervisor`` starts it as ``python -m wildscav.server.workers.worker``. Its configuration
+is one line of JSON on its standard input, its answer is one on its standard output, and it ends when its
+input does: at the latest with whoever started it.
 """
 
 import asyncio
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wildscav.errors import AddressInUseError, UserError
 from wildscav.monitoring.logs import open_log
 from wildscav.monitoring.metrics import serving_metrics
-from wildscav.server.endpoints.endpoint import Door
+from wildscav.server.endpoints.endpoint import EndpointSettings
 from wildscav.server.endpoints.tls import Certificate
 from wildscav.server.hosting.warm_up import warm
 from wildscav.server.match_server import MatchServer
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from wildscav.monitoring.logs import LogFormat
 
 
-class Orders(NamedTuple):
+class WorkerConfig(NamedTuple):
     """What a worker is to do."""
 
     seats: Sequence[str]  # addresses to listen on for seats
@@ -36,7 +36,7 @@ class Orders(NamedTuple):
     metrics_port: int | None = None
 
 
-class Ready(NamedTuple):
+class WorkerReady(NamedTuple):
     """A worker's answer."""
 
     seats: Sequence[str] = ()  # the addresses taken
@@ -45,41 +45,43 @@ class Ready(NamedTuple):
     exit_code: int = 1
 
 
-async def _work(orders: Orders) -> None:
+async def _work(config: WorkerConfig) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     loop.add_signal_handler(signal.SIGTERM, stopped.set)
     loop.add_reader(sys.stdin.fileno(), stopped.set)  # there is nothing more to read but its end
     try:
-        tls = Certificate(*orders.certificate).context() if orders.certificate else None
+        tls = Certificate(*config.certificate).context() if config.certificate else None
     except UserError as error:
-        _answer(Ready(error=str(error), exit_code=error.exit_code))
+        _answer(WorkerReady(error=str(error), exit_code=error.exit_code))
         return
-    log = open_log(orders.log_format, worker=orders.number)
-    server = MatchServer(arena=True, door=Door(tls=tls, insecure=orders.insecure), log=log)
+    log = open_log(config.log_format, worker=config.number)
+    server = MatchServer(
+        arena=True, endpoint_settings=EndpointSettings(tls=tls, insecure=config.insecure), log=log
+    )
     try:
-        taken = await server.start(orders.seats, arena=False)
-        await server.start([orders.arena])
+        taken = await server.start(config.seats, arena=False)
+        await server.start([config.arena])
         await asyncio.to_thread(warm)
-        with serving_metrics(server.meters, orders.metrics_port) as metrics:
-            _answer(Ready(taken, metrics))
+        with serving_metrics(server.metrics, config.metrics_port) as metrics:
+            _answer(WorkerReady(taken, metrics))
             await stopped.wait()
     except AddressInUseError as error:
-        _answer(Ready(error=str(error)))
+        _answer(WorkerReady(error=str(error)))
     except UserError as error:
-        _answer(Ready(error=str(error), exit_code=error.exit_code))
+        _answer(WorkerReady(error=str(error), exit_code=error.exit_code))
     await server.stop()
 
 
-def _answer(ready: Ready) -> None:
+def _answer(ready: WorkerReady) -> None:
     print(json.dumps(ready._asdict()), flush=True)  # noqa: T201 - its standard output is for this
 
 
 def main() -> None:
-    """Read the orders and carry them out."""
+    """Read the configuration and work until told to stop."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes; who started this one ends it
-    orders: dict[str, Any] = json.loads(sys.stdin.readline())
-    asyncio.run(_work(Orders(**orders)))
+    config: dict[str, Any] = json.loads(sys.stdin.readline())
+    asyncio.run(_work(WorkerConfig(**config)))
 
 
 if __name__ == "__main__":

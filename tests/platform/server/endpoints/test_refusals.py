@@ -13,7 +13,7 @@ from tests.platform.helpers.seats import HandPlayed, connected, ended, host, ser
 from wildscav.errors import AddressInUseError, SensorError, UserError
 from wildscav.proto.match_pb2 import ClientMessage, Join, Ready
 from wildscav.server import Clock, MatchServer, SeatStatus
-from wildscav.server.endpoints.pending_streams import Strangers
+from wildscav.server.endpoints.pending_streams import PendingStreams
 from wildscav.wire.errors import reason_of
 
 
@@ -163,7 +163,7 @@ def test_a_stream_that_says_nothing_is_ended(tmp_path: Path, monkeypatch: pytest
 def test_of_too_many_strangers_the_one_who_said_nothing_for_longest_has_to_go(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Strangers.__init__, "__defaults__", (3,))
+    monkeypatch.setattr(PendingStreams.__init__, "__defaults__", (3,))
 
     async def play(server: MatchServer, address: str) -> None:
         hosted = await host(server, small_spec())
@@ -183,7 +183,7 @@ def test_of_too_many_strangers_the_one_who_said_nothing_for_longest_has_to_go(
 def test_strangers_at_one_address_crowd_nobody_out_at_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Strangers.__init__, "__defaults__", (3,))
+    monkeypatch.setattr(PendingStreams.__init__, "__defaults__", (3,))
 
     async def play(server: MatchServer, own: str) -> None:
         (others,) = await server.start([f"unix:{tmp_path / 'others.sock'}"])

@@ -13,15 +13,15 @@ from tests.platform.helpers.seats import AGENTS, ended, host, serving, small_spe
 from wildscav.errors import UserError
 from wildscav.proto.match_pb2 import HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.server import Door, MatchServer
+from wildscav.server import EndpointSettings, MatchServer
 from wildscav.server.endpoints.tls import Certificate
 from wildscav.server.workers.shared_server import SharedServer
 from wildscav.wire.matches import decode_seat_address
 
 
-def guarded(server: Pair, client_ca: Path | None = None) -> Door:
+def guarded(server: Pair, client_ca: Path | None = None) -> EndpointSettings:
     files = Certificate(str(server.cert), str(server.key), str(client_ca) if client_ca else None)
-    return Door(tls=files.context())
+    return EndpointSettings(tls=files.context())
 
 
 async def start(address: str, token: str, *options: str | Path) -> asyncio.subprocess.Process:
@@ -33,11 +33,13 @@ async def start(address: str, token: str, *options: str | Path) -> asyncio.subpr
     )
 
 
-def joined(tmp_path: Path, door: Door, *options: str | Path) -> tuple[int | None, str]:
+def joined(
+    tmp_path: Path, endpoint_settings: EndpointSettings, *options: str | Path
+) -> tuple[int | None, str]:
     """Let an agent play a match on a port of a server; return how its process ended."""
 
     async def play(_: MatchServer, __: str) -> tuple[int | None, str]:
-        server = MatchServer(door=door)
+        server = MatchServer(endpoint_settings=endpoint_settings)
         (address,) = await server.start(["127.0.0.1:0"])
         hosted = await host(server, small_spec(seconds=0.5))
         how = await ended(await start(address, hosted.tokens[0], *options))
@@ -56,11 +58,17 @@ def test_an_agent_plays_over_tls(tmp_path: Path) -> None:
 
 def test_with_a_client_ca_only_known_clients_play(tmp_path: Path) -> None:
     authority, own = Authority(tmp_path, "authority"), Authority(tmp_path, "clients")
-    door, me, other = guarded(authority.sign("server"), own.path), own.sign("me"), authority.sign("other")
+    endpoint_settings, me, other = (
+        guarded(authority.sign("server"), own.path),
+        own.sign("me"),
+        authority.sign("other"),
+    )
 
-    known = joined(tmp_path, door, "--ca", authority.path, "--cert", me.cert, "--key", me.key)
-    unknown = joined(tmp_path, door, "--ca", authority.path)
-    wrong = joined(tmp_path, door, "--ca", authority.path, "--cert", other.cert, "--key", other.key)
+    known = joined(tmp_path, endpoint_settings, "--ca", authority.path, "--cert", me.cert, "--key", me.key)
+    unknown = joined(tmp_path, endpoint_settings, "--ca", authority.path)
+    wrong = joined(
+        tmp_path, endpoint_settings, "--ca", authority.path, "--cert", other.cert, "--key", other.key
+    )
 
     assert known == (0, "")
     for (code, said), shown in ((unknown, "none"), (wrong, "the one shown")):
@@ -72,11 +80,11 @@ def test_a_certificate_that_is_not_to_be_trusted_is_told_in_a_line(tmp_path: Pat
     authority, wrong = Authority(tmp_path, "authority"), Authority(tmp_path, "wrong")
     expired = authority.sign("expired", valid=-DAY)
 
-    for door, ca, why in (
+    for endpoint_settings, ca, why in (
         (guarded(authority.sign("server")), wrong.path, "unable to get local issuer certificate"),
         (guarded(expired), authority.path, "certificate has expired"),
     ):
-        code, said = joined(tmp_path, door, "--ca", ca)
+        code, said = joined(tmp_path, endpoint_settings, "--ca", ca)
         assert (code, len(said.splitlines())) == (4, 1), said
         assert f"its certificate is not accepted ({why})" in said
 
@@ -109,7 +117,7 @@ def test_files_that_are_no_certificates_are_named(tmp_path: Path) -> None:
         (("--ca", authority.path, "--cert", one.cert), "WILDSCAV_CERT and WILDSCAV_KEY belong together"),
         (("--cert", one.cert, "--key", one.key), "WILDSCAV_CERT needs WILDSCAV_CA"),
     ):
-        code, said = joined(tmp_path, Door(), *options)
+        code, said = joined(tmp_path, EndpointSettings(), *options)
         assert (code, len(said.splitlines())) == (2, 1), said
         assert why in said
 
@@ -123,7 +131,7 @@ def test_without_tls_no_other_machine_is_let_in_unless_it_is_said(tmp_path: Path
             ):
                 await server.start([address])
             await server.stop()
-        server = MatchServer(door=Door(insecure=True))
+        server = MatchServer(endpoint_settings=EndpointSettings(insecure=True))
         await server.start([address])
         await server.stop()
 

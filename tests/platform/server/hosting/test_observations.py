@@ -11,7 +11,7 @@ from tests.platform.helpers.seats import small_spec
 
 from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
 from wildscav.server.hosting.observation_encoding import ROOM, put_observations
-from wildscav.server.hosting.observations import Senses
+from wildscav.server.hosting.observations import SeatObservations
 from wildscav.server.hosting.warm_up import warm
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, SUPPLY_LIMIT
@@ -48,7 +48,7 @@ def vector(place: Any) -> Vector:
 
 
 def by_protobuf(match: Match, seat: int) -> Observation:
-    """Return what a seat senses as protobuf's own classes have it."""
+    """Return what a seat observations as protobuf's own classes have it."""
     own = {name: array[0, seat] for name, array in match.state.agents._asdict().items()}
     seen = match.seen
     message = Observation(
@@ -107,9 +107,9 @@ def box(match: Match, slot: int) -> SupplyBox:
 
 
 def sent(match: Match, seats: list[int]) -> list[bytes]:
-    senses = Senses(match, seats)
-    senses.take(BANK + seat for seat in seats)
-    return [senses.of(seat) for seat in seats]
+    observations = SeatObservations(match, seats)
+    observations.encode(BANK + seat for seat in seats)
+    return [observations.of(seat) for seat in seats]
 
 
 SEATS = [2, 0, 3, 1]  # in any order
@@ -152,10 +152,10 @@ def test_whatever_the_arrays_hold_is_written_as_protobuf_would(seed: int, larges
 
 def test_a_time_bank_of_whole_seconds_is_as_any_other() -> None:
     match = Match(small_spec())
-    senses = Senses(match, [0])
+    observations = SeatObservations(match, [0])
     warm(())
-    senses.take([30])
-    assert Observation.FromString(senses.of(0)).time_bank == 30.0
+    observations.encode([30])
+    assert Observation.FromString(observations.of(0)).time_bank == 30.0
     kernel: Any = put_observations
     assert len(kernel.outer.signatures) == 1  # nothing more was compiled: agents would wait for it
 

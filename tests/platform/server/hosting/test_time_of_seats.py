@@ -117,9 +117,9 @@ def test_an_answer_that_never_comes_has_taken_until_the_end(tmp_path: Path) -> N
                 await answer(lively, hosted, 1, step)
                 await clock.pass_time(TURN + BANK if step == 1 else TURN)
         asleep, awake = (await hosted.finished()).seats.values()
-        assert asleep.thoughts == ((1, asked, asked + BANK + 19 * TURN),)
+        assert asleep.slow_answers == ((1, asked, asked + BANK + 19 * TURN),)
         assert asleep.late == tuple(range(1, 20))
-        assert (awake.thoughts, awake.late) == ((), ())
+        assert (awake.slow_answers, awake.late) == ((), ())
 
     serving_by_hand(tmp_path, play)
 

@@ -16,11 +16,11 @@ from tests.platform.helpers.attacked_server import memory
 from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.proto.match_pb2 import Action, ClientMessage
-from wildscav.server import Clock, Door, MatchServer, SeatStatus
+from wildscav.server import Clock, EndpointSettings, MatchServer, SeatStatus
 
 # So that only a victim that is kept from playing is late, however busy the machine is.
 PATIENT = Clock(step_budget=5.0, join_timeout=60.0, game_time_factor=200.0)
-OWN = Door(connections=16, visits=64)  # as an evaluation has it
+OWN = EndpointSettings(connections=16, visits=64)  # as an evaluation has it
 GROWTH = 50e6  # bytes
 SEQUENCES = int(os.environ.get("WILDSCAV_SEQUENCES", "300"))
 EVERY_DAY = {"connect", "ping", "large-continuation"}
@@ -45,7 +45,7 @@ def test_a_seat_that_floods_its_socket_is_put_out_and_costs_the_other_no_step(
     tmp_path: Path, kind: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def play(_: MatchServer, __: str) -> None:
-        server = MatchServer(door=OWN)
+        server = MatchServer(endpoint_settings=OWN)
         own, others = await server.start([f"unix:{tmp_path / name}" for name in ("own", "others")])
         before = memory()
         addresses = {0: own, 1: others}

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from wildscav.errors import UserError
-from wildscav.server.workers import supervisor as workforce
-from wildscav.server.workers.supervisor import Worker
-from wildscav.server.workers.worker import Orders
+from wildscav.server.workers import supervisor
+from wildscav.server.workers.supervisor import WorkerSupervisor
+from wildscav.server.workers.worker import WorkerConfig
 
 READY = "input(); print('{\"seats\": []}', flush=True); input()"
 
@@ -34,7 +34,7 @@ class Interpreter:
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         self._path, self._real = folder / "python", sys.executable
-        monkeypatch.setattr(workforce.sys, "executable", str(self._path))
+        monkeypatch.setattr(supervisor.sys, "executable", str(self._path))
 
     def runs(self, code: str) -> None:
         fresh = self._path.with_name("fresh")
@@ -46,8 +46,8 @@ class Interpreter:
         self._path.unlink()
 
 
-def started(notes: Notes) -> Worker:
-    return Worker(Orders(seats=[], arena="unix:/nowhere", number=1), notes)
+def started(notes: Notes) -> WorkerSupervisor:
+    return WorkerSupervisor(WorkerConfig(seats=[], arena="unix:/nowhere", number=1), notes)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_a_worker_that_does_not_start_says_why(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str, why: str
 ) -> None:
     Interpreter(tmp_path, monkeypatch).runs(code)
-    monkeypatch.setattr(workforce, "BEGINNING", 0.5 if "within" in why else 60.0)
+    monkeypatch.setattr(supervisor, "START_TIMEOUT", 0.5 if "within" in why else 60.0)
 
     async def start() -> None:
         worker = started(Notes())
@@ -80,7 +80,7 @@ def test_a_worker_that_does_not_start_says_why(
 def test_a_worker_that_cannot_be_started_again_is_tried_until_it_can(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(workforce, "PAUSE", 0.01)
+    monkeypatch.setattr(supervisor, "RESTART_DELAY", 0.01)
     notes, interpreter = Notes(), Interpreter(tmp_path, monkeypatch)
 
     async def wait_for(event: str, text: str) -> None:

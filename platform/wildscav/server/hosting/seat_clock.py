@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
-class SeatTime:
+class SeatClock:
     """The event loop's time, less what the server has spent on reading sensors.
 
     Answers lie unread while a sensor is read, whichever match it is for. So the clocks of all seats stand

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from wildscav.errors import UserError
-from wildscav.export.trained import Shape, Trained
-from wildscav.policy.acting import ActionMode, action_mode
-from wildscav.policy.choosing import ACTIONS, NUMBERS, SCORES
+from wildscav.export.trained_model import Shape, Trained
+from wildscav.policy.action_choice import ACTIONS, NUMBERS, SCORES
+from wildscav.policy.action_modes import ActionMode, action_mode
 
 MODES = ("multidiscrete", "baseline", "box")  # those that a network can play
 

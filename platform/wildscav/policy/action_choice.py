@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav.policy.acting import ActionMode
+from wildscav.policy.action_modes import ActionMode
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.networks import Choose
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
-from wildscav.export.trained import Trained
+from wildscav.export.trained_model import Trained
 from wildscav.policy.networks import Choose
 from wildscav.policy.policy import FILE
 

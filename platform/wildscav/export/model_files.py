@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav.errors import UserError
 from wildscav.export.stable_baselines import read_zip
-from wildscav.export.trained import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, Trained, pack_layers
+from wildscav.export.trained_model import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, Trained, pack_layers
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.networks import ACTIVATIONS, Layers, OnnxNetwork, read_layers
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav.policy.observing import Readings
+from wildscav.policy.observation_groups import Readings
 
 Stacked = Readings | NDArray[Any]
 

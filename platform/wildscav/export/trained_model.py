@@ -21,7 +21,7 @@ class Trained:
     source: Path
     inputs: Mapping[str, Shape] | Shape  # of one observation, by name or as one array
     outputs: int | None  # how many numbers it gives; None: not told
-    head: str | None  # what they mean, as in ``wildscav.policy.choosing``; None: told by their number
+    head: str | None  # what they mean, as in ``wildscav.policy.action_choice``; None: told by their number
     sizes: Shape = ()  # how many things it chooses from in each place, where that is told
     whole: bool = False  # whether the outputs are whole numbers: the choice itself
     network: Mapping[str, Any] = field(default_factory=dict)  # the table "network" of policy.json

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tests.platform.legacy.helpers.original import environment
 
 from builders import place, seen_now
-from wildscav.legacy.maps import is_written, obj_of, paths_of, write_map
+from wildscav.legacy.map_files import is_written, obj_of, paths_of, write_map
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.simulation.match import Match
