@@ -19,7 +19,7 @@ def read_model(path: Path, activation: str = "tanh") -> Trained:
     """Read a model: a zip of Stable-Baselines3, an ONNX file, or an npz of layers.
 
     Args:
-        path: The file. A zip holds Python objects: read none from strangers.
+        path: The file. A zip holds Python objects: read only one that you trust.
         activation: What follows each layer of an npz but the last.
 
     Raises:

@@ -37,7 +37,7 @@ class Session:
     def __init__(self, client: Client, records: Path) -> None:
         self._client, self._records = client, records
         self._episodes = 0
-        self._strangers: set[int] = set()  # ids of no agent that were told of in this episode
+        self._unknown_ids: set[int] = set()  # ids of no agent, warned of in this episode
 
     def run(self) -> None:
         """Play what the client asks for until it closes.
@@ -60,7 +60,7 @@ class Session:
     def _play(self, command: GMCommand) -> Reply:
         """Play an episode, and return the reply that ends it."""
         self._episodes += 1
-        self._strangers.clear()
+        self._unknown_ids.clear()
         episode = read_episode(command)
         match = self._match_of(episode)
         what = f"map {episode.map_id:03}, {match.track.name}, {counted(match.seats, 'agent')}"
@@ -91,9 +91,9 @@ class Session:
     def _actions(self, reply: Reply, episode: Episode) -> "NDArray[np.float32]":
         """Return what the agents do; that there is no agent of an id is said once an episode."""
         rows, unknown = read_actions(reply.agent_cmd_list, episode.seats)
-        for stranger in set(unknown) - self._strangers:
-            self._strangers.add(stranger)
-            log.warning("there is no agent %d; its actions are left out", stranger)
+        for unknown_id in set(unknown) - self._unknown_ids:
+            self._unknown_ids.add(unknown_id)
+            log.warning("there is no agent %d; its actions are left out", unknown_id)
         return rows
 
     def _end(self, episode: Episode, match: "Match", seconds: float) -> None:

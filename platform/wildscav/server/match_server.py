@@ -54,14 +54,14 @@ class MatchServer:
         self._endpoints: list[Endpoint] = []
         self._settings, self._time = endpoint_settings, SeatClock()
         self._organizer = Organizer(organizer_token)
-        self._arena = arena_routes(ArenaService(self), self._organizer) if arena else {}
+        self._arena_routes = arena_routes(ArenaService(self), self._organizer) if arena else {}
         self.metrics = ServerMetrics(
             lambda: self._matches, lambda: sum(one.pending_streams for one in self._endpoints)
         )
         self._event_log = EventLog(log)
 
     async def start(self, addresses: Sequence[str], *, arena: bool = True) -> list[str]:
-        """Listen; may be called again for more.
+        """Listen; may be called again for more addresses.
 
         Args:
             addresses: ``unix:/path`` or ``host:port``; port 0 takes a free one.
@@ -74,9 +74,9 @@ class MatchServer:
             AddressInUseError: An address cannot be had.
             UserError: An address is malformed, or an arena without a token would be open to others.
         """
-        more = self._arena if arena else {}
+        routes = self._arena_routes if arena else {}
         for address in addresses:
-            if more:
+            if routes:
                 self._organizer.check_address(address)
             self._settings.check_address(address)
         allow_many_files()
@@ -87,10 +87,10 @@ class MatchServer:
                     address,
                     self._settings,
                     self._reservations,
-                    self._refused,
-                    self._broke,
-                    self._flooded,
-                    more,
+                    self._stream_refused,
+                    self._stream_failed,
+                    self._seat_flooded,
+                    routes,
                 )
             )
             self._endpoints.append(new[-1])
@@ -160,11 +160,11 @@ class MatchServer:
             raise ValueError(f"this server does not listen on {min(unknown)}")
         return addresses
 
-    def _refused(self, refusal: RefusalError) -> None:
+    def _stream_refused(self, refusal: RefusalError) -> None:
         self.metrics.refused(refusal.reason)
         self._event_log.stream_refused(refusal)
 
-    def _broke(self, address: str, error: Exception) -> None:
+    def _stream_failed(self, address: str, error: Exception) -> None:
         """Give up the matches that have a seat at an address where something of ours failed."""
         self._event_log.stream_failed(address, error)
         for match in {
@@ -172,9 +172,9 @@ class MatchServer:
         }:
             match.fail(error)
 
-    def _flooded(self, address: str, reason: str) -> None:
+    def _seat_flooded(self, address: str, reason: str) -> None:
         """Put the seats out that are joined at an address which their agent has flooded."""
-        self._refused(ProtocolRefusalError("FLOOD", reason))
+        self._stream_refused(ProtocolRefusalError("FLOOD", reason))
         for reservation in tuple(self._reservations.values()):
             if reservation.address == address:
                 reservation.match.give_up(reservation.seat.number, reason, SeatStatus.PROTOCOL_ERROR)

@@ -1,4 +1,4 @@
-"""Work on files of strangers in a process of its own, with limits on the time and memory that they cost.
+"""Work on untrusted files in a process of its own, with limits on the time and memory that they cost.
 
     python -m wildscav.system.limited_process module:function < arguments.json
 

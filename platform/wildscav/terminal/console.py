@@ -1,6 +1,6 @@
 """What every command prints with: the consoles, and how text and commands are shown.
 
-Much of what is shown was written by strangers: versions and names of submissions, what agents print, what
+Much of what is shown is untrusted text: versions and names of submissions, what agents print, what
 records say. ``printable`` makes any text plain, and every way to a terminal goes through it: the consoles
 here by themselves, log lines in ``wildscav.monitoring.logs``. JSON is written in ASCII by ``ascii_json``.
 """

@@ -1,4 +1,4 @@
-"""Text that strangers may send, and what may reach a terminal."""
+"""Untrusted text as anybody may send it, and what may reach a terminal."""
 
 from hypothesis import strategies as st
 

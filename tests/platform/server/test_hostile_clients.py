@@ -181,7 +181,7 @@ def test_a_reader_that_does_not_read_costs_its_seat_alone(tmp_path: Path) -> Non
     serving_by_hand(tmp_path, play)
 
 
-def test_a_flood_of_strangers_costs_a_match_no_step(tmp_path: Path) -> None:
+def test_a_flood_of_unknown_clients_costs_a_match_no_step(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str) -> None:
         refused, over = 0, False
 

@@ -15,8 +15,8 @@ from wildscav.proto.match_pb2 import ClientMessage, Join
 from wildscav.server import MatchServer
 
 
-async def a_match_and_a_stranger(server: MatchServer, address: str) -> None:
-    """Play a match of two seats, one of which leaves; refuse a stranger twice; leave a match open."""
+async def a_match_and_a_refusal(server: MatchServer, address: str) -> None:
+    """Play a match of two seats, one of which leaves; refuse a client twice; leave a match open."""
     hosted = await host(server, small_spec(seats=2))
     async with connected(address) as good, connected(address) as leaver:
         named = Join(
@@ -29,10 +29,10 @@ async def a_match_and_a_stranger(server: MatchServer, address: str) -> None:
         await good.play_out()
     await hosted.finished()
     for _ in range(2):
-        async with connected(address) as stranger:
-            await stranger.send(ClientMessage(join=Join(token="wrong", protocol_version=1)))  # noqa: S106
+        async with connected(address) as client:
+            await client.send(ClientMessage(join=Join(token="wrong", protocol_version=1)))  # noqa: S106
             with pytest.raises(grpc.aio.AioRpcError):
-                await stranger.read_out()
+                await client.read_out()
     await host(server, small_spec())
 
 
@@ -43,7 +43,7 @@ def fetch(address: str) -> str:
 
 def test_metrics_tell_matches_steps_latency_queue_and_faults(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str) -> str:
-        await a_match_and_a_stranger(server, address)
+        await a_match_and_a_refusal(server, address)
         with serving_metrics(server.metrics, 0) as metrics:
             assert metrics is not None
             return await asyncio.to_thread(fetch, metrics)
@@ -69,7 +69,7 @@ def test_metrics_tell_matches_steps_latency_queue_and_faults(tmp_path: Path) -> 
 def test_a_log_has_a_line_for_everything_that_happens(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    serving(tmp_path, a_match_and_a_stranger, log=open_log("json"))
+    serving(tmp_path, a_match_and_a_refusal, log=open_log("json"))
 
     lines = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
 

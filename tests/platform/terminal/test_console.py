@@ -1,4 +1,4 @@
-"""What commands print with: no text of a stranger steers a terminal, breaks a table or is lost."""
+"""What commands print with: no untrusted text steers a terminal, breaks a table or is lost."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""What ``wildscav map import`` does with a file, in a process with limits: it may be a stranger's.
+"""What ``wildscav map import`` does with a file, in a process with limits: the file is untrusted.
 
 All that it needs is imported here, before the limits are set.
 """

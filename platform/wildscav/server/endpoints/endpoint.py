@@ -50,10 +50,10 @@ class Endpoint:
         address: Free to be taken; port 0 takes any.
         endpoint_settings: Who may connect, and how.
         reservations: What each token stands for.
-        refused: Told of every refusal.
-        broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
-        flooded: Told of the address of one seat that its agent flooded, and of what it did.
-        more: What else is served there.
+        on_refusal: Called with every refusal.
+        on_failure: Called with the address and an error of ours that came before the stream's seat was known.
+        on_flood: Called with the address of a seat that its agent flooded, and with what it did.
+        routes: What else is served there.
 
     Raises:
         AddressInUseError: The address cannot be had.
@@ -65,24 +65,24 @@ class Endpoint:
         address: str,
         endpoint_settings: EndpointSettings,
         reservations: Mapping[str, Reservation],
-        refused: Callable[[RefusalError], None],
-        broke: Callable[[str, Exception], None],
-        flooded: Callable[[str, str], None],
-        more: Mapping[str, Route],
+        on_refusal: Callable[[RefusalError], None],
+        on_failure: Callable[[str, Exception], None],
+        on_flood: Callable[[str, str], None],
+        routes: Mapping[str, Route],
     ) -> None:
         sockets = bind(address)
         name = sockets[0].getsockname()
         self.address = address if address.startswith(UNIX) else with_port(address, name[1])
         self._path = Path(name) if address.startswith(UNIX) else None
         self._inode = self._path.stat().st_ino if self._path else 0
-        self._service = MatchService(reservations, refused, broke, self.address)
+        self._service = MatchService(reservations, on_refusal, on_failure, self.address)
         self._health = Health()
         self._listener = Listener(
             sockets,
-            {PLAY: Route(self._service.play), **self._health.routes(), **more},
+            {PLAY: Route(self._service.play), **self._health.routes(), **routes},
             connections=endpoint_settings.connections,
             visits=endpoint_settings.visits,
-            on_flood=lambda reason: flooded(self.address, reason),
+            on_flood=lambda reason: on_flood(self.address, reason),
             tls=None if self._path else endpoint_settings.tls,
         )
 

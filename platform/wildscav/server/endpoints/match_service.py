@@ -39,19 +39,20 @@ class MatchService:
 
     Args:
         reservations: What each token stands for; the server adds and removes.
-        refused: Told of every refusal.
-        broke: Told of an error of ours, met before it was known whose stream it was, and of the address.
+        on_refusal: Called with every refusal.
+        on_failure: Called with the address and an error of ours that came before the stream's seat was known.
         address: The address.
     """
 
     def __init__(
         self,
         reservations: Mapping[str, Reservation],
-        refused: Callable[[RefusalError], None],
-        broke: Callable[[str, Exception], None],
+        on_refusal: Callable[[RefusalError], None],
+        on_failure: Callable[[str, Exception], None],
         address: str,
     ) -> None:
-        self._reservations, self._refused, self._broke, self._address = reservations, refused, broke, address
+        self._reservations, self._address = reservations, address
+        self._on_refusal, self._on_failure = on_refusal, on_failure
         self.pending_streams = PendingStreams()
 
     async def play(self, stream: Stream) -> None:
@@ -60,16 +61,16 @@ class MatchService:
             reservation, join = await self._identify(stream)
             await _join_and_serve(reservation, stream, join)
         except RefusalError as refusal:
-            self._refused(refusal)
+            self._on_refusal(refusal)
             raise
         except asyncio.CancelledError:
             if stream.refusal is not None:  # nobody is there to hear it, but it is to be known
-                self._refused(stream.refusal)
+                self._on_refusal(stream.refusal)
             raise
         except StreamLostError:
             pass  # nobody is there to hear anything
         except Exception as error:
-            self._broke(self._address, error)
+            self._on_failure(self._address, error)
             raise _platform_failed() from error
 
     async def _identify(self, stream: Stream) -> tuple[Reservation, Join]:

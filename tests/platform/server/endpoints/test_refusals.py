@@ -143,9 +143,9 @@ def test_a_seat_that_talks_nonsense_is_out_and_the_others_play_on(
 @pytest.mark.parametrize("first", [b"\xff\xff", action(0)], ids=["garbage", "action"])
 def test_a_stream_begins_with_a_join(tmp_path: Path, first: ClientMessage | bytes) -> None:
     async def play(server: MatchServer, address: str) -> None:
-        async with connected(address) as stranger:
-            await stranger.send(first)
-            assert await refused(stranger) == (grpc.StatusCode.INVALID_ARGUMENT, "PROTOCOL_ERROR")
+        async with connected(address) as client:
+            await client.send(first)
+            assert await refused(client) == (grpc.StatusCode.INVALID_ARGUMENT, "PROTOCOL_ERROR")
 
     serving(tmp_path, play)
 
@@ -154,13 +154,13 @@ def test_a_stream_that_says_nothing_is_ended(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr("wildscav.server.endpoints.match_service.JOIN_TIME", 0.2)
 
     async def play(server: MatchServer, address: str) -> None:
-        async with connected(address) as stranger:
-            assert await refused(stranger) == (grpc.StatusCode.INVALID_ARGUMENT, "JOIN_TIMEOUT")
+        async with connected(address) as client:
+            assert await refused(client) == (grpc.StatusCode.INVALID_ARGUMENT, "JOIN_TIMEOUT")
 
     serving(tmp_path, play)
 
 
-def test_of_too_many_strangers_the_one_who_said_nothing_for_longest_has_to_go(
+def test_of_too_many_pending_streams_the_oldest_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(PendingStreams.__init__, "__defaults__", (3,))
@@ -180,7 +180,7 @@ def test_of_too_many_strangers_the_one_who_said_nothing_for_longest_has_to_go(
     serving(tmp_path, play)
 
 
-def test_strangers_at_one_address_crowd_nobody_out_at_another(
+def test_pending_streams_at_one_address_take_no_room_at_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(PendingStreams.__init__, "__defaults__", (3,))

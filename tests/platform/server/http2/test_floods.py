@@ -76,7 +76,9 @@ def test_a_seat_that_floods_its_socket_is_put_out_and_costs_the_other_no_step(
         for kind in ("connect", "hold", "silent", "ping", "large-continuation", "reset", "headers")
     ],
 )
-def test_strangers_that_flood_an_address_keep_nobody_from_joining_there(tmp_path: Path, kind: str) -> None:
+def test_unknown_clients_that_flood_an_address_keep_nobody_from_joining_there(
+    tmp_path: Path, kind: str
+) -> None:
     async def play(server: MatchServer, _: str) -> None:
         (address,) = await server.start(["127.0.0.1:0"])
         before = memory()

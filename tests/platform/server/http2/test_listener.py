@@ -1,4 +1,4 @@
-"""Who is let in, and when: strangers share one part of the time, and each of them gets a turn."""
+"""Who is let in, and when: unknown clients share one part of the time, and each of them gets a turn."""
 
 import asyncio
 import socket
@@ -16,7 +16,7 @@ from wildscav.server.http2.listener import Listener
 
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
 UNKNOWN_FRAME = bytes([0, 0x40, 0, 0xFF, 0, 0, 0, 0, 0])  # 16,384 bytes of a kind that nobody knows
-REST = 0.005  # s that strangers wait after each thing that was done for one
+REST = 0.005  # s that unknown clients wait after each thing that was done for one
 
 
 class OneThingAtATime(Share):
@@ -61,7 +61,7 @@ async def call(port: int, first: bytes = b"") -> socket.socket:
     return calling
 
 
-def test_a_stranger_who_never_stops_talking_keeps_nobody_out() -> None:
+def test_an_unknown_client_that_never_stops_sending_keeps_nobody_out() -> None:
     async def rule() -> None:
         loop = asyncio.get_running_loop()
         listener, share, port = await listening()
@@ -83,7 +83,7 @@ def test_a_stranger_who_never_stops_talking_keeps_nobody_out() -> None:
     run(rule)
 
 
-def test_what_a_stranger_sends_before_the_handshake_is_done_is_counted(tmp_path: Path) -> None:
+def test_what_an_unknown_client_sends_before_the_handshake_is_done_is_counted(tmp_path: Path) -> None:
     pair = Authority(tmp_path, "authority").sign("server")
     tls = Certificate(str(pair.cert), str(pair.key)).context()
 
