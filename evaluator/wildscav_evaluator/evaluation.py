@@ -13,13 +13,15 @@ from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
 from wildscav_evaluator.output.numbered_folders import own_folder
+from wildscav_evaluator.output.results import metric_infos
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.rounds import matches_in_rounds
 from wildscav_evaluator.suites.seeds import SuiteSeed
-from wildscav_evaluator.suites.suite import MOST_MATCHES, Suite
+from wildscav_evaluator.suites.suite import Suite
 
 REPLAY_CHOICES = ("none", "first", "all")
 KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox keeps that isolates nobody
@@ -60,7 +62,7 @@ class Plan:
 
     def matches(self, track: str) -> tuple[MatchSpec, ...]:
         """Return the matches that every submission plays on a track."""
-        return matches(self.suite, track, self.seed.value, self.rounds)
+        return matches_in_rounds(self.suite, track, self.seed.value, self.rounds)
 
     def limits(self, track: str) -> Limits:
         """Return what an agent may use of the machine on a track."""
@@ -72,33 +74,6 @@ class Plan:
         return {
             track: results.KeptLimits(**self.limits(track).model_dump(include=kept)) for track in self.tracks
         }
-
-
-def matches(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
-    """Return the matches of a suite on a track, played in rounds of consecutive seeds.
-
-    Raises:
-        UserError: There are too many.
-    """
-    match_count(suite, track, rounds)
-    return tuple(spec for turn in range(rounds) for spec in suite.matches(track, seed + turn))
-
-
-def match_count(suite: Suite, track: str, rounds: int) -> int:
-    """Return how many matches a suite has on a track.
-
-    Raises:
-        UserError: There are too many.
-    """
-    course = suite.courses[track]
-    count = course.maps * course.episodes * rounds
-    if count > MOST_MATCHES:
-        raise UserError(
-            f"suite {suite.name} has {count:,} matches of {track} in {rounds:,} rounds, {MOST_MATCHES:,} are "
-            "allowed",
-            exit_code=2,
-        )
-    return count
 
 
 def in_own_folder(plan: Plan) -> Plan:
@@ -183,13 +158,6 @@ def _covered(spans: Iterable[tuple[float, float]]) -> float:
         total += max(0.0, end - max(start, until))
         until = max(until, end)
     return total
-
-
-def metric_infos(track: str) -> tuple[results.MetricInfo, ...]:
-    """Return what a track measures; the first is its score."""
-    from wildscav_engine.tracks import TRACKS
-
-    return tuple(results.MetricInfo(**metric._asdict()) for metric in TRACKS[track].metrics)
 
 
 def _evaluation(track: str, submission: Submission, done: Iterable[JobResult]) -> results.Evaluation:

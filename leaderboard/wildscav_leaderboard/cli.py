@@ -29,8 +29,8 @@ def leaderboard(
     """Show the standings on every track: the latest evaluation of each submission."""
     from wildscav_evaluator.cli.result_tables.ranking import LEGEND
     from wildscav_leaderboard.database import reading
-    from wildscav_leaderboard.documents import document
     from wildscav_leaderboard.standings import standings
+    from wildscav_leaderboard.standings_json import document
 
     with reading(db) as session:
         found = list(standings(session, track, suite))
@@ -67,20 +67,21 @@ def _nothing_found(everything: "list[Standings]", track: str | None, suite: str 
 
 
 def _table(one: "Standings") -> Table:
-    from wildscav_evaluator.cli.result_tables import ranking as tables
+    from wildscav_evaluator.cli.result_tables import ranking
+    from wildscav_evaluator.scores.number_format import NOTHING
 
-    table = tables.ranking_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
+    table = ranking.ranking_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
     # Rows without a score come last, so the first row knows the metrics if any row does.
     metrics = [_metric(score) for score in one.rows[0].evaluation.scores]
-    tables.add_metrics(table, metrics)
-    tables.add_columns(table, "matches\nfailed", "date")
+    ranking.add_metrics(table, metrics)
+    ranking.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:
         evaluation = row.evaluation
         table.add_row(
-            tables.NOTHING if row.rank is None else str(row.rank),
+            NOTHING if row.rank is None else str(row.rank),
             f"{evaluation.submission.name} {evaluation.submission.version}",
-            *tables.metric_cells(metrics, {score.name: _summary(score) for score in evaluation.scores}),
-            tables.fault_cell(evaluation.faults, len(evaluation.matches)),
+            *ranking.metric_cells(metrics, {score.name: _summary(score) for score in evaluation.scores}),
+            ranking.fault_cell(evaluation.faults, len(evaluation.matches)),
             f"{evaluation.started:%Y-%m-%d}",
         )
     return table
@@ -113,12 +114,12 @@ def _signed(one: "Standings") -> str:
 
 def _conditions(one: "Standings") -> str:
     """Return what agents ran in, in a line."""
-    from wildscav_evaluator.cli.result_tables.timing import conditions
+    from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
     from wildscav_evaluator.output.results import KeptLimits
 
     limits = KeptLimits.model_validate_json(one.limits)
     kept = {one.track: limits} if limits != KeptLimits() else {}
-    return "".join(conditions(one.sandbox, kept))
+    return "".join(sandbox_and_limits(one.sandbox, kept))
 
 
 def _metric(score: "Score") -> "MetricInfo":

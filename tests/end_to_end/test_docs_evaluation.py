@@ -10,21 +10,25 @@ import pytest
 from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.test_docs import blocks
 
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE
-from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS
-from wildscav_evaluator.matches.play import TRIES
+from wildscav_evaluator.matches.play import MAX_ATTEMPTS
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output import results
-from wildscav_evaluator.output.folder import SUITE_FILE
-from wildscav_evaluator.output.identity import IDENTITY_FILE
-from wildscav_evaluator.output.journal import MATCHES
-from wildscav_evaluator.output.json_files import Part
-from wildscav_evaluator.output.results import RESULTS_FILE
+from wildscav_evaluator.output.json_files import FileModel
+from wildscav_evaluator.output.layout import (
+    IDENTITY_FILE,
+    LEDGER_FILE,
+    LOGS,
+    MATCHES,
+    OPENED_FILE,
+    RECORDS,
+    REPLAYS,
+    RESULTS_FILE,
+    SUITE_FILE,
+)
 from wildscav_evaluator.output.versions import Versions
-from wildscav_evaluator.scores.compare import FEWEST
+from wildscav_evaluator.scores.compare import FEWEST_PAIRS
 from wildscav_evaluator.scores.score import RESAMPLES
-from wildscav_evaluator.suites.seeds import OPENED_FILE
 from wildscav_evaluator.suites.suite import SUITES
 from wildscav_evaluator.suites.suite_file import read_suite
 
@@ -43,7 +47,7 @@ def test_the_suites_have_the_maps_matches_and_limits_told() -> None:
     for name, *told in rows("| suite | navigation |"):
         suite = SUITES[name.strip("`")]
         for track, cell in zip(("navigation", "gathering", "capture", "battle", "royale"), told, strict=True):
-            course = suite.courses[track]
+            course = suite.tracks[track]
             (seconds,) = {spec.time_limit for spec in suite.matches(track, 0)}
             assert cell == f"{course.maps} × {course.episodes}, {seconds:g} s"
 
@@ -78,16 +82,16 @@ def test_every_file_of_the_output_folder_is_told() -> None:
 def test_every_field_of_the_results_is_told() -> None:
     cells = [cell for row in rows("| in `results.json` |") for cell in row]
     told = {name for cell in cells for name in re.findall(r"`(\w+)`", cell)}
-    parts = [part for part in Part.__subclasses__() if part.__module__ == results.__name__]
+    parts = [part for part in FileModel.__subclasses__() if part.__module__ == results.__name__]
     fields = {name for part in (*parts, Versions) for name in part.model_fields}
 
     assert told - {"null"} == fields
 
 
 def test_the_numbers_of_the_text_are_those_of_the_code() -> None:
-    assert f"Fewer than {FEWEST} matches are too few" in TEXT
+    assert f"Fewer than {FEWEST_PAIRS} matches are too few" in TEXT
     assert f"with {RESAMPLES:,} resamples" in TEXT
-    assert {3: "three"}[TRIES] + " times over" in " ".join(TEXT.split())
+    assert {3: "three"}[MAX_ATTEMPTS] + " times over" in " ".join(TEXT.split())
 
 
 @pytest.mark.slow

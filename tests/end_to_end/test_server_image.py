@@ -11,7 +11,7 @@ from pathlib import Path
 import grpc
 import pytest
 from tests.end_to_end.test_docs_serving import free_ports
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sandbox.available import missing
 from tests.evaluator.submissions.python_image import python_image
 from tests.platform.helpers.seats import small_spec
 
@@ -21,7 +21,7 @@ from wildscav.system import leftovers
 from wildscav.wire.matches import decode_seat_address
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode
-from wildscav_evaluator.sandbox.containers.container_engine import OWNER, Engine, call, find_engine
+from wildscav_evaluator.sandbox.containers.container_engine import OWNER, ContainerEngine, call, find_engine
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -38,7 +38,7 @@ START_PATIENCE = 400.0  # s, to compile all kernels
 
 
 @pytest.fixture
-def engine() -> Iterator[Engine]:
+def engine() -> Iterator[ContainerEngine]:
     """The container engine of this machine; what the test makes with it goes afterwards."""
     if missing("oci"):
         pytest.skip(missing("oci"))
@@ -49,7 +49,7 @@ def engine() -> Iterator[Engine]:
         call(engine, "rmi", "--force", image)
 
 
-def test_the_image_of_the_server_serves_a_match(engine: Engine, tmp_path: Path) -> None:
+def test_the_image_of_the_server_serves_a_match(engine: ContainerEngine, tmp_path: Path) -> None:
     build(engine)
     port = free_ports(5)  # the organizers', and each worker's
     start(engine, f"127.0.0.1:{port}", tmp_path)
@@ -63,7 +63,7 @@ def test_the_image_of_the_server_serves_a_match(engine: Engine, tmp_path: Path) 
     assert (stop.returncode, asked(engine, "{{.State.ExitCode}}")) == (0, "0"), logs(engine)
 
 
-def build(engine: Engine) -> None:
+def build(engine: ContainerEngine) -> None:
     """Build the image as engine.Dockerfile says, on this machine's Python."""
     python = python_image(engine, PYTHON)
     no_leftovers = ["--layers=false"] if engine.name == "podman" else []
@@ -81,7 +81,7 @@ def build(engine: Engine) -> None:
     assert built.returncode == 0, built.stdout
 
 
-def start(engine: Engine, address: str, folder: Path) -> None:
+def start(engine: ContainerEngine, address: str, folder: Path) -> None:
     """Start the server as compose.yaml does, but on this machine's network; return when it serves."""
     inspected = call(engine, "image", "inspect", "--format", "{{json .Config.Cmd}}", IMAGE)
     command = json.loads(inspected.stdout)
@@ -105,11 +105,11 @@ def start(engine: Engine, address: str, folder: Path) -> None:
         time.sleep(2.0)  # asking costs processor time, which compiling needs
 
 
-def asked(engine: Engine, about: str) -> str:
+def asked(engine: ContainerEngine, about: str) -> str:
     return call(engine, "inspect", "--format", about, CONTAINER).stdout.decode().strip()
 
 
-def logs(engine: Engine) -> str:
+def logs(engine: ContainerEngine) -> str:
     said = call(engine, "logs", CONTAINER)
     return (said.stdout + said.stderr).decode()
 

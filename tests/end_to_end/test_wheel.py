@@ -102,7 +102,7 @@ def test_it_plays_checks_and_evaluates_baselines_and_a_new_agent(run: Run, tmp_p
 
 @pytest.mark.slow
 def test_it_builds_an_image(run: Run) -> None:
-    from tests.evaluator.sandbox.conftest import missing
+    from tests.evaluator.sandbox.available import missing
     from tests.evaluator.submissions.python_image import NAME, python_image
 
     from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.docker_daemon import docker_daemon
-from tests.evaluator.players import CRASHER, WALKER, Command, Submit
+from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
 
 from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.submissions.submission import Submission, load_submission

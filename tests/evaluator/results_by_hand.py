@@ -1,6 +1,5 @@
 """Results made by hand, without a match."""
 
-from wildscav_evaluator.evaluation import metric_infos
 from wildscav_evaluator.output.identity import Entrant, Identity
 from wildscav_evaluator.output.results import (
     Evaluation,
@@ -13,6 +12,7 @@ from wildscav_evaluator.output.results import (
     SeatTiming,
     Summary,
     Timings,
+    metric_infos,
 )
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.score import summary

@@ -18,12 +18,12 @@ from wildscav.terminal.console import PlainConsole
 from wildscav_engine.specs.spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.result_tables.ranking import track_table
-from wildscav_evaluator.cli.result_tables.timing import conditions, time_table
+from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
 from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import compare as compare_session
 from wildscav_evaluator.cli.sessions import evaluate as session
 from wildscav_evaluator.cli.sessions import rescore as rescore_session
-from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.cli.sessions.errors import raise_errors
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.monitoring.dashboard import dashboard
 from wildscav_evaluator.monitoring.progress import EvaluationProgress
@@ -99,7 +99,7 @@ def test_a_comparison_and_complaints_are_plain(text: str, screen: PlainConsole) 
         screen.print(compare_session.comparison_table(one))
         screen.print(compare_session.verdict_line(one))
     with pytest.raises(Exception, match="honest"):
-        raise_all([session.all_failed(one, Path(text)) for one in results.evaluations])
+        raise_errors([session.all_failed(one, Path(text)) for one in results.evaluations])
     checking._explain(Finding(text, Verdict.BROKEN, text, text, (text,)))
     screen.print(verify._table([verify.Finding(Path("a/b"), False, text)]))
     assert is_plain(written_on(screen))
@@ -125,7 +125,7 @@ def test_the_progress_of_an_evaluation_is_plain(text: str) -> None:
     console.print(dashboard(tally, text, 60))
     progress.note_broken(job, text)
     (row,) = evaluation_of(text).matches
-    result = JobResult(job, row, complaint=text)
+    result = JobResult(job, row, replay_error=text)
     progress.add(result, tally.add(result))
     assert is_plain(written_on(console))
 
@@ -210,7 +210,7 @@ def test_a_version_that_would_be_markup_is_refused(tmp_path: Path) -> None:
 
 def test_the_conditions_and_times_of_any_sandbox_are_plain() -> None:
     console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
-    for line in conditions(HOSTILE, {HOSTILE: KeptLimits(memory=1)}):
+    for line in sandbox_and_limits(HOSTILE, {HOSTILE: KeptLimits(memory=1)}):
         console.print(line)
-    console.print(time_table(results_of(HOSTILE)))
+    console.print(timing_table(results_of(HOSTILE)))
     assert is_plain(written_on(console))

@@ -1,7 +1,7 @@
-"""A sandbox whose agents are heard too late now and then, however quick they are.
+"""A proxy that delays some of what an agent sends, to test how the agent copes with late answers.
 
-Between the agent's socket and the server stands a relay, which keeps back some of what the agent says. Steps
-are played without it meanwhile: its next observation skips them.
+The proxy stands between the agent's socket and the match server. While it holds an answer back, the server
+plays the step without it, so the agent's next observation skips steps.
 """
 
 import asyncio
@@ -12,21 +12,21 @@ from pathlib import Path
 from wildscav_evaluator.sandbox import Launch, Limits, Promise, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.agents.host_python import socket_path
 
-HELD = 0.2  # s that what an agent says is kept back for
-EVERY = 5  # of the pieces in which it arrives
-PIECE = 65_536  # bytes at most
+DELAY = 0.2  # s
+DELAYED_EVERY = 5  # chunks: every fifth is delayed
+CHUNK = 65_536  # bytes at most
 
 
-class _HardOfHearing:
-    """Runs agents as another sandbox does, behind relays.
+class _DelayingSandbox:
+    """Runs agents as another sandbox does, each behind a delaying proxy.
 
     Args:
         sandbox: The other one.
-        relays: Closes them.
+        proxies: Closes the proxies in the end.
     """
 
-    def __init__(self, sandbox: Sandbox, relays: AsyncExitStack) -> None:
-        self._sandbox, self._relays = sandbox, relays
+    def __init__(self, sandbox: Sandbox, proxies: AsyncExitStack) -> None:
+        self._sandbox, self._proxies = sandbox, proxies
         self.name, self.isolated = sandbox.name, sandbox.isolated
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
@@ -35,49 +35,49 @@ class _HardOfHearing:
     async def start(self, launch: Launch) -> RunningAgent:
         path = socket_path(launch.address)
         moved = path.rename(path.with_name("server.sock"))
-        await self._relays.enter_async_context(_relay(path, moved))
+        await self._proxies.enter_async_context(_delaying_proxy(path, moved))
         return await self._sandbox.start(launch)
 
 
 @asynccontextmanager
-async def heard_late(sandbox: Sandbox) -> AsyncIterator[Sandbox]:
-    """Return a sandbox like another one, whose agents are heard late until the end of the context."""
-    async with AsyncExitStack() as relays:
-        yield _HardOfHearing(sandbox, relays)
+async def delayed_replies(sandbox: Sandbox) -> AsyncIterator[Sandbox]:
+    """Yield a sandbox like another one, whose agents' answers are delayed until the end of the context."""
+    async with AsyncExitStack() as proxies:
+        yield _DelayingSandbox(sandbox, proxies)
 
 
 @asynccontextmanager
-async def _relay(path: Path, server_path: Path) -> AsyncIterator[None]:
-    """Listen at a path, and pass on what comes there to the server's socket, and back."""
-    passing: set[asyncio.Task[None]] = set()
+async def _delaying_proxy(path: Path, server_path: Path) -> AsyncIterator[None]:
+    """Listen at a path, and forward what comes there to the server's socket, and back."""
+    forwarding: set[asyncio.Task[None]] = set()
 
-    async def serve(near: asyncio.StreamReader, back: asyncio.StreamWriter) -> None:
-        far, forth = await asyncio.open_unix_connection(server_path)
-        for way in (_pass(near, forth, HELD), _pass(far, back, 0.0)):
-            task = asyncio.create_task(way)
-            passing.add(task)
-            task.add_done_callback(passing.discard)
+    async def serve(from_agent: asyncio.StreamReader, to_agent: asyncio.StreamWriter) -> None:
+        from_server, to_server = await asyncio.open_unix_connection(server_path)
+        for direction in (_forward(from_agent, to_server, DELAY), _forward(from_server, to_agent, 0.0)):
+            task = asyncio.create_task(direction)
+            forwarding.add(task)
+            task.add_done_callback(forwarding.discard)
 
     server = await asyncio.start_unix_server(serve, path)
     try:
         yield
     finally:
         server.close()
-        for task in passing:
+        for task in forwarding:
             task.cancel()
 
 
-async def _pass(source: asyncio.StreamReader, sink: asyncio.StreamWriter, held: float) -> None:
-    """Pass bytes on until their source ends, some of them later than others."""
-    pieces = 0
+async def _forward(source: asyncio.StreamReader, sink: asyncio.StreamWriter, delay: float) -> None:
+    """Forward bytes until their source ends, with a delay, s, before some chunks."""
+    chunks = 0
     try:
-        while piece := await source.read(PIECE):
-            pieces += 1
-            if pieces % EVERY == 0:
-                await asyncio.sleep(held)
-            sink.write(piece)
+        while chunk := await source.read(CHUNK):
+            chunks += 1
+            if chunks % DELAYED_EVERY == 0:
+                await asyncio.sleep(delay)
+            sink.write(chunk)
             await sink.drain()
     except ConnectionError:
-        pass  # whoever was to hear it has gone, as its own side will say
+        pass  # the receiver has gone, as its own side reports
     finally:
         sink.close()

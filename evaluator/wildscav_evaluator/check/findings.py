@@ -7,7 +7,7 @@ from pathlib import Path
 
 from wildscav.server import Clock, SeatReport
 from wildscav.wire.actions import MAX_WALK_SPEED
-from wildscav_evaluator.matches.play import FAREWELL
+from wildscav_evaluator.matches.play import EXIT_TIME
 from wildscav_evaluator.sandbox import Ending, Limits
 from wildscav_evaluator.submissions.images import REQUIREMENTS
 
@@ -29,7 +29,7 @@ class Finding:
     check: str
     verdict: Verdict
     seen: str  # in a line
-    mend: str = ""  # how, if it is not kept
+    advice: str = ""  # how, if it is not kept
     last_lines: tuple[str, ...] = ()  # of what the agent printed
 
 
@@ -45,9 +45,9 @@ def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> 
     if report.start_up is not None:
         yield start_up(report.start_up, clock)
     if report.status != "finished":
-        mend = mend_outcome(report.status.value, clock, limits)
+        advice = advice_on(report.status.value, clock, limits)
         seen = f"{report.status.value}: {report.detail}"
-        yield Finding(what, Verdict.BROKEN, seen, mend, report.last_lines)
+        yield Finding(what, Verdict.BROKEN, seen, advice, report.last_lines)
         return
     yield Finding(what, Verdict.KEPT, f"{report.steps_played:,} steps played to the end")
     yield actions(report)
@@ -111,19 +111,19 @@ def timing(report: SeatReport, clock: Clock) -> Finding:
     return Finding("timing", Verdict.KEPT, seen)
 
 
-def farewell(ending: Ending | None) -> Finding:
+def process_exit(ending: Ending | None) -> Finding:
     """Judge how an agent's process ended once its match was over.
 
     Args:
         ending: None if it had to be stopped.
     """
-    check, mend = "end", "let the process end, with exit code 0, once MatchOver has come"
+    check, advice = "end", "let the process end, with exit code 0, once MatchOver has come"
     if ending is None:
-        seen = f"its process was still there {FAREWELL:g} s after the match, and was stopped"
-        return Finding(check, Verdict.DOUBTFUL, seen, f"{mend}; join or stop threads and children")
+        seen = f"its process was still there {EXIT_TIME:g} s after the match, and was stopped"
+        return Finding(check, Verdict.DOUBTFUL, seen, f"{advice}; join or stop threads and children")
     if ending.exit_code == 0:
         return Finding(check, Verdict.KEPT, "its process ended by itself after the match")
-    return Finding(check, Verdict.DOUBTFUL, str(ending), mend, ending.last_lines)
+    return Finding(check, Verdict.DOUBTFUL, str(ending), advice, ending.last_lines)
 
 
 def lateness(report: SeatReport, limits: Limits, clock: Clock) -> Finding:
@@ -136,12 +136,12 @@ def lateness(report: SeatReport, limits: Limits, clock: Clock) -> Finding:
         Verdict.BROKEN,
         f"{report.status.value}: {report.detail}",
         "after a late answer the next observation skips steps: answer it with its own step number, and rely "
-        f"on no step coming. {mend_outcome(report.status.value, clock, limits)}",
+        f"on no step coming. {advice_on(report.status.value, clock, limits)}",
         report.last_lines,
     )
 
 
-def break_off(ending: Ending | None, waited: float) -> Finding:
+def cancelled_match(ending: Ending | None, waited: float) -> Finding:
     """Judge how an agent takes the end of its stream in the middle of a match."""
     if ending is not None:
         return Finding("cancelled match", Verdict.KEPT, str(ending))
@@ -163,7 +163,7 @@ def output(size: int, limits: Limits) -> Finding:
     )
 
 
-def mend_outcome(status: str, clock: Clock, limits: Limits) -> str:
+def advice_on(status: str, clock: Clock, limits: Limits) -> str:
     """Return what an author can do about an outcome."""
     return {
         "timed_out": (

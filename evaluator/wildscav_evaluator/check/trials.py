@@ -7,10 +7,10 @@ from pathlib import Path
 from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check import findings
-from wildscav_evaluator.check.delaying_proxy import heard_late
+from wildscav_evaluator.check.delaying_proxy import delayed_replies
 from wildscav_evaluator.check.findings import Finding
 from wildscav_evaluator.matches.play import (
-    Played,
+    PlayedMatch,
     Seating,
     launch_for,
     play_match,
@@ -22,8 +22,8 @@ from wildscav_evaluator.submissions.images import lacks_packages
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import suite
 
-HASTY = Clock(step_budget=0.05, time_bank=0.0)  # a quarter of what its answers are kept back for
-BREAK_AT = 3  # steps played
+TIGHT_CLOCK = Clock(step_budget=0.05, time_bank=0.0)  # a quarter of the proxy's delay
+CANCEL_AT = 3  # steps played
 LEAVING_TIME = 5.0  # s
 LIMITS = DEFAULT_LIMITS
 
@@ -65,19 +65,19 @@ def _run_all(
         if played.seats[seat].status != "finished":
             return  # what cannot play a match fails the rest for the same reason
         if number == 0:
-            yield findings.farewell(played.endings.get(seat))
-    yield from _in_bad_weather(submission, sandbox, logs, clock, runner)
+            yield findings.process_exit(played.endings.get(seat))
+    yield from _with_faults(submission, sandbox, logs, clock, runner)
 
 
-def _in_bad_weather(
+def _with_faults(
     submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock, runner: asyncio.Runner
 ) -> Iterator[Finding]:
     spec = short_spec(submission.manifest.tracks[0])
-    late = runner.run(_hear_late(submission, spec, sandbox, logs / "late.log"))
+    late = runner.run(_delay_replies(submission, spec, sandbox, logs / "late.log"))
     yield findings.lateness(next(iter(late.seats.values())), LIMITS, clock)
     log = logs / "cancelled.log"
     prepare_logs([log])
-    yield findings.break_off(runner.run(_break_off(submission, spec, sandbox, log)), LEAVING_TIME)
+    yield findings.cancelled_match(runner.run(_cancel_match(submission, spec, sandbox, log)), LEAVING_TIME)
 
 
 def short_spec(track: str) -> MatchSpec:
@@ -93,7 +93,7 @@ def _play(
     log: Path,
     clock: Clock,
     runner: asyncio.Runner,
-) -> tuple[Played, Path]:
+) -> tuple[PlayedMatch, Path]:
     """Play a match; return it with the log of the first of the submission's seats."""
     count = spec.seats.count("submission")
     logs = tuple(log.with_stem(f"{log.stem}-{seat}") if seat else log for seat in range(count))
@@ -102,14 +102,16 @@ def _play(
     return played, log
 
 
-async def _hear_late(submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path) -> Played:
+async def _delay_replies(submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path) -> PlayedMatch:
     """Play a match in which steps are played without the agent's answers."""
     prepare_logs([log])
-    async with heard_late(sandbox) as late:
-        return await play_match(Seating(spec, (submission,), (log,)), sandbox=late, clock=HASTY)
+    async with delayed_replies(sandbox) as late:
+        return await play_match(Seating(spec, (submission,), (log,)), sandbox=late, clock=TIGHT_CLOCK)
 
 
-async def _break_off(submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path) -> Ending | None:
+async def _cancel_match(
+    submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path
+) -> Ending | None:
     """Cancel a match while it is played; return how the agent's process ended, None if it did not."""
     seating = Seating(spec, (submission,), (log,))
     with socket_folders(1) as folders:
@@ -135,5 +137,5 @@ async def _break_off(submission: Submission, spec: MatchSpec, sandbox: Sandbox, 
 
 
 async def _wait_for_step(hosted: HostedMatch, ending: "asyncio.Task[Ending]") -> None:
-    while hosted.match.step_number < BREAK_AT and not ending.done() and not hosted.task.done():  # noqa: ASYNC110
+    while hosted.match.step_number < CANCEL_AT and not ending.done() and not hosted.task.done():  # noqa: ASYNC110
         await asyncio.sleep(0.005)

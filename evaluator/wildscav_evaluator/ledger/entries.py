@@ -13,33 +13,33 @@ from pydantic import Field
 
 from wildscav.terminal.console import ascii_json
 from wildscav_evaluator.output.identity import Identity
-from wildscav_evaluator.output.json_files import Part
+from wildscav_evaluator.output.json_files import FileModel
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, Summary
 
 CONTEXT = b"wildscav ledger entry 1\n"  # stands before what is signed: no signature is good for anything else
 
 
-class Opened(Part):
+class Opened(FileModel):
     """The evaluation began. Always the first entry, and only that."""
 
     kind: Literal["opened"] = "opened"
     identity: Identity
 
 
-class Resumed(Part):
+class Resumed(FileModel):
     """The evaluation went on after it had ended or was killed."""
 
     kind: Literal["resumed"] = "resumed"
 
 
-class Begun(Part):
+class Begun(FileModel):
     """A match was begun, or begun again. One that never ended was interrupted."""
 
     kind: Literal["begun"] = "begun"
     match: str  # as its files are called
 
 
-class Broke(Part):
+class Broke(FileModel):
     """The platform broke a match, which is played again."""
 
     kind: Literal["broke"] = "broke"
@@ -47,7 +47,7 @@ class Broke(Part):
     reason: str  # in a line
 
 
-class Ended(Part):
+class Ended(FileModel):
     """A match came to its end, or the platform gave it up."""
 
     kind: Literal["ended"] = "ended"
@@ -57,7 +57,7 @@ class Ended(Part):
     timing: MatchTiming | None
 
 
-class Score(Part):
+class Score(FileModel):
     """What a submission came to on a track."""
 
     submission: str
@@ -68,7 +68,7 @@ class Score(Part):
     faults: int  # matches in which something went wrong
 
 
-class Closed(Part):
+class Closed(FileModel):
     """The evaluation came to its results."""
 
     kind: Literal["closed"] = "closed"
@@ -79,7 +79,7 @@ class Closed(Part):
 Fact = Annotated[Opened | Resumed | Begun | Broke | Ended | Closed, Field(discriminator="kind")]
 
 
-class Entry(Part):
+class Entry(FileModel):
     """One line of a ledger."""
 
     number: int  # from 0

@@ -26,9 +26,8 @@ from wildscav_evaluator.ledger.entries import (
 )
 from wildscav_evaluator.ledger.keys import is_signed
 from wildscav_evaluator.output.identity import Identity
-from wildscav_evaluator.output.json_files import LARGEST, PartError, read_tried
-
-LEDGER_FILE = "ledger.jsonl"
+from wildscav_evaluator.output.json_files import LARGEST, FileModelError, read_after_trial
+from wildscav_evaluator.output.layout import LEDGER_FILE
 
 
 class LedgerError(UserError):
@@ -114,8 +113,8 @@ def read_lines(path: Path) -> bytes:
         OSError: It cannot be read.
     """
     try:
-        return read_tried(path, f"{__name__}:try_entries")
-    except PartError as error:
+        return read_after_trial(path, f"{__name__}:try_entries")
+    except FileModelError as error:
         raise LedgerError(f"{path}: {error}") from None
 
 
@@ -166,7 +165,7 @@ def _lines(content: bytes) -> Iterator[bytes]:
 def _entry(line: bytes, number: int, place: str) -> Entry:
     try:
         return Entry.parse(line)
-    except PartError as error:
+    except FileModelError as error:
         raise LedgerError(f"{place}, line {number + 1}: not an entry: {error}".lstrip(", ")) from None
 
 

@@ -4,16 +4,9 @@ from functools import lru_cache
 from pathlib import Path
 
 from wildscav_engine.record import Record
-from wildscav_evaluator.ledger.ledger import (
-    LEDGER_FILE,
-    Ledger,
-    LedgerError,
-    check_key,
-    read_ledger,
-    sha256_of,
-)
-from wildscav_evaluator.matches.jobs import RECORDS
-from wildscav_evaluator.scores.rescore import misnamed, parse_name
+from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, read_ledger, sha256_of
+from wildscav_evaluator.output.layout import LEDGER_FILE, RECORDS
+from wildscav_evaluator.output.record_names import misnamed, parse_name
 
 
 def check_record(path: Path, record: Record, key: str | None) -> str:

@@ -20,20 +20,14 @@ from wildscav_evaluator.ledger.entries import (
     digest_of_line,
 )
 from wildscav_evaluator.ledger.keys import SigningKey
-from wildscav_evaluator.ledger.ledger import (
-    LEDGER_FILE,
-    Ledger,
-    LedgerError,
-    parse_ledger,
-    read_lines,
-    sha256_of,
-)
+from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, parse_ledger, read_lines, sha256_of
 from wildscav_evaluator.matches.jobs import JobResult
 from wildscav_evaluator.output.identity import Identity
+from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.output.results import MatchRow, Results
 
 
-class Keeper:
+class LedgerWriter:
     """Appends to the ledger of an evaluation; whoever makes one holds the lock of its output folder.
 
     Each entry is on the disk before anything else happens. Half an entry at the end was left by a keeper that
@@ -135,8 +129,8 @@ class Keeper:
         for seat in result.row.seats:
             if not seat.seat < len(seats) or seat.metrics != seats[seat.seat].metrics:
                 raise _changed(f"the metrics of {result.job.stem} in the journal are not those of its record")
-        again = MatchRow.of(result.row.index, result.row.seats, result.row.record)
-        if again != _row(result):
+        recomputed = MatchRow.of(result.row.index, result.row.seats, result.row.record)
+        if recomputed != _row(result):
             raise _changed(f"the journal's summary of {result.job.stem} is not that of its seats")
 
     def begin(self, match: str) -> None:

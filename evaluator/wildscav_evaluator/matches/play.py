@@ -40,11 +40,11 @@ from wildscav_evaluator.submissions.submission import Submission
 SOCKET = "match.sock"
 # Of a seat's own socket: connections that its agent may have open at one time, and that it may ever make.
 SEAT_ENDPOINT = EndpointSettings(connections=16, visits=64)
-FAREWELL = 3.0  # s for an agent's process to end by itself after the match; a container takes one
-TRIES = 3  # for a match that the platform breaks
-PAUSE = 0.5  # s between them: what is short now may be there again
-STANDSTILL = 10.0  # s without a turn of our loop, after which no agent is blamed for its failure
-LOOK = 1.0  # s between two looks for one
+EXIT_TIME = 3.0  # s for an agent's process to end by itself after the match; a container takes one
+MAX_ATTEMPTS = 3  # for a match that the platform breaks
+RETRY_DELAY = 0.5  # s between them: what is short now may be there again
+LONGEST_STALL = 10.0  # s without a turn of our loop, after which no agent is blamed for its failure
+STALL_CHECK_INTERVAL = 1.0  # s between two looks for one
 # Outcomes that the end of an agent's process explains.
 EARLY_ENDS = (SeatStatus.CRASHED, SeatStatus.OUT_OF_MEMORY, SeatStatus.DISQUALIFIED)
 # Outcomes that what an agent's code was doing explains.
@@ -78,7 +78,7 @@ class Seating:
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedMatch:
     """A match that was played, and how its agents' processes ended."""
 
     match: Match
@@ -93,21 +93,21 @@ async def play_match(
     *,
     sandbox: Sandbox = SANDBOXES["process"],
     clock: Clock | None = None,
-    started: Callable[[HostedMatch], None] | None = None,
+    on_start: Callable[[HostedMatch], None] | None = None,
     make: Callable[[MatchSpec], Match] | None = None,
     faults: Sequence[str] = (),
-    broken: Callable[[str], None] = lambda _: None,
-) -> Played:
+    on_failure: Callable[[str], None] = lambda _: None,
+) -> PlayedMatch:
     """Play one match, and again from its start if the platform broke it. See ``play_once``.
 
     Args:
         seating: The match, and who plays.
         sandbox: How the agents run.
         clock: How long they may think; the server's default if none.
-        started: Told of the match whenever it is hosted.
+        on_start: Told of the match whenever it is hosted.
         make: Makes the match from its spec, for each try; a plain one if none.
         faults: What broke earlier tries, a line each: they count.
-        broken: Told what broke a try, before the match is played again.
+        on_failure: Told what broke a try, before the match is played again.
 
     Raises:
         MatchSetupError: The match's spec cannot be played.
@@ -116,16 +116,16 @@ async def play_match(
     faults = list(faults)
     while True:
         try:
-            played = await play_once(seating, sandbox=sandbox, clock=clock, started=started, make=make)
+            played = await play_once(seating, sandbox=sandbox, clock=clock, on_start=on_start, make=make)
             return replace(played, platform_faults=tuple(faults))
         except WRONG_REQUESTS:
             raise
         except Exception as error:
             faults.append(_in_a_line(error))
-            if len(faults) >= TRIES:
+            if len(faults) >= MAX_ATTEMPTS:
                 raise PlatformFaultError(given_up(faults)) from error
-        broken(faults[-1])
-        await asyncio.sleep(PAUSE)
+        on_failure(faults[-1])
+        await asyncio.sleep(RETRY_DELAY)
         prepare_logs(seating.logs)
 
 
@@ -145,16 +145,16 @@ async def play_once(
     *,
     sandbox: Sandbox = SANDBOXES["process"],
     clock: Clock | None = None,
-    started: Callable[[HostedMatch], None] | None = None,
+    on_start: Callable[[HostedMatch], None] | None = None,
     make: Callable[[MatchSpec], Match] | None = None,
-) -> Played:
+) -> PlayedMatch:
     """Play one match from the start of its agents to the end of the last of them.
 
     Args:
         seating: The match, and who plays.
         sandbox: How the agents run.
         clock: How long they may think; the server's default if none.
-        started: Told of the match once it is hosted.
+        on_start: Told of the match once it is hosted.
         make: Makes the match from its spec; a plain one if none.
 
     Raises:
@@ -179,8 +179,8 @@ async def play_once(
                 starting=True,
                 make=make,
             )
-            if started is not None:
-                started(hosted)
+            if on_start is not None:
+                on_start(hosted)
             return await _play_hosted(hosted, seating, addresses, sandbox)
         finally:
             await server.stop()
@@ -188,9 +188,9 @@ async def play_once(
 
 async def _play_hosted(
     hosted: HostedMatch, seating: Seating, addresses: Sequence[str], sandbox: Sandbox
-) -> Played:
+) -> PlayedMatch:
     agents = MatchAgents(hosted, sandbox)
-    standstill = asyncio.create_task(_stand_still())
+    stall = asyncio.create_task(_watch_for_stall())
     try:
         entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
         for seat, submission, log, address in entries:
@@ -199,24 +199,26 @@ async def _play_hosted(
             await agents.start(seat, launch_for(submission, address, token, log, seating.limits, limit))
         outcome = await _outcome(hosted, agents)
         late = {seat: agents.late_for_platform(report) for seat, report in outcome.seats.items()}
-        await agents.leave(FAREWELL)
-        played = Played(outcome.match, _explained(outcome, agents), agents.endings, late_for_platform=late)
-        if standstill.done() and any(report.status.fault for report in played.seats.values()):
-            raise PlatformFaultError(f"nothing was done for {standstill.result():.0f} s")
+        await agents.leave(EXIT_TIME)
+        played = PlayedMatch(
+            outcome.match, _explained(outcome, agents), agents.endings, late_for_platform=late
+        )
+        if stall.done() and any(report.status.fault for report in played.seats.values()):
+            raise PlatformFaultError(f"nothing was done for {stall.result():.0f} s")
         return played
     finally:
         hosted.cancel()
-        standstill.cancel()
+        stall.cancel()
         await agents.stop()
 
 
-async def _stand_still() -> float:
+async def _watch_for_stall() -> float:
     """Wait until this loop had no turn for long (by Ctrl-Z, say), and return for how long, s."""
     loop, late = asyncio.get_running_loop(), 0.0
-    while late < STANDSTILL:
+    while late < LONGEST_STALL:
         before = loop.time()
-        await asyncio.sleep(LOOK)
-        late = loop.time() - before - LOOK
+        await asyncio.sleep(STALL_CHECK_INTERVAL)
+        late = loop.time() - before - STALL_CHECK_INTERVAL
     return late
 
 

@@ -37,7 +37,7 @@ class Agreement:
         return fields if self.now.any() else f"{fields} (it gave no action now, or too late)"
 
 
-class AskedAgain(Match):
+class RecordedMatch(Match):
     """A match that is played by its record, whatever its agents do now; their answers are compared with it.
 
     So every agent sees at each step just what there was to see in the match recorded, also once it has acted
@@ -52,7 +52,7 @@ class AskedAgain(Match):
         super().__init__(record.spec)
         self._record = record
         self.agreements = {seat: Agreement(seat) for seat in seats}
-        self.astray: int | None = None  # the first step, from 1, whose state is not that recorded
+        self.diverged_at: int | None = None  # the first step, from 1, whose state is not that recorded
 
     def step(self, actions: ArrayLike | None = None) -> None:
         """Compare actions with those recorded, and play the latter.
@@ -69,8 +69,8 @@ class AskedAgain(Match):
         for seat, agreement in self.agreements.items():
             _compare(agreement, number + 1, recorded[seat], now[seat])
         super().step(recorded)
-        if self.astray is None and self.digest != self._record.digests[number]:
-            self.astray = number + 1
+        if self.diverged_at is None and self.digest != self._record.digests[number]:
+            self.diverged_at = number + 1
 
 
 def _compare(

@@ -7,9 +7,9 @@ much as one that is stuck in a kernel or was stopped.
 from dataclasses import dataclass
 
 from wildscav.server import Clock
-from wildscav_evaluator.matches.jobs import Beat, Job, Rendering, Told
+from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, RenderingReplay
 
-LOOK = 1.0  # s between two looks at the workers, at the most
+CHECK_INTERVAL = 1.0  # s between two looks at the workers, at the most
 
 
 @dataclass(frozen=True)
@@ -21,18 +21,18 @@ class Patience:
     step: float = 90.0  # for a step, beside the time that agents have for it
     rendering: float = 300.0  # for its replay, beside the game time that is shown
 
-    def with_job(self, job: Job, told: Told | None) -> tuple[float, str]:
+    def with_job(self, job: Job, event: JobEvent | None) -> tuple[float, str]:
         """Return how long a job may stay as it is, s, and where it is then.
 
         Args:
             job: The job.
-            told: What was told of it last, if anything.
+            event: What was told of it last, if anything.
         """
-        if isinstance(told, Rendering):
+        if isinstance(event, RenderingReplay):
             return self.rendering + job.spec.time_limit, "while it rendered the replay"
-        if isinstance(told, Beat) and told.steps:
+        if isinstance(event, Heartbeat) and event.steps:
             clock = Clock().fitted(job.spec)
-            return self.step + clock.step_budget + clock.time_bank, f"after step {told.steps:,}"
+            return self.step + clock.step_budget + clock.time_bank, f"after step {event.steps:,}"
         return self.set_up + self.seat * len(job.seats), "before the first step"
 
 
@@ -46,14 +46,14 @@ class Watchdog:
 
     def __init__(self, job: Job, patience: Patience) -> None:
         self._job, self._patience = job, patience
-        self._told: Told | None = None
+        self._last_event: JobEvent | None = None
         self._still = 0.0  # s without progress
 
-    def hear(self, told: Told) -> None:
+    def hear(self, event: JobEvent) -> None:
         """Note what a worker says of its job."""
-        if isinstance(told, Beat) and told == self._told:
+        if isinstance(event, Heartbeat) and event == self._last_event:
             return  # it lives, and gets nowhere
-        self._told, self._still = told, 0.0
+        self._last_event, self._still = event, 0.0
 
     def wait(self, seconds: float) -> None:
         """Note that some time has gone by; progress that was made meanwhile is heard of next.
@@ -62,12 +62,12 @@ class Watchdog:
             seconds: How long. Far more than a look takes means that the watchdog itself was stopped (by
                 Ctrl-Z, say), and most likely the worker with it: that does not count.
         """
-        self._still += min(seconds, 2.0 * LOOK)
+        self._still += min(seconds, 2.0 * CHECK_INTERVAL)
 
     @property
     def verdict(self) -> str:
         """Say that the worker hangs, in a line; nothing if it does not."""
-        limit, where = self._patience.with_job(self._job, self._told)
+        limit, where = self._patience.with_job(self._job, self._last_event)
         if self._still <= limit:
             return ""
         return f"the worker process hung: no progress in {limit:,.0f} s {where}"

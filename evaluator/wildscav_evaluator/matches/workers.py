@@ -21,9 +21,10 @@ from typing import cast
 
 from wildscav.system import leftovers
 from wildscav.system.worker_processes import become_worker, starting_workers
-from wildscav_evaluator.matches.jobs import Broken, Job, JobResult, Told, after_death, run_job
+from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult
+from wildscav_evaluator.matches.run_job import after_worker_death, run_job
 from wildscav_evaluator.matches.warm import Wanted, warm
-from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog
+from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
 
@@ -77,25 +78,25 @@ class Worker:
         watchdog.wait(seconds)
         return bool(watchdog.verdict)
 
-    def take(self) -> Told | Job | JobResult:
+    def take(self) -> JobEvent | Job | JobResult:
         """Return what is waiting: how its job goes on, or its result; if it died or hangs, what follows."""
         job, watchdog = cast(Job, self.job), cast(Watchdog, self._watchdog)
         try:
-            told = cast(Told | JobResult, self.connection.recv()) if self.connection.poll() else None
+            event = cast(JobEvent | JobResult, self.connection.recv()) if self.connection.poll() else None
         except (EOFError, OSError):
             self.end(STOP_TIME)
-            return after_death(job, f"the worker process died ({self._how_it_ended()})")
-        if isinstance(told, JobResult):
-            self.rendered += told.row.replay is not None
-            return told
-        if told is not None:
-            watchdog.hear(told)
-        if told is None or watchdog.verdict:
+            return after_worker_death(job, f"the worker process died ({self._how_it_ended()})")
+        if isinstance(event, JobResult):
+            self.rendered += event.row.replay is not None
+            return event
+        if event is not None:
+            watchdog.hear(event)
+        if event is None or watchdog.verdict:
             self.end()
-            return after_death(job, watchdog.verdict)
-        if isinstance(told, Broken):
-            self.job = replace(job, faults=(*job.faults, told.reason))
-        return told
+            return after_worker_death(job, watchdog.verdict)
+        if isinstance(event, AttemptFailed):
+            self.job = replace(job, faults=(*job.faults, event.reason))
+        return event
 
     def _how_it_ended(self) -> str:
         code = self.process.exitcode or 0
@@ -165,8 +166,8 @@ class Workers:
     def run(
         self,
         jobs: Iterable[Job],
-        started: Callable[[Job], None] = lambda _: None,
-        tell: Callable[[Job, Told], None] = lambda _job, _told: None,
+        on_start: Callable[[Job], None] = lambda _: None,
+        on_event: Callable[[Job, JobEvent], None] = lambda _job, _told: None,
     ) -> Iterator[JobResult]:
         """Run all jobs and yield their results as they come.
 
@@ -174,28 +175,28 @@ class Workers:
 
         Args:
             jobs: What to play, in this order.
-            started: Told of every job as it is begun, or begun again.
-            tell: Told now and then how far a match is, and what broke one that is played again.
+            on_start: Told of every job as it is begun, or begun again.
+            on_event: Told now and then how far a match is, and what broke one that is played again.
         """
         waiting = deque(jobs)
         while len(self._workers) < min(self._count, len(waiting)):
             self._start()
         busy: dict[Connection, Worker] = {}
         for worker in self._workers:
-            _next_job(worker, waiting, busy, started)
+            _next_job(worker, waiting, busy, on_start)
         while busy:
             for worker in _heard_of(busy):
-                told = worker.take()
-                if not isinstance(told, Job | JobResult):
-                    tell(cast(Job, worker.job), told)
+                event = worker.take()
+                if not isinstance(event, Job | JobResult):
+                    on_event(cast(Job, worker.job), event)
                     continue
                 del busy[worker.connection]
-                if isinstance(told, Job):
-                    tell(told, Broken(told.faults[-1]))
-                    waiting.appendleft(told)
-                _next_job(self._fit(worker), waiting, busy, started)
-                if isinstance(told, JobResult):
-                    yield told
+                if isinstance(event, Job):
+                    on_event(event, AttemptFailed(event.faults[-1]))
+                    waiting.appendleft(event)
+                _next_job(self._fit(worker), waiting, busy, on_start)
+                if isinstance(event, JobResult):
+                    yield event
 
     def _fit(self, worker: Worker) -> Worker:
         """Return a worker, or a new one in its place if it can do no more."""
@@ -214,18 +215,18 @@ class Workers:
 def _heard_of(busy: dict[Connection, Worker]) -> list[Worker]:
     """Wait a moment; return the workers that have something to say, have ended or hang."""
     before = time.monotonic()
-    speaking = wait(list(busy), LOOK)
+    speaking = wait(list(busy), CHECK_INTERVAL)
     waited = time.monotonic() - before
     hanging = [worker for worker in busy.values() if worker.wait(waited)]
     return [worker for connection, worker in busy.items() if connection in speaking or worker in hanging]
 
 
 def _next_job(
-    worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker], started: Callable[[Job], None]
+    worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker], on_start: Callable[[Job], None]
 ) -> None:
     if waiting:
         job = waiting.popleft()
-        started(job)
+        on_start(job)
         worker.give(job)
         busy[worker.connection] = worker
 
@@ -249,17 +250,17 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
                 # Only a match has agents to be stopped; elsewhere a worker may end on the spot.
                 signal.signal(signal.SIGTERM, _leave)
                 try:
-                    result = run_job(runner, message, partial(_tell, connection))
+                    result = run_job(runner, message, partial(_send_event, connection))
                 except asyncio.CancelledError:
                     raise SystemExit(128 + signal.SIGTERM) from None
                 signal.signal(signal.SIGTERM, signal.SIG_DFL)
                 connection.send(result)
 
 
-def _tell(connection: Connection, told: Told) -> None:
+def _send_event(connection: Connection, event: JobEvent) -> None:
     # Nobody listens any more: the result will not be taken either, and that ends this process.
     with contextlib.suppress(OSError):
-        connection.send(told)
+        connection.send(event)
 
 
 def _leave(number: int, _: object) -> None:

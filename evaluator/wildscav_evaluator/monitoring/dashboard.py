@@ -9,15 +9,14 @@ from rich.text import Text
 
 from wildscav.terminal.console import counted
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_evaluator.cli.result_tables.ranking import NOTHING, number
-from wildscav_evaluator.monitoring.tally import Line, Running, Tally
-from wildscav_evaluator.output.results import MetricInfo
+from wildscav_evaluator.monitoring.tally import RunningMatch, Tally, TrackProgress
+from wildscav_evaluator.scores.number_format import NOTHING, number, unit_and_title
 
 BAR = 18  # columns
 NAME = 22  # columns that a submission's name takes at most
 SHOWN = 8  # running matches, at most
 WIDE = 78  # columns, from which on there is room for bars and intervals
-FIGURES = 31  # columns of a line's figures where there is not
+NUMBER_COLUMNS = 31  # columns of a line's figures where there is not
 
 
 def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
@@ -29,7 +28,7 @@ def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
         width: Of the terminal, columns. A narrow one gets no bars and no intervals.
     """
     wide = width >= WIDE
-    name = NAME if wide else max(6, min(NAME, width - FIGURES))
+    name = NAME if wide else max(6, min(NAME, width - NUMBER_COLUMNS))
     return Group(
         *_head(tally, title, wide=wide), *_tracks(tally, name, wide=wide), *_running(tally, name, wide=wide)
     )
@@ -43,14 +42,14 @@ def _head(tally: Tally, title: str, *, wide: bool) -> Iterator[RenderableType]:
     yield Text(title, "bold")
     if wide:
         table = Table.grid(padding=(0, 2))
-        table.add_row(ProgressBar(total, done, width=BAR), standing(tally))
+        table.add_row(ProgressBar(total, done, width=BAR), match_counts(tally))
         yield table
     else:
-        yield standing(tally)
+        yield match_counts(tally)
     yield Text(times)
 
 
-def standing(tally: Tally) -> Text:
+def match_counts(tally: Tally) -> Text:
     """Return how many matches are done, running, waiting and failed."""
     text = Text(f"{len(tally.done):,} of {counted(len(tally.jobs), 'match')} done")
     if tally.running:
@@ -71,7 +70,7 @@ def _tracks(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
         of_track = [line for line in lines if line.track == track]
         metric = of_track[0].metric
         arrow = "↓" if metric.lower_is_better else "↑"
-        yield Text.assemble("\n", (track, "bold"), (f"  {of_what(metric)} {arrow}", "dim"))
+        yield Text.assemble("\n", (track, "bold"), (f"  {unit_and_title(metric)} {arrow}", "dim"))
         table = Table.grid(padding=(0, 2))
         table.add_column(width=width, no_wrap=True)
         if wide:
@@ -84,7 +83,7 @@ def _tracks(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
         yield table
 
 
-def _cells(line: Line, *, wide: bool) -> Iterator[RenderableType]:
+def _cells(line: TrackProgress, *, wide: bool) -> Iterator[RenderableType]:
     yield Text(line.submission)
     if wide:
         yield ProgressBar(line.total, line.done, width=BAR // 2)
@@ -95,19 +94,13 @@ def _cells(line: Line, *, wide: bool) -> Iterator[RenderableType]:
     yield _state(line)
 
 
-def of_what(metric: MetricInfo) -> str:
-    """Return a metric's unit and title, to stand after a number."""
-    unit = f"{metric.unit} " if metric.unit and not metric.title.endswith("rate") else ""
-    return f"{unit}{metric.title}"
-
-
-def _interval(line: Line) -> str:
+def _interval(line: TrackProgress) -> str:
     if line.summary is None or len(line.scores) == 1:
         return ""
     return f"{number(line.summary.low, line.metric)}–{number(line.summary.high, line.metric)}"
 
 
-def _state(line: Line) -> Text:
+def _state(line: TrackProgress) -> Text:
     if line.failed:
         return Text(f"{line.failed} failed", "red")
     if line.complete:
@@ -122,7 +115,7 @@ def _running(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]
         return
     table = Table.grid(padding=(0, 2))
     longest = max(len(one.job.stem) for one in running[:SHOWN])
-    table.add_column(width=min(2 * NAME if wide else name + FIGURES // 2, longest), no_wrap=True)
+    table.add_column(width=min(2 * NAME if wide else name + NUMBER_COLUMNS // 2, longest), no_wrap=True)
     for one in running[:SHOWN]:
         table.add_row(*_match(one, wide=wide))
     yield Text.assemble("\n", ("playing", "bold"), (f"  {tally.speed:,.0f} steps/s", "dim"))
@@ -131,12 +124,12 @@ def _running(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]
         yield Text(f"and {len(running) - SHOWN} more", "dim")
 
 
-def _match(one: Running, *, wide: bool) -> Iterator[RenderableType]:
-    spec, frames = one.job.spec, one.beat.frames if one.beat else 0
+def _match(one: RunningMatch, *, wide: bool) -> Iterator[RenderableType]:
+    spec, frames = one.job.spec, one.heartbeat.frames if one.heartbeat else 0
     yield Text(one.job.stem)
     if wide:
         yield ProgressBar(spec.frame_limit, frames, width=BAR // 2)
-    if one.beat is None:
+    if one.heartbeat is None:
         yield Text("starting", "dim")
     else:
         yield Text(f"{frames / FRAMES_PER_SECOND:,.0f} of {spec.time_limit:,.0f} s")

@@ -8,21 +8,21 @@ from typing import Any
 from wildscav.monitoring.logs import LogFormat, open_log
 from wildscav.monitoring.metrics import serving_metrics
 from wildscav.terminal.console import console
-from wildscav_evaluator.matches.jobs import Beat, Broken, Job, JobResult, Told
+from wildscav_evaluator.matches.jobs import AttemptFailed, Heartbeat, Job, JobEvent, JobResult
 from wildscav_evaluator.monitoring.progress import EvaluationProgress
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
 from wildscav_evaluator.monitoring.tally import Tally
 
 
 @dataclass(frozen=True)
-class Watching:
+class MonitorOptions:
     """How an evaluation is to be watched."""
 
     log_format: LogFormat | None = None  # none: on the dashboard, or in plain lines
     metrics_port: int | None = None  # none: no metrics
 
 
-class Watch:
+class Monitor:
     """Tells everybody who looks on.
 
     Args:
@@ -32,7 +32,7 @@ class Watch:
         how: How it is to be watched.
     """
 
-    def __init__(self, jobs: Sequence[Job], at_once: int, title: str, how: Watching) -> None:
+    def __init__(self, jobs: Sequence[Job], at_once: int, title: str, how: MonitorOptions) -> None:
         self._how, self._title = how, title
         self.tally = Tally(jobs, at_once)
         self._log = open_log(how.log_format)
@@ -56,14 +56,14 @@ class Watch:
         self.tally.start(job)
         self._log.info("match_begins", match=job.stem, waiting=self.tally.waiting)
 
-    def tell(self, job: Job, told: Told) -> None:
+    def handle(self, job: Job, event: JobEvent) -> None:
         """A match is so far, or the platform broke it and it is played again."""
-        if isinstance(told, Beat):
-            self.tally.beat(job, told)
-        elif isinstance(told, Broken):
+        if isinstance(event, Heartbeat):
+            self.tally.beat(job, event)
+        elif isinstance(event, AttemptFailed):
             self.tally.note_broken(job)
-            self._log.warning("match_broken", match=job.stem, fault="platform", detail=told.reason)
-            self._progress.note_broken(job, told.reason)
+            self._log.warning("match_broken", match=job.stem, fault="platform", detail=event.reason)
+            self._progress.note_broken(job, event.reason)
 
     def keep(self, result: JobResult) -> None:
         """A match was played in an earlier sitting."""

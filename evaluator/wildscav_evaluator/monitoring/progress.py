@@ -8,10 +8,10 @@ from rich.live import Live
 from rich.text import Text
 
 from wildscav.terminal.console import counted
-from wildscav_evaluator.cli.result_tables.ranking import number
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.monitoring.dashboard import dashboard, duration, of_what, standing
-from wildscav_evaluator.monitoring.tally import Line, Tally
+from wildscav_evaluator.monitoring.dashboard import dashboard, duration, match_counts
+from wildscav_evaluator.monitoring.tally import Tally, TrackProgress
+from wildscav_evaluator.scores.number_format import number, unit_and_title
 
 EVERY = 30.0  # s between lines where nobody watches
 
@@ -49,24 +49,24 @@ class EvaluationProgress:
         """Say at once that the platform broke a match, which is played again."""
         self._say(f"{job.stem}: played again, the platform's fault", reason, "yellow")
 
-    def add(self, result: JobResult, line: Line) -> None:
+    def add(self, result: JobResult, line: TrackProgress) -> None:
         """Say at once what went wrong in a match that ended; where nobody watches, also how far all is."""
         row = result.row
         if row.fault is not None:
             self._say(f"{result.job.stem}: {row.status}, {row.fault}'s fault", row.detail, "red")
-        if result.complaint:
-            self._say("note", result.complaint, "yellow")
+        if result.replay_error:
+            self._say("note", result.replay_error, "yellow")
         if self._console.is_terminal or self._quiet:
             return
         if line.complete:
             score = "-"
             if line.summary is not None:
-                score = f"{number(line.summary.mean, line.metric)} {of_what(line.metric)}"
+                score = f"{number(line.summary.mean, line.metric)} {unit_and_title(line.metric)}"
             self._say(f"{line.submission} on {line.track}", f"{counted(line.done, 'match')}, {score}")
         elif self._tally.clock() - self._said_at >= EVERY:
             left = self._tally.time_left()
             about = "" if left is None else f", about {duration(left)} left"
-            self._console.print(standing(self._tally).append(about))
+            self._console.print(match_counts(self._tally).append(about))
         else:
             return
         self._said_at = self._tally.clock()

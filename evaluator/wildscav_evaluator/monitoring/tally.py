@@ -5,9 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from wildscav_engine.specs.spec import SUBMISSION
-from wildscav_evaluator.evaluation import metric_infos
-from wildscav_evaluator.matches.jobs import Beat, Job, JobResult
-from wildscav_evaluator.output.results import MetricInfo, Summary
+from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobResult
+from wildscav_evaluator.output.results import MetricInfo, Summary, metric_infos
 from wildscav_evaluator.scores.score import summarize
 
 ROBOT = 0.1  # what a robot takes, of what an agent in a process of its own does
@@ -15,7 +14,7 @@ SMOOTHING = 0.5  # share of the newest figure in steps a second
 
 
 @dataclass
-class Line:
+class TrackProgress:
     """One submission on one track, as far as it has come."""
 
     track: str
@@ -35,13 +34,13 @@ class Line:
 
 
 @dataclass
-class Running:
+class RunningMatch:
     """A match that is being played."""
 
     job: Job
     since: float  # s, by the tally's clock
-    beat: Beat | None = None
-    beat_at: float = 0.0
+    heartbeat: Heartbeat | None = None
+    heartbeat_at: float = 0.0
     speed: float = 0.0  # steps/s
 
 
@@ -60,13 +59,13 @@ class Tally:
         self.at_once, self.clock, self.began = at_once, clock, clock()
         self.jobs = {job.stem: job for job in jobs}
         self.done: dict[str, JobResult] = {}
-        self.running: dict[str, Running] = {}
+        self.running: dict[str, RunningMatch] = {}
         self.broken = 0  # tries that the platform broke, each played again
-        self.lines: dict[tuple[str, str], Line] = {}
+        self.lines: dict[tuple[str, str], TrackProgress] = {}
         for job in jobs:
             key = (job.track, job.submission.name)
             if key not in self.lines:
-                self.lines[key] = Line(*key, metric_infos(job.track)[0])
+                self.lines[key] = TrackProgress(*key, metric_infos(job.track)[0])
             self.lines[key].total += 1
 
     # What is told of it.
@@ -74,20 +73,20 @@ class Tally:
     def start(self, job: Job) -> None:
         """Count a match that begins, or begins again."""
         self._line(job).running += job.stem not in self.done and job.stem not in self.running
-        self.running[job.stem] = Running(job, self.clock())
+        self.running[job.stem] = RunningMatch(job, self.clock())
 
-    def beat(self, job: Job, beat: Beat) -> None:
+    def beat(self, job: Job, heartbeat: Heartbeat) -> None:
         """Note how far a running match has come."""
         running = self.running.get(job.stem)
         if running is None:
             return
-        now, before = self.clock(), running.beat
-        if before is not None and now > running.beat_at and beat.steps >= before.steps:
-            speed = (beat.steps - before.steps) / (now - running.beat_at)
+        now, before = self.clock(), running.heartbeat
+        if before is not None and now > running.heartbeat_at and heartbeat.steps >= before.steps:
+            speed = (heartbeat.steps - before.steps) / (now - running.heartbeat_at)
             running.speed += (speed - running.speed) * (SMOOTHING if running.speed else 1.0)
-        running.beat, running.beat_at = beat, now
+        running.heartbeat, running.heartbeat_at = heartbeat, now
 
-    def keep(self, result: JobResult) -> Line:
+    def keep(self, result: JobResult) -> TrackProgress:
         """Count a match that was played in an earlier sitting, and return its line."""
         if result.timing is not None:
             self.broken += len(result.timing.platform_faults)
@@ -97,9 +96,9 @@ class Tally:
         """Count a try of a running match that the platform broke."""
         self.broken += 1
         if (running := self.running.get(job.stem)) is not None:
-            running.beat = None
+            running.heartbeat = None
 
-    def add(self, result: JobResult) -> Line:
+    def add(self, result: JobResult) -> TrackProgress:
         """Count a match that ended, and return its line."""
         line, stem = self._line(result.job), result.job.stem
         was_running = self.running.pop(stem, None) is not None
@@ -115,7 +114,7 @@ class Tally:
             line.summary = summarize(line.scores)
         return line
 
-    def _line(self, job: Job) -> Line:
+    def _line(self, job: Job) -> TrackProgress:
         return self.lines[job.track, job.submission.name]
 
     # What it tells.

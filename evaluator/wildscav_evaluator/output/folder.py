@@ -7,15 +7,11 @@ from pathlib import Path
 from wildscav.errors import UserError, describe
 from wildscav.system.output_folders import check_folder
 from wildscav_engine.record import SUFFIX
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE
-from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.output.identity import Identity, difference, read_identity, write_identity
-from wildscav_evaluator.output.journal import MATCHES
+from wildscav_evaluator.output.layout import LEDGER_FILE, LOGS, MATCHES, RECORDS, REPLAYS, RESULTS_FILE
 from wildscav_evaluator.output.lock import Lock, locked
-from wildscav_evaluator.output.results import RESULTS_FILE
 from wildscav_evaluator.submissions.submission import MANIFEST, Submission
 
-SUITE_FILE = "suite.toml"  # a copy of an organizer's own
 FOLDERS = (RECORDS, REPLAYS, LOGS, MATCHES)
 # What an evaluation writes for each match, and so what the next one may remove. Nothing else is touched.
 OWN_FILES = (f"{RECORDS}/*{SUFFIX}", f"{REPLAYS}/*.rrd", f"{LOGS}/*.log", f"{MATCHES}/*.json")

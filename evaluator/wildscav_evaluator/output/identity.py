@@ -9,14 +9,14 @@ from pydantic import Field
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.spec import MatchSpec
-from wildscav_evaluator.output.json_files import Part, PartError
-from wildscav_evaluator.output.results import MOST_ROUNDS, KeptLimits
+from wildscav_evaluator.bounds import MOST_ROUNDS
+from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_evaluator.output.layout import IDENTITY_FILE
+from wildscav_evaluator.output.results import KeptLimits
 from wildscav_evaluator.output.versions import Versions
 
-IDENTITY_FILE = "evaluation.json"
 
-
-class Entrant(Part):
+class Entrant(FileModel):
     """A submission that is evaluated."""
 
     name: str
@@ -25,7 +25,7 @@ class Entrant(Part):
     tracks: tuple[str, ...]  # those of the evaluation that it plays
 
 
-class Identity(Part):
+class Identity(FileModel):
     """All that the results of an evaluation depend on. How many matches run at once, say, is not of it."""
 
     format: Literal[2] = 2
@@ -66,7 +66,7 @@ def read_identity(folder: Path) -> Identity | None:
         return Identity.read(path)
     except FileNotFoundError:
         return None
-    except PartError as error:
+    except FileModelError as error:
         raise UserError(
             f"{path} is not of this version of Wildscav ({error}): name another --out, or begin anew with "
             "--fresh"

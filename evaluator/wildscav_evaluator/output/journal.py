@@ -10,13 +10,12 @@ from typing import Literal
 
 from wildscav_engine.record import FILE_LIMIT
 from wildscav_engine.storage.files import read_limited
-from wildscav_evaluator.output.json_files import Part, PartError
+from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_evaluator.output.layout import MATCHES
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
 
-MATCHES = "matches"  # folder, in the output folder
 
-
-class Entry(Part):
+class Entry(FileModel):
     """One match of the journal."""
 
     format: Literal[1] = 1
@@ -57,7 +56,7 @@ def read_entry(out: Path, evaluation: str, match: str) -> Entry | None:
         if (entry.evaluation, entry.match) != (evaluation, match):
             return None
         return entry if file_digest(out / str(entry.row.record)) == entry.record else None
-    except (OSError, PartError):
+    except (OSError, FileModelError):
         return None
 
 

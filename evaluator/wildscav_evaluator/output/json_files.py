@@ -4,7 +4,6 @@ A folder may be anybody's, so its files are read with limits. What a small file 
 little. A large one is read in a limited process first, and here only if it fits into that.
 """
 
-import importlib
 import json
 from pathlib import Path
 from typing import Any, Self
@@ -22,7 +21,7 @@ MEMORY = 128 << 20  # bytes that a large file may take: who waits for it takes a
 SMALL = 256 << 10  # bytes of one that is read at once
 
 
-class Part(BaseModel):
+class FileModel(BaseModel):
     """Base of everything in such a file, and of the file itself."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -32,22 +31,32 @@ class Part(BaseModel):
         """Read a file.
 
         Raises:
-            PartError: It is too large, or not of this kind.
+            FileModelError: It is too large, or not of this kind.
             OSError: It cannot be read.
         """
-        return cls.parse(read_tried(path, f"{__name__}:check_part", cls.__module__, cls.__qualname__))
+        return cls.parse(read_after_trial(path, f"{cls.__module__}:{cls.__qualname__}.try_file"))
+
+    @classmethod
+    def try_file(cls, path: str) -> None:
+        """Read a file in the process that calls it, and keep nothing.
+
+        Raises:
+            FileModelError: It is not of this kind.
+            OSError: It cannot be read.
+        """
+        cls.parse(read_limited(Path(path), LARGEST))
 
     @classmethod
     def parse(cls, content: bytes) -> Self:
         """Return the part that some bytes are.
 
         Raises:
-            PartError: They are none.
+            FileModelError: They are none.
         """
         try:
             return cls.model_validate_json(content)
         except ValidationError as error:
-            raise PartError(one_line(error)) from None
+            raise FileModelError(one_line(error)) from None
 
     def as_json(self) -> Any:
         """Return this as the values that JSON has."""
@@ -63,39 +72,28 @@ class Part(BaseModel):
         return path
 
 
-class PartError(UserError):
+class FileModelError(UserError):
     """A file is not what it should be; the message is one line that says why, without the file's name."""
 
 
-def read_tried(path: Path, trial: str, *arguments: str) -> bytes:
+def read_after_trial(path: Path, trial: str) -> bytes:
     """Return the content of a file; a large one is read on trial first, in a limited process.
 
     Args:
         path: The file.
-        trial: What reads it there as the caller will, "module:function"; it is given the path.
-        arguments: Others that it is given.
+        trial: What reads it there as the caller will, as ``call_limited`` takes it; it is given the path. Its
+            module is imported before memory is counted.
 
     Raises:
-        PartError: A large file cannot be read, or takes too much time or memory.
+        FileModelError: A large file cannot be read, or takes too much time or memory.
         OSError: A file cannot be read.
     """
     large = path.stat().st_size > SMALL
     if large:
         try:
-            call_limited(trial, str(path), *arguments, memory=MEMORY)
+            call_limited(trial, str(path), memory=MEMORY)
         except LimitExceededError as error:
-            raise PartError(f"to read it would cost too much: {error}") from None
+            raise FileModelError(f"to read it would cost too much: {error}") from None
         except UserError as error:
-            raise PartError(str(error)) from None
+            raise FileModelError(str(error)) from None
     return read_limited(path, LARGEST if large else SMALL)
-
-
-def check_part(path: str, module: str, name: str) -> None:
-    """Read a file as a kind of part, in the process that calls it.
-
-    Raises:
-        PartError: It is not of this kind.
-        OSError: It cannot be read.
-    """
-    kind: type[Part] = getattr(importlib.import_module(module), name)
-    kind.parse(read_limited(Path(path), LARGEST))

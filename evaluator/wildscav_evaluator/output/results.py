@@ -13,19 +13,20 @@ from pydantic import Field
 
 from wildscav.errors import UserError
 from wildscav_engine.storage.files import read_limited
-from wildscav_evaluator.output.json_files import LARGEST, Part, PartError
+from wildscav_evaluator.bounds import MOST_EVALUATIONS, MOST_ROUNDS
+from wildscav_evaluator.output.json_files import LARGEST, FileModel, FileModelError
+from wildscav_evaluator.output.layout import RESULTS_FILE
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.suites.seeds import label
 
-RESULTS_FILE = "results.json"
 FORMAT = 2
-MOST_ROUNDS = 1000
-MOST_EVALUATIONS = 10_000  # of one submission on one track each
+
+FINISHED, FAILED = "finished", "failed"  # status of a seat, and of a match that could not be played
 
 Fault = Literal["agent", "platform"]
 
 
-class MetricInfo(Part):
+class MetricInfo(FileModel):
     """What a number of a track means."""
 
     name: str
@@ -34,7 +35,14 @@ class MetricInfo(Part):
     lower_is_better: bool
 
 
-class Summary(Part):
+def metric_infos(track: str) -> tuple[MetricInfo, ...]:
+    """Return what a track measures; the first is its score."""
+    from wildscav_engine.tracks import TRACKS
+
+    return tuple(MetricInfo(**metric._asdict()) for metric in TRACKS[track].metrics)
+
+
+class Summary(FileModel):
     """One metric over the matches played."""
 
     mean: float
@@ -43,7 +51,7 @@ class Summary(Part):
     high: float
 
 
-class SeatRow(Part):
+class SeatRow(FileModel):
     """One seat of the submission in a match. Most matches give it one, an own suite may give it several."""
 
     seat: int
@@ -62,7 +70,7 @@ class SeatRow(Part):
     log: str | None = None  # path in the output folder: what its agent printed
 
 
-class MatchRow(Part):
+class MatchRow(FileModel):
     """One match of an evaluation, as it went for the submission."""
 
     index: int  # in the suite
@@ -101,7 +109,7 @@ def mean_metrics(seats: Sequence[dict[str, float]]) -> dict[str, float]:
     return {name: math.fsum(seat[name] for seat in seats) / len(seats) for name in seats[0]}
 
 
-class Evaluation(Part):
+class Evaluation(FileModel):
     """One submission on one track."""
 
     submission: str
@@ -123,7 +131,7 @@ class Evaluation(Part):
         return sum(row.fault is not None for row in self.matches)
 
 
-class SeatTiming(Part):
+class SeatTiming(FileModel):
     """How one seat used its time, measured at the engine."""
 
     seat: int
@@ -139,7 +147,7 @@ class SeatTiming(Part):
     time_bank: float  # s left of it at the end
 
 
-class MatchTiming(Part):
+class MatchTiming(FileModel):
     """How long one match took."""
 
     submission: str
@@ -152,7 +160,7 @@ class MatchTiming(Part):
     platform_faults: tuple[str, ...] = ()  # what broke the tries before the one that counts, a line each
 
 
-class Timings(Part):
+class Timings(FileModel):
     """What may differ from run to run."""
 
     started: str  # ISO 8601, UTC
@@ -161,7 +169,7 @@ class Timings(Part):
     matches: tuple[MatchTiming, ...]
 
 
-class KeptLimits(Part):
+class KeptLimits(FileModel):
     """The limits of each agent that its sandbox keeps; none where it keeps none."""
 
     cpus: float | None = None  # cores' worth of processor time
@@ -173,7 +181,7 @@ class KeptLimits(Part):
     wall_clock: float | None = None  # s from its start
 
 
-class Results(Part):
+class Results(FileModel):
     """An evaluation of some submissions on some tracks."""
 
     format: Literal[2] = 2
@@ -209,7 +217,7 @@ def read_results(path: Path) -> Results:
         return Results.read(path)
     except FileNotFoundError as error:
         raise UserError(f"{path} does not exist") from error
-    except PartError as error:
+    except FileModelError as error:
         if _is_of_format_1(path):
             raise UserError(
                 f"{path} is of format 1, which says nothing of the versions of the simulation, the map "

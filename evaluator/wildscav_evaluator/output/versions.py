@@ -3,10 +3,10 @@
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import RECORD_VERSION
-from wildscav_evaluator.output.json_files import Part
+from wildscav_evaluator.output.json_files import FileModel
 
 
-class Versions(Part):
+class Versions(FileModel):
     """Which versions of Wildscav's parts played an evaluation."""
 
     engine: str  # of the whole package

@@ -49,24 +49,22 @@ def choose(
     leftovers.sweep()
     if asked is not None:
         sandbox = next(one for one in sandboxes if one.name == asked)
-        why = whats_missing(sandbox, limits)
+        why = missing_promises(sandbox, limits)
         if why:
             raise SandboxError(f"--sandbox {asked} cannot be kept here: {why}; `wildscav doctor` tells more")
         return Choice(sandbox, (WARNING,) if isinstance(sandbox, ProcessSandbox) else ())
-    complaints: list[str] = []
+    reasons: list[str] = []
     for sandbox in sandboxes:
         if images and sandbox.name != "oci":
-            raise SandboxError(
-                f"a submission is an image, which only containers run: {'; '.join(complaints)}"
-            )
-        why = whats_missing(sandbox, limits)
+            raise SandboxError(f"a submission is an image, which only containers run: {'; '.join(reasons)}")
+        why = missing_promises(sandbox, limits)
         if not why:
-            return Choice(sandbox, () if sandbox.isolated else (WARNING, *complaints))
-        complaints.append(f"{sandbox.name} does not work here: {why}")
-    raise SandboxError("; ".join(complaints))
+            return Choice(sandbox, () if sandbox.isolated else (WARNING, *reasons))
+        reasons.append(f"{sandbox.name} does not work here: {why}")
+    raise SandboxError("; ".join(reasons))
 
 
-def whats_missing(sandbox: Sandbox, limits: Limits) -> str:
+def missing_promises(sandbox: Sandbox, limits: Limits) -> str:
     """Return which promises a sandbox breaks on this machine, nothing if it keeps all.
 
     That all are kept is remembered until the machine starts anew or a program changes; a limit that cannot be

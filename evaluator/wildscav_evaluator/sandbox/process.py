@@ -56,15 +56,15 @@ class ProcessSandbox:
         arguments = [sys.executable, "-c", STARTER]
         if sys.platform == "linux":
             arguments.append(str(os.getpid()))
-        hold = SessionHold()
+        handle = SessionHandle()
         agent = await start_process(
             [*arguments, *(("--", *launch.command) if launch.command else (launch.entry_point,))],
             launch,
-            hold,
+            handle,
             environment=environment(launch),
             folder=launch.folder,
         )
-        hold.session = agent.pid
+        handle.session = agent.pid
         return agent
 
 
@@ -74,17 +74,17 @@ def environment(launch: Launch) -> dict[str, str]:
     return passed_on | agent_variables(launch, launch.address)
 
 
-class SessionHold:
-    """A hold on the session of processes that an agent is."""
+class SessionHandle:
+    """A handle on the session of processes that an agent is."""
 
     session: int | None = None
 
     def processes(self) -> list[int]:
-        """Return the first process, which plays. See ``Hold.processes``."""
+        """Return the first process, which plays. See ``AgentHandle.processes``."""
         return [] if self.session is None else [self.session]
 
     async def kill(self) -> None:
-        """Kill the session. See ``Hold.kill``."""
+        """Kill the session. See ``AgentHandle.kill``."""
         if self.session is not None:
             kill_session(self.session)
 

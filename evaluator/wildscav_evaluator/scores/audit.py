@@ -16,17 +16,10 @@ from wildscav.terminal.console import printable
 from wildscav_engine.specs.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.ledger.entries import Ended
-from wildscav_evaluator.ledger.ledger import (
-    LEDGER_FILE,
-    Ledger,
-    LedgerError,
-    check_key,
-    read_ledger,
-    sha256_of,
-)
-from wildscav_evaluator.matches.jobs import FAILED, stem_of
-from wildscav_evaluator.output.identity import IDENTITY_FILE, Identity, digest_of, read_identity
-from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, MatchRow, Results
+from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, read_ledger, sha256_of
+from wildscav_evaluator.output.identity import Identity, digest_of, read_identity
+from wildscav_evaluator.output.layout import IDENTITY_FILE, LEDGER_FILE, RESULTS_FILE, stem_of
+from wildscav_evaluator.output.results import FAILED, Evaluation, MatchRow, Results
 from wildscav_evaluator.scores.compare import check_comparison
 from wildscav_evaluator.scores.expected_matches import expected_matches, match_counts
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
@@ -36,11 +29,11 @@ SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key")
 
 
 @dataclass(frozen=True)
-class Folder:
+class AuditedFolder:
     """What an output folder says of an evaluation."""
 
     out: Path
-    told: Results
+    reported: Results
     identity: Identity | None  # none if it does not say
     ledger: Ledger | None  # none if it is missing or broken
     fault: str  # why there is no ledger to rely on
@@ -52,18 +45,18 @@ class Folder:
         return self.key is not None and self.ledger is not None and self.ledger.key == self.key
 
 
-def read_folder(out: Path, told: Results, key: str | None) -> Folder:
+def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
     """Read what an output folder says besides its results.
 
     Args:
         out: The folder.
-        told: Its results.
+        reported: Its results.
         key: The public key that must have signed its ledger; none if that does not matter.
 
     Raises:
         UserError: Its results are of tracks that there are not, or tell something twice.
     """
-    names = Counter((one.track, one.submission) for one in told.evaluations)
+    names = Counter((one.track, one.submission) for one in reported.evaluations)
     for (track, submission), count in names.items():
         if track not in TRACKS:
             raise UserError(f"{out / RESULTS_FILE}: there is no track {printable(track)!r}")
@@ -77,10 +70,10 @@ def read_folder(out: Path, told: Results, key: str | None) -> Folder:
         fault = "" if ledger is not None else fault
     except LedgerError as error:
         fault = str(error)
-    return Folder(out, told, read_identity(out), ledger, fault, key)
+    return AuditedFolder(out, reported, read_identity(out), ledger, fault, key)
 
 
-def complaints(folder: Folder, replayed: Sequence[Replayed]) -> Iterator[str]:
+def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed]) -> Iterator[str]:
     """Yield, in a line each, what an output folder claims and does not bear out.
 
     Args:
@@ -90,34 +83,35 @@ def complaints(folder: Folder, replayed: Sequence[Replayed]) -> Iterator[str]:
     Raises:
         UserError: The suite's own file, or the opened secret, is not that of the results.
     """
-    expected = expected_matches(folder.out, folder.told)
+    expected = expected_matches(folder.out, folder.reported)
     yield from _of_identity(folder)
     yield from _of_suite(folder, replayed, expected)
-    yield from _of_rows(folder, match_counts(folder.out, folder.told))
-    yield from disagreements(replayed, folder.told, expected)
-    yield from _of_versions(folder.told, replayed)
+    yield from _of_rows(folder, match_counts(folder.out, folder.reported))
+    yield from disagreements(replayed, folder.reported, expected)
+    yield from _of_versions(folder.reported, replayed)
     yield from _of_ledger(folder)
-    if fault := check_comparison(folder.out, folder.told):
+    if fault := check_comparison(folder.out, folder.reported):
         yield fault
 
 
-def _of_identity(folder: Folder) -> Iterator[str]:
+def _of_identity(folder: AuditedFolder) -> Iterator[str]:
     """Compare the results with what was to be evaluated."""
-    told, identity = folder.told, folder.identity
+    reported, identity = folder.reported, folder.identity
     if identity is None:
         yield f"there is no {folder.out / IDENTITY_FILE}: nothing says who was to play"
         return
     for name in SAME:
-        if getattr(told, name) != getattr(identity, name):
+        if getattr(reported, name) != getattr(identity, name):
             yield (
-                f"{RESULTS_FILE} says {name} {_shown(told, name)}, {IDENTITY_FILE} {_shown(identity, name)}"
+                f"{RESULTS_FILE} says {name} {_shown(reported, name)}, "
+                f"{IDENTITY_FILE} {_shown(identity, name)}"
             )
-    if told.seed_label != identity.seed:
-        yield f"{RESULTS_FILE} says seed {told.seed_label}, {IDENTITY_FILE} {identity.seed}"
+    if reported.seed_label != identity.seed:
+        yield f"{RESULTS_FILE} says seed {reported.seed_label}, {IDENTITY_FILE} {identity.seed}"
     entered = {
         (track, one.name): (one.version, one.digest) for one in identity.submissions for track in one.tracks
     }
-    found = {(one.track, one.submission): (one.version, one.digest) for one in told.evaluations}
+    found = {(one.track, one.submission): (one.version, one.digest) for one in reported.evaluations}
     for track, name in sorted(entered.keys() | found.keys()):
         who = f"{name} on {track}"
         if (track, name) not in found:
@@ -134,7 +128,7 @@ def _shown(part: Results | Identity, name: str) -> str:
 
 
 def _of_suite(
-    folder: Folder, replayed: Sequence[Replayed], expected: Mapping[str, Sequence[MatchSpec]] | None
+    folder: AuditedFolder, replayed: Sequence[Replayed], expected: Mapping[str, Sequence[MatchSpec]] | None
 ) -> Iterator[str]:
     """See that all entrants played the same matches, and those that were to be played."""
     specs: dict[tuple[str, int], MatchSpec] = {}
@@ -142,12 +136,12 @@ def _of_suite(
         if one.spec is not None and specs.setdefault((one.track, one.index), one.spec) != one.spec:
             yield f"{one.record}: another submission played another match {one.index} of {one.track}"
     identity = folder.identity
-    if identity is None or set(identity.tracks) != set(folder.told.tracks):
+    if identity is None or set(identity.tracks) != set(folder.reported.tracks):
         return
     if expected is not None:
         played = [spec for track in identity.tracks for spec in expected.get(track, ())]
     else:
-        counts = match_counts(folder.out, folder.told)
+        counts = match_counts(folder.out, folder.reported)
         places = [(track, index) for track in identity.tracks for index in range(counts.get(track, 0))]
         if not all(place in specs for place in places):
             return
@@ -156,9 +150,9 @@ def _of_suite(
         yield f"the matches of the suite are not those that {IDENTITY_FILE} names"
 
 
-def _of_rows(folder: Folder, counts: Mapping[str, int]) -> Iterator[str]:
+def _of_rows(folder: AuditedFolder, counts: Mapping[str, int]) -> Iterator[str]:
     """See that every match of the suite is there, and that its parts agree with each other."""
-    for evaluation in folder.told.evaluations:
+    for evaluation in folder.reported.evaluations:
         who, count = f"{evaluation.submission} on {evaluation.track}", counts.get(evaluation.track, 0)
         indices = [row.index for row in evaluation.matches]
         known = {*indices}
@@ -175,7 +169,7 @@ def _of_rows(folder: Folder, counts: Mapping[str, int]) -> Iterator[str]:
             yield from _of_row(folder, evaluation, row)
 
 
-def _of_row(folder: Folder, evaluation: Evaluation, row: MatchRow) -> Iterator[str]:
+def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Iterator[str]:
     who = f"{evaluation.submission} on {evaluation.track}, match {row.index}"
     if row.record is not None:
         played = row.model_copy(update={"replay": None})
@@ -193,15 +187,15 @@ def _of_row(folder: Folder, evaluation: Evaluation, row: MatchRow) -> Iterator[s
         )
 
 
-def _of_versions(told: Results, replayed: Sequence[Replayed]) -> Iterator[str]:
+def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[str]:
     for one in replayed:
-        if one.versions is not None and one.versions != told.versions:
-            yield f"{one.record}: was played by {one.versions}, but the results say {told.versions}"
+        if one.versions is not None and one.versions != reported.versions:
+            yield f"{one.record}: was played by {one.versions}, but the results say {reported.versions}"
 
 
-def _of_ledger(folder: Folder) -> Iterator[str]:
+def _of_ledger(folder: AuditedFolder) -> Iterator[str]:
     """Compare the results with all that happened."""
-    told, ledger = folder.told, folder.ledger
+    reported, ledger = folder.reported, folder.ledger
     if folder.fault:
         yield folder.fault
     if ledger is None:
@@ -213,8 +207,8 @@ def _of_ledger(folder: Folder) -> Iterator[str]:
     elif ledger.closed.results != sha256_of(folder.out / RESULTS_FILE):
         yield f"{RESULTS_FILE} is not the file that {LEDGER_FILE} was closed with"
     ended = ledger.ended
-    timings = {(one.submission, one.track, one.index): one for one in told.timings.matches}
-    for evaluation in told.evaluations:
+    timings = {(one.submission, one.track, one.index): one for one in reported.timings.matches}
+    for evaluation in reported.evaluations:
         for row in evaluation.matches:
             match = stem_of(evaluation.track, row.index, evaluation.submission)
             times = ended.pop(match, [])

@@ -4,15 +4,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav_evaluator.output.json_files import Part
+from wildscav_evaluator.output.json_files import FileModel
+from wildscav_evaluator.output.layout import RESULTS_FILE
 from wildscav_evaluator.output.numbered_folders import NUMBERED, identity_in, numbered
-from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, Results, read_results
+from wildscav_evaluator.output.results import Evaluation, Results, read_results
 from wildscav_evaluator.scores.compare import Comparison, compare_evaluations
 
-FARTHEST = 50  # evaluations to look back
+MOST_SEARCHED = 50  # evaluations to look back
 
 
-class Since(Part):
+class Change(FileModel):
     """One submission on one track, now and when it was last evaluated with other files."""
 
     folder: str  # of the earlier evaluation
@@ -20,7 +21,7 @@ class Since(Part):
     comparison: Comparison  # first: now, second: then
 
 
-def since_last(results: Results, out: Path) -> tuple[Since, ...]:
+def changes_since_last(results: Results, out: Path) -> tuple[Change, ...]:
     """Compare every submission with what it was at its last evaluation on the same matches.
 
     Args:
@@ -28,7 +29,7 @@ def since_last(results: Results, out: Path) -> tuple[Since, ...]:
         out: Its folder. Of one without a number, nothing is known of what came before.
     """
     wanted = {(one.submission, one.track): one for one in results.evaluations}
-    found: dict[tuple[str, str], Since] = {}
+    found: dict[tuple[str, str], Change] = {}
     for folder, earlier in _earlier(results, out):
         for then in earlier.evaluations:
             key = then.submission, then.track
@@ -37,7 +38,7 @@ def since_last(results: Results, out: Path) -> tuple[Since, ...]:
                 continue
             comparison = compare_evaluations(now, then)
             if comparison.differences:
-                found[key] = Since(folder=folder.name, version=then.version, comparison=comparison)
+                found[key] = Change(folder=folder.name, version=then.version, comparison=comparison)
         if len(found) == len(wanted):
             break
     return tuple(found[key] for key in wanted if key in found)
@@ -48,7 +49,7 @@ def _earlier(results: Results, out: Path) -> Iterator[tuple[Path, Results]]:
     if not NUMBERED.fullmatch(out.name):
         return
     names = {one.submission for one in results.evaluations}
-    for folder in numbered(out.parent)[: -FARTHEST - 1 : -1]:
+    for folder in numbered(out.parent)[: -MOST_SEARCHED - 1 : -1]:
         identity = identity_in(folder)
         if folder.name == out.name or identity is None:
             continue

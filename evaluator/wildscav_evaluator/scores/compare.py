@@ -7,19 +7,19 @@ from typing import Literal
 
 import numpy as np
 
-from wildscav_evaluator.output.json_files import Part, PartError
-from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, KeptLimits, MetricInfo, Results
+from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE
+from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import interval
 
-COMPARISON_FILE = "comparison.json"
 # Even if one wins every pair, fewer are won by luck in more than one case of twenty: 2 · 0.5⁵ is 6 %.
-FEWEST = 6
+FEWEST_PAIRS = 6
 
 Verdict = Literal["first", "second", "tied", "too few"]
 
 
-class Difference(Part):
+class Difference(FileModel):
     """One metric of two submissions over the matches that both played."""
 
     metric: MetricInfo
@@ -31,7 +31,7 @@ class Difference(Part):
     verdict: Verdict  # who is better
 
 
-class Comparison(Part):
+class Comparison(FileModel):
     """Two submissions on one track."""
 
     track: str
@@ -47,7 +47,7 @@ class Comparison(Part):
         return self.differences[0].verdict if self.differences else "too few"
 
 
-class Comparisons(Part):
+class Comparisons(FileModel):
     """The file of a comparison."""
 
     format: Literal[2] = 2
@@ -122,7 +122,7 @@ def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verd
         pairs: How many matches it rests on.
         lower_is_better: Whether the metric is one of which less is better.
     """
-    if pairs < FEWEST:
+    if pairs < FEWEST_PAIRS:
         return "too few"
     if low <= 0.0 <= high:
         return "tied"
@@ -138,14 +138,14 @@ def check_comparison(out: Path, results: Results) -> str:
     """
     path = out / COMPARISON_FILE
     try:
-        told = Comparisons.read(path)
+        reported = Comparisons.read(path)
     except FileNotFoundError:
         return ""
-    except PartError as error:
+    except FileModelError as error:
         return f"{path} is no comparison: {error}"
     names = list(dict.fromkeys(one.submission for one in results.evaluations))
     with contextlib.suppress(KeyError, ValueError):  # of results that lack something
-        if len(names) == 2 and told == compare(results, *names):
+        if len(names) == 2 and reported == compare(results, *names):
             return ""
     return f"{COMPARISON_FILE} is not what {RESULTS_FILE} gives"
 

@@ -6,57 +6,57 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav_engine.record import RecordError, read_record
 from wildscav_engine.specs.spec import MatchSpec
-from wildscav_evaluator.evaluation import match_count, matches
-from wildscav_evaluator.output.folder import SUITE_FILE
-from wildscav_evaluator.output.results import RESULTS_FILE, Results, read_results
-from wildscav_evaluator.scores.rescore import parse_name, record_paths
-from wildscav_evaluator.suites.seeds import OPENED_FILE, SuiteSeed, read_secret
+from wildscav_evaluator.output.layout import OPENED_FILE, RESULTS_FILE, SUITE_FILE
+from wildscav_evaluator.output.record_names import parse_name, record_paths
+from wildscav_evaluator.output.results import Results, read_results
+from wildscav_evaluator.suites.rounds import match_count, matches_in_rounds
+from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import SUITES, Suite
 from wildscav_evaluator.suites.suite_file import read_suite
 
 
-def expected_matches(out: Path, told: Results) -> Mapping[str, Sequence[MatchSpec]] | None:
+def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[MatchSpec]] | None:
     """Return the matches of the suite that was played, by track; none while its seed is hidden.
 
     Raises:
         UserError: The suite's own file, or the opened secret, is not that of the results.
     """
-    suite = played_suite(out, told)
-    seed = told.seed
-    if told.commitment is not None:
-        opened = opened_secret(out, told)
+    suite = played_suite(out, reported)
+    seed = reported.seed
+    if reported.commitment is not None:
+        opened = opened_secret(out, reported)
         seed = None if opened is None else opened.value
     if seed is None:
         return None
-    played = [track for track in told.tracks if track in suite.courses]
-    return {track: matches(suite, track, seed, told.rounds) for track in played}
+    played = [track for track in reported.tracks if track in suite.tracks]
+    return {track: matches_in_rounds(suite, track, seed, reported.rounds) for track in played}
 
 
-def match_counts(out: Path, told: Results) -> Mapping[str, int]:
+def match_counts(out: Path, reported: Results) -> Mapping[str, int]:
     """Return how many matches the suite has on each of its tracks, which does not depend on its seed.
 
     Raises:
         UserError: The suite's own file is not that of the results, or there are too many.
     """
-    suite = played_suite(out, told)
-    return {name: match_count(suite, name, told.rounds) for name in suite.courses}
+    suite = played_suite(out, reported)
+    return {name: match_count(suite, name, reported.rounds) for name in suite.tracks}
 
 
-def played_suite(out: Path, told: Results) -> Suite:
+def played_suite(out: Path, reported: Results) -> Suite:
     """Return the suite of an evaluation, an organizer's own by the copy of its file.
 
     Raises:
         UserError: The copy is missing or is another.
     """
-    if told.suite in SUITES:
-        return SUITES[told.suite]
+    if reported.suite in SUITES:
+        return SUITES[reported.suite]
     suite = read_suite(out / SUITE_FILE)
-    if suite.label != told.suite:
-        raise UserError(f"{out / SUITE_FILE} is suite {suite.label}, but {told.suite} was played")
+    if suite.label != reported.suite:
+        raise UserError(f"{out / SUITE_FILE} is suite {suite.label}, but {reported.suite} was played")
     return suite
 
 
-def opened_secret(out: Path, told: Results) -> SuiteSeed | None:
+def opened_secret(out: Path, reported: Results) -> SuiteSeed | None:
     """Return the seed of an evaluation whose secret was opened; none if it was not yet.
 
     Raises:
@@ -66,8 +66,8 @@ def opened_secret(out: Path, told: Results) -> SuiteSeed | None:
     if not path.exists():
         return None
     seed = read_secret(path)
-    if seed.commitment != told.commitment:
-        raise UserError(f"{path} is not the secret of the commitment {told.commitment}")
+    if seed.commitment != reported.commitment:
+        raise UserError(f"{path} is not the secret of the commitment {reported.commitment}")
     return seed
 
 
@@ -84,11 +84,15 @@ def check_opened(out: Path, commitment: str) -> int:
     Raises:
         UserError: It did not, or its secret was not opened.
     """
-    told = read_results(out / RESULTS_FILE)
-    if told.commitment != commitment:
-        played = "on a public seed" if told.commitment is None else f"with the commitment {told.commitment}"
+    reported = read_results(out / RESULTS_FILE)
+    if reported.commitment != commitment:
+        played = (
+            "on a public seed"
+            if reported.commitment is None
+            else f"with the commitment {reported.commitment}"
+        )
         raise UserError(f"{out} was evaluated {played}, not with {commitment}")
-    expected = expected_matches(out, told)
+    expected = expected_matches(out, reported)
     if expected is None:
         raise UserError(f"the secret of {out} is not opened yet: `wildscav secret open FILE {out}` does it")
     paths = record_paths(out)

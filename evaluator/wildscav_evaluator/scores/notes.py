@@ -11,17 +11,17 @@ from wildscav.wire.actions import MAX_WALK_SPEED
 from wildscav_evaluator.output.results import Evaluation, MatchTiming
 
 
-def evaluation_remark(evaluation: Evaluation) -> str | None:
+def evaluation_actions_note(evaluation: Evaluation) -> str | None:
     """Return a line on a submission's invalid actions on one track, if there were any."""
     seats = [seat for row in evaluation.matches for seat in row.seats]
-    return remark(
+    return invalid_actions_note(
         f"{evaluation.submission} on {evaluation.track}",
         actions=sum(seat.actions for seat in seats),
         invalid=sum(seat.invalid_actions for seat in seats),
     )
 
 
-def machine_remark(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
+def evaluation_lateness_note(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
     """Return a line on a submission's late steps that are the machine's fault, if there were any.
 
     Args:
@@ -37,15 +37,15 @@ def machine_remark(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> st
             if seat.late_for_platform:
                 where = f", seat {seat.seat}" if len(timing.seats) > 1 else ""
                 late[f"match {timing.index}{where}: "] = seat.late_for_platform
-    return late_for_machine(f"{evaluation.submission} on {evaluation.track}", late) if late else None
+    return lateness_note(f"{evaluation.submission} on {evaluation.track}", late) if late else None
 
 
-def late_for_machine(who: str, late: Mapping[str, Sequence[int]]) -> str:
+def lateness_note(who: str, late: Mapping[str, Sequence[int]]) -> str:
     """Return a line on late steps that are the machine's fault.
 
     Args:
         who: Whose they are.
-        late: Their numbers, by what is said before them.
+        late: Their numbers, from 0 as in the results, by what is said before them.
     """
     count = sum(map(len, late.values()))
     where = "; ".join(f"{before}{_ranges(steps)}" for before, steps in late.items())
@@ -56,9 +56,9 @@ def late_for_machine(who: str, late: Mapping[str, Sequence[int]]) -> str:
 
 
 def _ranges(steps: Sequence[int]) -> str:
-    """Return numbers in words, such as "step 3, 7–9"."""
+    """Return the numbers of steps, given from 0, in words that count from 1, such as "step 3, 7–9"."""
     ranges: list[list[int]] = []
-    for step in sorted(steps):
+    for step in sorted(number + 1 for number in steps):
         if ranges and step == ranges[-1][-1] + 1:
             ranges[-1][1:] = [step]
         else:
@@ -67,7 +67,7 @@ def _ranges(steps: Sequence[int]) -> str:
     return f"{'step' if len(steps) == 1 else 'steps'} {', '.join(words)}"
 
 
-def remark(who: str, *, actions: int, invalid: int) -> str | None:
+def invalid_actions_note(who: str, *, actions: int, invalid: int) -> str | None:
     """Return a line on an agent's invalid actions, if there were any.
 
     Args:

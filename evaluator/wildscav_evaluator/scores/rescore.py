@@ -5,39 +5,33 @@ the engine plays it now, and it counts only if that is the match recorded, step 
 """
 
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import active_children, get_context
 from pathlib import Path
-from typing import NamedTuple
 
-from wildscav.errors import UserError, describe
+from wildscav.errors import describe
 from wildscav.system.worker_processes import become_worker, starting_workers
 from wildscav.terminal.console import printable
-from wildscav_engine.record import RECORD_VERSION, SUFFIX, Record, RecordError, read_record, verify_record
+from wildscav_engine.record import RECORD_VERSION, RecordError, read_record, verify_record
 from wildscav_engine.specs.spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.evaluation import metric_infos
-from wildscav_evaluator.matches.jobs import RECORDS
-from wildscav_evaluator.output.results import Evaluation, MatchRow, Results, SeatRow, mean_metrics
+from wildscav_evaluator.output.layout import RECORDS
+from wildscav_evaluator.output.record_names import misnamed, parse_name
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    MatchRow,
+    Results,
+    SeatRow,
+    mean_metrics,
+    metric_infos,
+)
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import summary
-from wildscav_evaluator.seats import display_names, submission_seats
+from wildscav_evaluator.seats import submission_seats
 
-NAME = re.compile(
-    rf"(?P<track>{'|'.join(TRACKS)})-(?P<match>\d{{3,6}})-(?P<submission>[a-z0-9-]{{2,40}}){re.escape(SUFFIX)}"
-)
 RECORDED = "recorded"  # status of a match of which nothing but its record is known
-
-
-class RecordName(NamedTuple):
-    """What the name of a record's file says."""
-
-    track: str
-    match: int  # in the suite
-    submission: str
 
 
 @dataclass(frozen=True)
@@ -62,18 +56,6 @@ class Replayed:
     def metrics(self) -> dict[str, float] | None:
         """Those of the match; none if the record does not hold."""
         return None if self.seats is None else mean_metrics(list(self.seats.values()))
-
-
-def record_paths(out: Path) -> list[Path]:
-    """Return the records of an output folder.
-
-    Raises:
-        UserError: There are none.
-    """
-    paths = sorted((out / RECORDS).glob(f"[!.]*{SUFFIX}"))
-    if not paths:
-        raise UserError(f"there are no records in {out / RECORDS}: name an evaluation's output folder", 2)
-    return paths
 
 
 def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
@@ -104,18 +86,12 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
             raise
 
 
-def parse_name(path: Path) -> RecordName | None:
-    """Return what a record's name says; none if no evaluation named it."""
-    found = NAME.fullmatch(path.name)
-    return found and RecordName(found["track"], int(found["match"]), found["submission"])
-
-
 def replay_one(path: Path) -> Replayed:
     """Play a record again. Whatever is wrong with it, the others are still to be played."""
     name, place = parse_name(path), f"{RECORDS}/{path.name}"
     if name is None:
         return Replayed(place, "", 0, "", fault="it is not named as evaluations name records")
-    told = Replayed(place, *name)
+    reported = Replayed(place, *name)
     try:
         record = read_record(path)
         found = verify_record(record)
@@ -125,7 +101,7 @@ def replay_one(path: Path) -> Replayed:
     except OSError as error:
         fault = describe(error)
     if fault:
-        return replace(told, fault=printable(fault))
+        return replace(reported, fault=printable(fault))
     # The record holds: its result is that of the match played again.
     seats = {seat: dict(record.result.seats[seat].metrics) for seat in submission_seats(record.spec.seats)}
     versions = Versions(
@@ -134,48 +110,35 @@ def replay_one(path: Path) -> Replayed:
         generator=record.generator_version,
         record=RECORD_VERSION,
     )
-    return replace(told, spec=record.spec, seats=seats, versions=versions)
+    return replace(reported, spec=record.spec, seats=seats, versions=versions)
 
 
-def misnamed(record: Record, told: RecordName) -> str:
-    """Return in what a record differs from the name of its file; nothing if it does not."""
-    seats = submission_seats(record.spec.seats)
-    if not seats:
-        return "no submission plays in its match"
-    if record.spec.track != told.track:
-        return f"it is of {record.spec.track}, not of {told.track}"
-    expected = display_names(record.spec.seats, [told.submission] * len(seats))
-    for seat in seats:
-        if record.names[seat] != expected[seat]:
-            return f"seat {seat} is that of {record.names[seat]}, not of {expected[seat]}"
-    return "" if record.names == expected else "its seats have other names"
-
-
-def recompute(replayed: Sequence[Replayed], told: Results | None) -> list[Evaluation]:
+def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Evaluation]:
     """Return the evaluations that some records make, every number anew.
 
     Args:
         replayed: The records, played again.
-        told: What the evaluation said: its order, the versions, and how agents behaved, which no record says.
+        reported: What the evaluation said: its order, the versions, and how agents behaved, which no record
+            says.
     """
     held = {one.key: one for one in replayed if one.seats is not None}
-    before = {(one.track, one.submission): one for one in (told.evaluations if told else ())}
+    before = {(one.track, one.submission): one for one in (reported.evaluations if reported else ())}
     tracks = list(TRACKS)
     found = sorted({key[:2] for key in held} - before.keys(), key=lambda key: (tracks.index(key[0]), key[1]))
     return [_evaluation(*key, held, before.get(key)) for key in (*before, *found)]
 
 
 def _evaluation(
-    track: str, submission: str, held: Mapping[tuple[str, str, int], Replayed], told: Evaluation | None
+    track: str, submission: str, held: Mapping[tuple[str, str, int], Replayed], reported: Evaluation | None
 ) -> Evaluation:
-    rows = {row.index: row for row in (told.matches if told else ())}
+    rows = {row.index: row for row in (reported.matches if reported else ())}
     recorded = {one.index: one for one in held.values() if (one.track, one.submission) == (track, submission)}
     matches = tuple(_row(index, rows.get(index), recorded.get(index)) for index in sorted({*rows, *recorded}))
     metrics = metric_infos(track)
     return Evaluation(
         submission=submission,
-        version=told.version if told else "",
-        digest=told.digest if told else "",
+        version=reported.version if reported else "",
+        digest=reported.digest if reported else "",
         track=track,
         metrics=metrics,
         matches=matches,
@@ -183,27 +146,27 @@ def _evaluation(
     )
 
 
-def _row(index: int, told: MatchRow | None, recorded: Replayed | None) -> MatchRow:
+def _row(index: int, reported: MatchRow | None, recorded: Replayed | None) -> MatchRow:
     if recorded is None or recorded.seats is None:
-        told = told or MatchRow(index=index, status=RECORDED)
-        return told.model_copy(update={"metrics": None, "record": None, "seats": ()})
-    known = {seat.seat: seat for seat in (told.seats if told else ())}
+        reported = reported or MatchRow(index=index, status=RECORDED)
+        return reported.model_copy(update={"metrics": None, "record": None, "seats": ()})
+    known = {seat.seat: seat for seat in (reported.seats if reported else ())}
     seats = tuple(
         known.get(seat, SeatRow(seat=seat, status=RECORDED)).model_copy(update={"metrics": metrics})
         for seat, metrics in recorded.seats.items()
     )
-    row = told or MatchRow(index=index, status=RECORDED)
+    row = reported or MatchRow(index=index, status=RECORDED)
     return row.model_copy(update={"metrics": recorded.metrics, "record": recorded.record, "seats": seats})
 
 
 def disagreements(
-    replayed: Sequence[Replayed], told: Results, expected: Mapping[str, Sequence[MatchSpec]] | None
+    replayed: Sequence[Replayed], reported: Results, expected: Mapping[str, Sequence[MatchSpec]] | None
 ) -> Iterator[str]:
     """Yield in a line each what an evaluation said and its records do not bear out.
 
     Args:
         replayed: The records, played again.
-        told: What the evaluation said.
+        reported: What the evaluation said.
         expected: The matches of the suite, by track, where they are known.
     """
     for one in replayed:
@@ -211,16 +174,16 @@ def disagreements(
             specs = expected.get(one.track, ())
             if one.index >= len(specs) or specs[one.index] != one.spec:
                 yield f"{one.record}: is not match {one.index} of the suite"
-    found = {(one.track, one.submission): one for one in recompute(replayed, told)}
-    for evaluation in told.evaluations:
+    found = {(one.track, one.submission): one for one in recompute(replayed, reported)}
+    for evaluation in reported.evaluations:
         yield from _differences(evaluation, found.pop((evaluation.track, evaluation.submission)))
     for track, submission in found:
         yield f"{submission} on {track}: there are records, but no results"
 
 
-def _differences(told: Evaluation, found: Evaluation) -> Iterator[str]:
-    who = f"{told.submission} on {told.track}"
-    rows = {row.index: row for row in told.matches}
+def _differences(reported: Evaluation, found: Evaluation) -> Iterator[str]:
+    who = f"{reported.submission} on {reported.track}"
+    rows = {row.index: row for row in reported.matches}
     for row in found.matches:
         before = rows.get(row.index)
         if before is None:
@@ -229,11 +192,12 @@ def _differences(told: Evaluation, found: Evaluation) -> Iterator[str]:
             yield f"{who}, match {row.index}: its record is missing or does not hold"
         elif _scored(before) != _scored(row):
             yield f"{who}, match {row.index}: the results say {_metrics(before)}, its record {_metrics(row)}"
-    if told.metrics != found.metrics:
+    if reported.metrics != found.metrics:
         yield f"{who}: its metrics are described otherwise"
-    for name in {**told.summary, **found.summary}:
-        if told.summary.get(name) != found.summary.get(name):
-            yield f"{who}: {name} is {_figures(told, name)}, its records give {_figures(found, name)}"
+    for name in {**reported.summary, **found.summary}:
+        if reported.summary.get(name) != found.summary.get(name):
+            was, now = _statistics(reported, name), _statistics(found, name)
+            yield f"{who}: {name} is {was}, its records give {now}"
 
 
 def _scored(row: MatchRow) -> tuple[object, ...]:
@@ -247,6 +211,6 @@ def _metrics(row: MatchRow) -> str:
     return ", ".join(f"{name} {value}" for name, value in row.metrics.items())
 
 
-def _figures(evaluation: Evaluation, name: str) -> str:
-    figures = evaluation.summary.get(name)
-    return "missing" if figures is None else f"{figures.mean} ({figures.low} to {figures.high})"
+def _statistics(evaluation: Evaluation, name: str) -> str:
+    statistics = evaluation.summary.get(name)
+    return "missing" if statistics is None else f"{statistics.mean} ({statistics.low} to {statistics.high})"

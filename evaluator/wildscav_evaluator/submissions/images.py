@@ -19,7 +19,7 @@ from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox.agents.readable_copies import make_readable
 from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
-    Engine,
+    ContainerEngine,
     call,
     cross_out_container,
     enter_container,
@@ -120,13 +120,15 @@ def _dockerfile(name: str) -> Path:
     return path
 
 
-def _build(engine: Engine, name: str, context: Path, dockerfile: Path, options: Sequence[str]) -> None:
+def _build(
+    engine: ContainerEngine, name: str, context: Path, dockerfile: Path, options: Sequence[str]
+) -> None:
     command = [*engine.command, "build", "--file", str(dockerfile), "--tag", name, *options]
     if subprocess.run([*command, str(context)], check=False).returncode != 0:  # it tells its user itself
         raise SandboxError(f"{name} could not be built: {engine.name} has said above why")
 
 
-def _exists(engine: Engine, name: str) -> bool:
+def _exists(engine: ContainerEngine, name: str) -> bool:
     return call(engine, "image", "inspect", name).returncode == 0
 
 
@@ -184,7 +186,7 @@ def load_image(reference: str) -> Submission:
     return Submission(folder, read_manifest(folder / MANIFEST), digest, image=identity)
 
 
-def _check_settings(engine: Engine, image: str, reference: str | None = None) -> None:
+def _check_settings(engine: ContainerEngine, image: str, reference: str | None = None) -> None:
     """Refuse an image that nobody could run, or that asks for what agents do not get.
 
     An engine would keep what an agent writes to a volume on this machine's disk.
@@ -208,7 +210,7 @@ def _check_settings(engine: Engine, image: str, reference: str | None = None) ->
         )
 
 
-def _manifest_in(engine: Engine, image: str, reference: str) -> bytes:
+def _manifest_in(engine: ContainerEngine, image: str, reference: str) -> bytes:
     container = f"wildscav-{leftovers.owner()}-manifest-{secrets.token_hex(4)}"
     enter_container(engine, container)
     options = ("--name", container, "--network", "none", "--pull", "never")
@@ -232,7 +234,7 @@ def _manifest_in(engine: Engine, image: str, reference: str) -> bytes:
     return manifest
 
 
-def _beginning(engine: Engine, *arguments: str) -> bytes:
+def _beginning(engine: ContainerEngine, *arguments: str) -> bytes:
     """Return as much of what a command of the engine prints as a manifest can take."""
     with subprocess.Popen(
         [*engine.command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL

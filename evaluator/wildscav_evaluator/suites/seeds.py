@@ -15,7 +15,6 @@ from wildscav_engine.storage.files import read_limited
 
 SHORTEST, LONGEST = 32, 4096  # bytes of a secret
 LARGEST = 1 << 20  # bytes of a file that is looked at
-OPENED_FILE = "secret.txt"  # the opened secret, in the output folder of an evaluation
 
 
 @dataclass(frozen=True)

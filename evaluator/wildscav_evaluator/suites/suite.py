@@ -17,11 +17,10 @@ from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.suites.match_drawing import battle, capture, choose, gathering, navigation, royale
 
-MOST_MATCHES = 20_000  # on a track, in all rounds: each takes a moment to draw
 EVALUATION_MAPS = 1 << 63  # the bit that marks a map seed as kept for evaluation
 
 
-class Course(NamedTuple):
+class TrackSettings(NamedTuple):
     """What a suite asks on one track."""
 
     maps: int
@@ -37,7 +36,7 @@ class Suite:
     name: str
     title: str
     map_config: Callable[[Dice], MapConfig]
-    courses: Mapping[str, Course]
+    tracks: Mapping[str, TrackSettings]
     source: bytes | None = None  # the file of an organizer's own suite
     limits: Mapping[str, Limits] = field(default_factory=dict)  # of agents, for tracks that have their own
 
@@ -52,19 +51,19 @@ class Suite:
         """Return the matches that evaluate a submission on a track.
 
         Args:
-            track: One of ``courses``.
+            track: One of ``tracks``.
             seed: Any whole number; each gives other maps and matches.
         """
-        course = self.courses[track]
+        settings = self.tracks[track]
         dice = _dice(track, self.name, seed)
         specs = []
-        for number in range(course.maps):
-            if course.known_maps:
-                game_map = course.known_maps[number]
+        for number in range(settings.maps):
+            if settings.known_maps:
+                game_map = settings.known_maps[number]
             else:
                 game_map = MapSpec(config=self.map_config(dice), seed=EVALUATION_MAPS | dice.word())
-            for _ in range(course.episodes):
-                match = course.draw(dice)
+            for _ in range(settings.episodes):
+                match = settings.draw(dice)
                 specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()}))
         return tuple(specs)
 
@@ -83,8 +82,8 @@ def suite(track: str, name: str, seed: int) -> tuple[MatchSpec, ...]:
     if name not in SUITES:
         raise ValueError(f"there is no suite {name!r}; the suites are {', '.join(SUITES)}")
     chosen = SUITES[name]
-    if track not in chosen.courses:
-        raise ValueError(f"suite {name} has no track {track!r}; it has {', '.join(chosen.courses)}")
+    if track not in chosen.tracks:
+        raise ValueError(f"suite {name} has no track {track!r}; it has {', '.join(chosen.tracks)}")
     return chosen.matches(track, seed)
 
 
@@ -131,12 +130,14 @@ _SUITES = (
         name="quick",
         title="a look at an agent in a minute or two: few short matches on small maps",
         map_config=_small_map,
-        courses={
-            "navigation": Course(maps=5, episodes=1, draw=navigation(60.0)),
-            "gathering": Course(maps=4, episodes=1, draw=gathering(60.0, 10.0, (10.0, 30.0), (5.0, 10.0))),
-            "capture": Course(maps=3, episodes=1, draw=capture(60.0, 3)),
-            "battle": Course(maps=3, episodes=1, draw=battle(60.0, 5, 40.0, 40.0, (10.0, 20.0))),
-            "royale": Course(maps=3, episodes=1, draw=royale(60.0, 5)),
+        tracks={
+            "navigation": TrackSettings(maps=5, episodes=1, draw=navigation(60.0)),
+            "gathering": TrackSettings(
+                maps=4, episodes=1, draw=gathering(60.0, 10.0, (10.0, 30.0), (5.0, 10.0))
+            ),
+            "capture": TrackSettings(maps=3, episodes=1, draw=capture(60.0, 3)),
+            "battle": TrackSettings(maps=3, episodes=1, draw=battle(60.0, 5, 40.0, 40.0, (10.0, 20.0))),
+            "royale": TrackSettings(maps=3, episodes=1, draw=royale(60.0, 5)),
         },
     ),
     # Counts, limits and supplies of the original competition.
@@ -144,17 +145,19 @@ _SUITES = (
         name="official",
         title="the competition's evaluation: its counts, time limits and supplies, on large maps",
         map_config=_large_map,
-        courses={
-            "navigation": Course(maps=10, episodes=10, draw=navigation(300.0)),
-            "gathering": Course(
+        tracks={
+            "navigation": TrackSettings(maps=10, episodes=10, draw=navigation(300.0)),
+            "gathering": TrackSettings(
                 maps=10,
                 episodes=10,
                 draw=gathering(600.0, 20.0, (10.0, 30.0, 50.0, 70.0), (5.0, 10.0, 15.0, 20.0)),
             ),
-            "battle": Course(maps=10, episodes=1, draw=battle(900.0, 9, 100.0, 600.0, (30.0, 50.0, 70.0))),
+            "battle": TrackSettings(
+                maps=10, episodes=1, draw=battle(900.0, 9, 100.0, 600.0, (30.0, 50.0, 70.0))
+            ),
             # Not in the original competition; as long as its nearest kin there.
-            "capture": Course(maps=10, episodes=10, draw=capture(300.0, 3)),
-            "royale": Course(maps=10, episodes=1, draw=royale(900.0, 9)),
+            "capture": TrackSettings(maps=10, episodes=10, draw=capture(300.0, 3)),
+            "royale": TrackSettings(maps=10, episodes=1, draw=royale(900.0, 9)),
         },
     ),
 )

@@ -31,10 +31,11 @@ from wildscav_engine.record import RecordError, check_recordable
 from wildscav_engine.specs.spec import SUBMISSION, MapConfig, MatchSpec, Spec, one_line
 from wildscav_engine.storage.files import read_limited
 from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.bounds import MOST_MATCHES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.seats import shuffled
 from wildscav_evaluator.suites.match_drawing import choose
-from wildscav_evaluator.suites.suite import MOST_MATCHES, SUITES, Course, Suite
+from wildscav_evaluator.suites.suite import SUITES, Suite, TrackSettings
 
 SUFFIX = ".toml"
 SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that its file may not give
@@ -50,20 +51,20 @@ Fields = dict[str, Any]
 Choices = dict[str, Annotated[list[Any], Field(min_length=1)]]  # by the field's path, with dots
 
 
-class Part(BaseModel):
+class Section(BaseModel):
     """Base of everything in the file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
-class MapPart(Part):
+class MapSection(Section):
     """What maps are drawn."""
 
     fields: Fields = {}
     choose: Choices = {}
 
 
-class TrackPart(Part):
+class TrackSection(Section):
     """What is played on one track."""
 
     maps: Maps  # how many to draw, or the numbers of known ones
@@ -91,13 +92,13 @@ class TrackPart(Part):
         return fields
 
 
-class SuiteFile(Part):
+class SuiteFile(Section):
     """An organizer's suite."""
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{1,39}$")]
     title: str = ""
-    map: MapPart = MapPart()
-    tracks: Annotated[dict[str, TrackPart], Field(min_length=1)]
+    map: MapSection = MapSection()
+    tracks: Annotated[dict[str, TrackSection], Field(min_length=1)]
 
     @field_validator("name")
     @classmethod
@@ -108,7 +109,7 @@ class SuiteFile(Part):
 
     @field_validator("tracks")
     @classmethod
-    def _tracks_exist(cls, tracks: dict[str, TrackPart]) -> dict[str, TrackPart]:
+    def _tracks_exist(cls, tracks: dict[str, TrackSection]) -> dict[str, TrackSection]:
         for name in tracks:
             if name not in TRACKS:
                 raise ValueError(f"there is no track {name!r}; the tracks are {', '.join(TRACKS)}")
@@ -182,12 +183,12 @@ def _grouped(content: Fields) -> Fields:
 
 def _suite(file: SuiteFile, source: bytes) -> Suite:
     config = _drawer(MapConfig, file.map.fields, file.map.choose, "map")
-    courses = {name: _course(name, file.tracks[name]) for name in TRACKS if name in file.tracks}
+    tracks = {name: _track_settings(name, file.tracks[name]) for name in TRACKS if name in file.tracks}
     limits = {track: part.limits for track, part in file.tracks.items()}
-    return Suite(file.name, file.title, config, courses, source, limits)
+    return Suite(file.name, file.title, config, tracks, source, limits)
 
 
-def _course(track: str, part: TrackPart) -> Course:
+def _track_settings(track: str, part: TrackSection) -> TrackSettings:
     draw_fields = _drawer(MatchSpec, {"track": track, **part.match}, part.choose, f"tracks.{track}")
 
     def draw(dice: Dice) -> MatchSpec:
@@ -196,7 +197,7 @@ def _course(track: str, part: TrackPart) -> Course:
 
     known = tuple(map_spec(number) for number in part.maps) if isinstance(part.maps, list) else ()
     count = len(known) if isinstance(part.maps, list) else part.maps
-    return Course(count, part.episodes, draw, known)
+    return TrackSettings(count, part.episodes, draw, known)
 
 
 def _drawer(

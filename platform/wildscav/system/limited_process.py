@@ -8,6 +8,7 @@ is what ``call_limited`` runs; arguments and result are values that JSON has.
 import contextlib
 import importlib
 import json
+import operator
 import os
 import resource
 import signal
@@ -33,7 +34,7 @@ def call_limited(function: str, *arguments: Any, memory: int = MEMORY) -> Any:
     """Call a function in a limited process, and return its result.
 
     Args:
-        function: As "module:function".
+        function: As "module:function" or "module:Class.method".
         arguments: Of the function.
         memory: Bytes that it may take, beyond what Python does.
 
@@ -68,7 +69,7 @@ def main(function: str, memory: int) -> None:
     """Call a function with the arguments on stdin, and write its result or what went wrong to stdout."""
     end_with_parent(os.getppid())
     module, _, name = function.partition(":")
-    called = getattr(importlib.import_module(module), name)
+    called = operator.attrgetter(name)(importlib.import_module(module))
     arguments = json.loads(sys.stdin.buffer.read())
     _limit(memory)
     try:

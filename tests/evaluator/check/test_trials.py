@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Command, Submit
+from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav.server import Clock
-from wildscav_evaluator.check.findings import Finding, Verdict, mend_outcome
+from wildscav_evaluator.check.findings import Finding, Verdict, advice_on
 from wildscav_evaluator.check.trials import run_checks
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
@@ -45,12 +45,12 @@ def test_packages_that_were_not_installed_are_named_before_anything_is_played(
     first = next(run_checks(submission, SANDBOXES["process"], tmp_path / "logs", clock=PATIENT))
 
     assert (first.check, first.verdict) == ("packages", Verdict.DOUBTFUL)
-    assert f"wildscav build {submission.folder}" in first.mend
+    assert f"wildscav build {submission.folder}" in first.advice
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "body", "clock", "seen", "mend"),
+    ("name", "body", "clock", "seen", "advice"),
     [
         ("crasher", "    def act(self, o): raise ValueError('oh')", HASTY, "ValueError: oh", "read-only"),
         ("sleeper", "    def act(self, o): time.sleep(60)", HASTY, "timed_out", "a bank of 0.5 s"),
@@ -58,13 +58,13 @@ def test_packages_that_were_not_installed_are_named_before_anything_is_played(
     ],
 )
 def test_an_agent_that_cannot_play_is_told_why_and_what_to_do(
-    submit: Submit, tmp_path: Path, name: str, body: str, clock: Clock, seen: str, mend: str
+    submit: Submit, tmp_path: Path, name: str, body: str, clock: Clock, seen: str, advice: str
 ) -> None:
     found = findings(submit(name, body), tmp_path / "logs", clock)
 
     assert found[MATCH].verdict == Verdict.BROKEN
     assert seen in found[MATCH].seen
-    assert mend in found[MATCH].mend
+    assert advice in found[MATCH].advice
     assert "late answers" not in found  # what cannot play fails the rest for the same reason
 
 
@@ -118,7 +118,7 @@ def test_what_is_not_as_it_should_be_is_named(
     assert found[MATCH].verdict == Verdict.KEPT
     assert found[check].verdict != Verdict.KEPT
     assert seen in found[check].seen
-    assert found[check].mend
+    assert found[check].advice
 
 
 def test_an_agent_that_never_sends_a_valid_action_fails(
@@ -139,7 +139,7 @@ def test_every_outcome_has_a_way_to_mend_it() -> None:
 
     for status in SeatStatus:
         if status != "finished":
-            assert mend_outcome(status.value, Clock(), DEFAULT_LIMITS), status
+            assert advice_on(status.value, Clock(), DEFAULT_LIMITS), status
 
 
 def test_the_command_tells_all_and_its_exit_code_says_the_same(

@@ -1,10 +1,9 @@
 """One evaluation of two submissions, really played and signed, and copies of its folder to be forged."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.evaluator.ledger.forging import Forgery, copied
+from tests.evaluator.ledger.forging import Forgery, Rescored, copied
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
@@ -14,8 +13,6 @@ from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
-
-Rescored = Callable[..., str]
 
 SUITE = """
 name = "tiny"

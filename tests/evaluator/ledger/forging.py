@@ -12,10 +12,11 @@ from wildscav_engine.record import read_record, write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.ledger.entries import Closed, Ended, Entry, Fact, Opened, digest_of_line
 from wildscav_evaluator.ledger.keys import SigningKey
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE, sha256_of
+from wildscav_evaluator.ledger.ledger import sha256_of
 from wildscav_evaluator.output.identity import Identity, read_identity, write_identity
 from wildscav_evaluator.output.journal import Entry as JournalEntry
 from wildscav_evaluator.output.journal import entry_path, file_digest
+from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.output.results import (
     Evaluation,
     MatchRow,
@@ -27,6 +28,7 @@ from wildscav_evaluator.output.results import (
 from wildscav_evaluator.scores.score import summary
 
 Change = Callable[[MatchRow], MatchRow | None]  # none takes the match out
+Rescored = Callable[..., str]  # rescores a folder that must be refused, and returns the lines that say why
 
 
 @dataclass

@@ -3,14 +3,14 @@
 from pathlib import Path
 
 import pytest
-from tests.evaluator.ledger.conftest import Rescored
-from tests.evaluator.ledger.forging import Forgery
+from tests.evaluator.ledger.forging import Forgery, Rescored
 
 from wildscav_evaluator.cli.commands.compare import compare
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.ledger.keys import SigningKey
-from wildscav_evaluator.scores.compare import COMPARISON_FILE, Comparisons
+from wildscav_evaluator.output.layout import COMPARISON_FILE
+from wildscav_evaluator.scores.compare import Comparisons
 
 
 @pytest.fixture

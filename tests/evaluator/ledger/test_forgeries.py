@@ -6,9 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.ledger.conftest import Rescored
 from tests.evaluator.ledger.forgeries import FORGERIES, replace_record, shut_in, worst
-from tests.evaluator.ledger.forging import Forgery
+from tests.evaluator.ledger.forging import Forgery, Rescored
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.replay_agent import run_again

@@ -11,7 +11,7 @@ from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.ledger.keys import new_key
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE
+from wildscav_evaluator.output.layout import LEDGER_FILE
 
 
 def test_an_edited_journal_does_not_get_into_the_results(plan: Plan, unsigned: Forgery) -> None:

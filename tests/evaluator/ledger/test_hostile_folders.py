@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import recomputed
 from wildscav_evaluator.output.identity import read_identity
+from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import read_results
-from wildscav_evaluator.scores.audit import complaints, read_folder
-from wildscav_evaluator.scores.rescore import Replayed, record_paths, replay_one
+from wildscav_evaluator.scores.audit import discrepancies, read_folder
+from wildscav_evaluator.scores.rescore import Replayed, replay_one
 
 # Values that JSON has: any, and such as are just not right.
 WRONG = [0, -1, 10**9, 1e300, "", "ada", "bob", "navigation", "royale", "quick", "/proc/kmsg", [], {}]
@@ -61,7 +62,7 @@ def audit(out: Path, replayed: Sequence[Replayed]) -> list[str]:
         told = read_results(out / "results.json")
         checked = read_folder(out, told, None)
         recomputed(replayed, told, read_identity(out))
-        return list(complaints(checked, replayed))
+        return list(discrepancies(checked, replayed))
     except (UserError, OSError) as error:
         return [str(error)]
 

@@ -1,16 +1,16 @@
 """What a signed ledger holds, and that no line of it can be changed."""
 
 import pytest
-from tests.evaluator.ledger.conftest import Rescored
 from tests.evaluator.ledger.forgeries import blame
-from tests.evaluator.ledger.forging import Forgery
+from tests.evaluator.ledger.forging import Forgery, Rescored
 
 from wildscav.cli.verify import verify
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.ledger.entries import Closed
 from wildscav_evaluator.ledger.keys import SigningKey
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE, read_ledger
+from wildscav_evaluator.ledger.ledger import read_ledger
+from wildscav_evaluator.output.layout import LEDGER_FILE
 
 
 def claim_less_time(content: dict[str, object]) -> None:

@@ -3,16 +3,17 @@
 from pathlib import Path
 
 import pytest
-from tests.evaluator.killing import Sitting
+from tests.evaluator.interrupted_runs import Sitting
 from tests.evaluator.results_by_hand import identity_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.ledger.entries import Begun, Resumed
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE, LedgerError, read_ledger
-from wildscav_evaluator.ledger.writer import Keeper
+from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
+from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.output.identity import Identity
+from wildscav_evaluator.output.layout import LEDGER_FILE
 
 SUITE = """
 name = "short"
@@ -37,12 +38,12 @@ def test_a_ledger_goes_on_where_a_killed_one_ended(
     tmp_path: Path, identity: Identity, key: SigningKey
 ) -> None:
     path = tmp_path / LEDGER_FILE
-    first = Keeper(tmp_path, identity, key)
+    first = LedgerWriter(tmp_path, identity, key)
     first.begin("navigation-000-ada")
     whole = path.read_bytes()
     path.write_bytes(whole + b'{"at":"2030-01-01T00:00')  # killed while it wrote the next entry
 
-    second = Keeper(tmp_path, identity, key)
+    second = LedgerWriter(tmp_path, identity, key)
     second.begin("navigation-000-ada")
 
     assert path.read_bytes().startswith(whole)
@@ -56,7 +57,7 @@ def test_a_ledger_goes_on_where_a_killed_one_ended(
 def test_a_match_that_the_platform_broke_was_not_interrupted(
     tmp_path: Path, identity: Identity, key: SigningKey
 ) -> None:
-    keeper = Keeper(tmp_path, identity, key)
+    keeper = LedgerWriter(tmp_path, identity, key)
     for _ in range(2):
         keeper.begin("navigation-000-ada")
         keeper.broke("navigation-000-ada", "the worker process died (SIGKILL)")
@@ -73,7 +74,7 @@ def test_a_ledger_killed_in_its_first_line_begins_again(
 ) -> None:
     (tmp_path / LEDGER_FILE).write_bytes(b'{"at":')
 
-    Keeper(tmp_path, identity, key)
+    LedgerWriter(tmp_path, identity, key)
 
     ledger = read_ledger(tmp_path)
     assert ledger is not None
@@ -84,7 +85,7 @@ def test_no_text_in_a_ledger_can_steer_a_terminal(
     tmp_path: Path, identity: Identity, key: SigningKey
 ) -> None:
     reason = "no \x1b[31m memory \u202e left \x7f, für 😀"
-    Keeper(tmp_path, identity, key).broke("navigation-000-ada", reason)
+    LedgerWriter(tmp_path, identity, key).broke("navigation-000-ada", reason)
 
     line = (tmp_path / LEDGER_FILE).read_bytes().splitlines()[-1]
 
@@ -98,7 +99,7 @@ def test_no_text_in_a_ledger_can_steer_a_terminal(
 def test_nothing_goes_on_in_a_ledger_that_was_changed(
     tmp_path: Path, identity: Identity, key: SigningKey
 ) -> None:
-    keeper = Keeper(tmp_path, identity, key)
+    keeper = LedgerWriter(tmp_path, identity, key)
     for number in range(3):
         keeper.begin(f"navigation-00{number}-ada")
     path = tmp_path / LEDGER_FILE
@@ -106,13 +107,13 @@ def test_nothing_goes_on_in_a_ledger_that_was_changed(
 
     path.write_bytes(b"".join([*lines[:1], *lines[2:]]))
     with pytest.raises(UserError, match=r"line 2: does not follow the line before.*--fresh"):
-        Keeper(tmp_path, identity, key)
+        LedgerWriter(tmp_path, identity, key)
     with pytest.raises(LedgerError, match="line 2: does not follow"):
         read_ledger(tmp_path)
 
     path.write_bytes(b"".join(lines))
     with pytest.raises(UserError, match="is of another evaluation"):
-        Keeper(tmp_path, identity.model_copy(update={"seed": "7"}), key)
+        LedgerWriter(tmp_path, identity.model_copy(update={"seed": "7"}), key)
 
 
 def ended(out: Path) -> int:

@@ -4,8 +4,8 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import Submit
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox.available import missing
 
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match

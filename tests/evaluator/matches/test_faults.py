@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.evaluator.players import TALKER, Submit
+from tests.evaluator.sample_agents import TALKER, Submit
 
 from wildscav.server import Clock, HostedMatch
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
-from wildscav_evaluator.matches.play import PlatformFaultError, Played, Seating, play_match
+from wildscav_evaluator.matches.play import PlatformFaultError, PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -56,7 +56,7 @@ ALL = [
 
 @pytest.fixture(autouse=True)
 def _no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wildscav_evaluator.matches.play.PAUSE", 0.0)
+    monkeypatch.setattr("wildscav_evaluator.matches.play.RETRY_DELAY", 0.0)
 
 
 def break_at(monkeypatch: pytest.MonkeyPatch, where: str, call: int) -> None:
@@ -75,7 +75,7 @@ def break_at(monkeypatch: pytest.MonkeyPatch, where: str, call: int) -> None:
     monkeypatch.setattr(pkgutil.resolve_name(owner), name, breaks)
 
 
-def play(*submissions: Submission, tmp_path: Path, **options: Any) -> Played:
+def play(*submissions: Submission, tmp_path: Path, **options: Any) -> PlayedMatch:
     small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
     seats = ("submission",) * len(submissions)
     spec = MatchSpec(track="gathering", map=small, seats=seats, time_limit=STEPS / 10)
@@ -83,7 +83,7 @@ def play(*submissions: Submission, tmp_path: Path, **options: Any) -> Played:
     return asyncio.run(play_match(Seating(spec, submissions, logs), **options))
 
 
-def check_played_again(played: Played) -> None:
+def check_played_again(played: PlayedMatch) -> None:
     """The match was broken once, then played from its start to its end by all."""
     assert played.platform_faults == (f"RuntimeError: {MISTAKE}",)
     assert {(seat.status, seat.steps_played) for seat in played.seats.values()} == {("finished", STEPS)}

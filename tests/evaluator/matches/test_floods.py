@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Submit
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sample_agents import WALKER, Submit
+from tests.evaluator.sandbox.available import missing
 from tests.platform.helpers import raw_http2
 from tests.platform.helpers.attacked_server import memory
 

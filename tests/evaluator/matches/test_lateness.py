@@ -11,7 +11,7 @@ import pytest
 from wildscav.server import Clock, SlowAnswer
 from wildscav_evaluator.matches.lateness import late_for_platform
 from wildscav_evaluator.sandbox.agents.processor_waits import Sample, WaitMeter
-from wildscav_evaluator.scores.notes import late_for_machine
+from wildscav_evaluator.scores.notes import lateness_note
 
 CLOCK = Clock(step_budget=0.1, time_bank=1.0)
 # Steps 4 to 6 were played while the answer to step 4 was under way, which took 1.4 s.
@@ -56,10 +56,10 @@ def test_where_the_match_had_no_more_time_the_bank_does_not_count() -> None:
 
 
 def test_the_late_steps_are_named_in_a_line() -> None:
-    line = late_for_machine("ann", {"match 0: ": (4, 5, 6, 9), "match 2: ": (1,)})
+    line = lateness_note("ann", {"match 0: ": (4, 5, 6, 9), "match 2: ": (1,)})
 
     assert line.startswith("ann: 5 late steps were the machine's fault")
-    assert "(match 0: steps 4–6, 9; match 2: step 1)" in line
+    assert "(match 0: steps 5–7, 10; match 2: step 2)" in line
 
 
 BUSY = "import os\nos.sched_setaffinity(0, {core})\nprint('ready', flush=True)\nwhile True: pass"

@@ -4,13 +4,13 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import QUITTER, TALKER, Submit
+from tests.evaluator.sample_agents import QUITTER, TALKER, Submit
 
 from wildscav.server import Clock, SeatStatus
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.agents import status_of
-from wildscav_evaluator.matches.play import TRIES, PlatformFaultError, Played, Seating, play_match
+from wildscav_evaluator.matches.play import MAX_ATTEMPTS, PlatformFaultError, PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 from wildscav_evaluator.submissions.submission import Submission
@@ -23,10 +23,10 @@ STEPS = 20
 
 @pytest.fixture(autouse=True)
 def _no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wildscav_evaluator.matches.play.PAUSE", 0.0)
+    monkeypatch.setattr("wildscav_evaluator.matches.play.RETRY_DELAY", 0.0)
 
 
-def play(*submissions: Submission, tmp_path: Path, **options: object) -> Played:
+def play(*submissions: Submission, tmp_path: Path, **options: object) -> PlayedMatch:
     spec = MatchSpec(
         track="gathering", map=MAP, seats=("submission",) * len(submissions), time_limit=STEPS / 10
     )
@@ -171,7 +171,7 @@ def test_a_platform_that_fails_again_and_again_gives_the_match_up(submit: Submit
     with pytest.raises(PlatformFaultError, match=r"failed 3 times: Resource temporarily unavailable$"):
         play(submit("walker", TALKER), tmp_path=tmp_path, sandbox=sandbox)
 
-    assert sandbox.starts == TRIES
+    assert sandbox.starts == MAX_ATTEMPTS
 
 
 def test_a_match_that_cannot_be_set_up_is_not_tried_again(

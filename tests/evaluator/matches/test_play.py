@@ -6,11 +6,11 @@ import signal
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import SLEEPER, WALKER, Submit
+from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 
 from wildscav.server import Clock, HostedMatch, SeatStatus
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
-from wildscav_evaluator.matches.play import Played, Seating, play_match
+from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -36,7 +36,7 @@ def battle(*submissions: Submission, tmp_path: Path) -> Seating:
     return Seating(spec, submissions, logs)
 
 
-def play(seating: Seating, **options: object) -> Played:
+def play(seating: Seating, **options: object) -> PlayedMatch:
     return asyncio.run(play_match(seating, **options))  # type: ignore[arg-type]
 
 
@@ -76,7 +76,7 @@ def test_an_agent_killed_in_mid_match_leaves_the_others_whole(submit: Submit, tm
     def started(_: HostedMatch) -> None:
         killing.append(asyncio.create_task(kill()))
 
-    played = play(seating, started=started)
+    played = play(seating, on_start=started)
 
     victim_report, other_report = played.seats[0], played.seats[1]
     assert victim_report.status == SeatStatus.CRASHED

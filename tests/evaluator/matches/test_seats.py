@@ -4,12 +4,13 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Submit
+from tests.evaluator.sample_agents import WALKER, Submit
 
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
-from wildscav_evaluator.matches.jobs import LOGS, RECORDS, Job, JobResult, kept, run_job
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.matches.run_job import kept, run_job
 from wildscav_evaluator.output.folder import keep_only
-from wildscav_evaluator.output.journal import MATCHES
+from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
 from wildscav_evaluator.sandbox import Limits
 from wildscav_evaluator.scores.rescore import recompute, replay_one
 from wildscav_evaluator.submissions.submission import Submission

@@ -4,12 +4,12 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import Submit
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox.available import missing
 
 from wildscav.server import HostedMatch
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
-from wildscav_evaluator.matches.play import Played, Seating, play_match
+from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -49,7 +49,7 @@ THIEF = """
 ELSEWHERE = '.replace("/0/match.sock", "/1/match.sock")'  # the victim's socket, where it can be reached
 
 
-def play(thief: Submission, victim: Submission, sandbox: str, tmp_path: Path) -> tuple[Played, str]:
+def play(thief: Submission, victim: Submission, sandbox: str, tmp_path: Path) -> tuple[PlayedMatch, str]:
     """Play a match in which the thief is given the victim's token; return it with what the thief says."""
     if sandbox != "process" and missing(sandbox):
         pytest.skip(missing(sandbox))
@@ -61,7 +61,7 @@ def play(thief: Submission, victim: Submission, sandbox: str, tmp_path: Path) ->
         (thief.folder / "stolen.txt").write_text(hosted.tokens[1])
 
     seating = Seating(spec, (thief, victim), logs)
-    played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], started=steal))
+    played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], on_start=steal))
     return played, logs[0].read_text()
 
 

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Submit
+from tests.evaluator.sample_agents import WALKER, Submit
 
 from wildscav_engine.specs.spec import MatchSpec
-from wildscav_evaluator.matches.jobs import Beat, Broken, Job, Rendering, Told
-from wildscav_evaluator.matches.watchdog import LOOK, Patience, Watchdog
+from wildscav_evaluator.matches.jobs import AttemptFailed, Heartbeat, Job, JobEvent, RenderingReplay
+from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
 
 PATIENCE = Patience(set_up=300.0, seat=30.0, step=90.0, rendering=300.0)
 
@@ -19,8 +19,8 @@ def job(submit: Submit, tmp_path: Path) -> Job:
 
 
 def wait(watchdog: Watchdog, seconds: float) -> str:
-    for _ in range(round(seconds / LOOK)):
-        watchdog.wait(LOOK)
+    for _ in range(round(seconds / CHECK_INTERVAL)):
+        watchdog.wait(CHECK_INTERVAL)
     return watchdog.verdict
 
 
@@ -29,16 +29,16 @@ def wait(watchdog: Watchdog, seconds: float) -> str:
     [
         # To make its map and start two agents.
         ([], 360, "before the first step"),
-        ([Beat(0, 0)], 360, "before the first step"),
-        ([Beat(500, 100), Broken("no memory")], 360, "before the first step"),
+        ([Heartbeat(0, 0)], 360, "before the first step"),
+        ([Heartbeat(500, 100), AttemptFailed("no memory")], 360, "before the first step"),
         # 0.1 s for a step, and 30 s of bank.
-        ([Beat(500, 1_100)], 120, "after step 1,100"),
+        ([Heartbeat(500, 1_100)], 120, "after step 1,100"),
         # A match of ten minutes.
-        ([Beat(500, 100), Rendering()], 900, "while it rendered the replay"),
+        ([Heartbeat(500, 100), RenderingReplay()], 900, "while it rendered the replay"),
     ],
 )
 def test_the_limit_follows_from_what_the_job_is_at(
-    job: Job, told: list[Told], limit: int, where: str
+    job: Job, told: list[JobEvent], limit: int, where: str
 ) -> None:
     watchdog = Watchdog(job, PATIENCE)
     for one in told:
@@ -51,10 +51,10 @@ def test_the_limit_follows_from_what_the_job_is_at(
 def test_progress_begins_the_time_anew_and_signs_of_life_alone_do_not(job: Job) -> None:
     watchdog = Watchdog(job, PATIENCE)
     for step in range(1, 4):
-        watchdog.hear(Beat(5 * step, step))
+        watchdog.hear(Heartbeat(5 * step, step))
         assert wait(watchdog, 100.0) == ""
 
-    watchdog.hear(Beat(15, 3))
+    watchdog.hear(Heartbeat(15, 3))
 
     assert wait(watchdog, 30.0) != ""
 

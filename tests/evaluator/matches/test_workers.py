@@ -9,18 +9,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import SLEEPER, WALKER, Submit
+from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 
 from wildscav_engine.record import read_record, verify_record
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
-from wildscav_evaluator.matches.jobs import LOGS, RECORDS, REPLAYS, Job, JobResult, after_death
+from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.matches.play import Seating
+from wildscav_evaluator.matches.run_job import after_worker_death
 from wildscav_evaluator.matches.watchdog import Patience
 from wildscav_evaluator.matches.workers import Workers
-from wildscav_evaluator.monitoring.dashboard import standing
-from wildscav_evaluator.monitoring.monitor import Watch, Watching
+from wildscav_evaluator.monitoring.dashboard import match_counts
+from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
-from wildscav_evaluator.output.journal import MATCHES
+from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.submission import Submission
 
 KILLS_EVERY_WORKER = """
@@ -75,12 +76,12 @@ def job(submission: Submission, index: int, out: Path) -> Job:
 
 
 def run(
-    jobs: list[Job], count: int, watch: Watch | None = None, patience: Patience | None = None
+    jobs: list[Job], count: int, watch: Monitor | None = None, patience: Patience | None = None
 ) -> dict[tuple[str, int], JobResult]:
-    watch = watch or Watch(jobs, count, "suite", Watching("json", None))
+    watch = watch or Monitor(jobs, count, "suite", MonitorOptions("json", None))
     with Workers(count, patience=patience) as workers:
         workers.warm()
-        for result in workers.run(jobs, watch.start, watch.tell):
+        for result in workers.run(jobs, watch.start, watch.handle):
             watch.add(result)
     return {(result.job.submission.name, result.job.index): result for result in watch.tally.done.values()}
 
@@ -91,7 +92,7 @@ def test_a_match_whose_worker_is_killed_is_played_again_in_another(
 ) -> None:
     walker, unlucky = submit("walker", WALKER), submit("unlucky", KILLS_ITS_FIRST_WORKER)
     jobs = [job(walker, 0, out), job(unlucky, 0, out), job(walker, 1, out), job(walker, 2, out)]
-    watch = Watch(jobs, count, "suite", Watching("json", None))
+    watch = Monitor(jobs, count, "suite", MonitorOptions("json", None))
 
     results = run(jobs, count, watch)
 
@@ -107,7 +108,7 @@ def test_a_match_whose_worker_is_killed_is_played_again_in_another(
     assert list(sockets.iterdir()) == []
 
 
-def check_told(watch: Watch, log: str) -> None:
+def check_told(watch: Monitor, log: str) -> None:
     """One match was played again: so say the log, the metrics and the dashboard."""
     events = [json.loads(line) for line in log.splitlines()]
     (broken,) = (event for event in events if event["event"] == "match_broken")
@@ -117,7 +118,7 @@ def check_told(watch: Watch, log: str) -> None:
         one.name: one.value for family in EvaluationMetrics(watch.tally).collect() for one in family.samples
     }
     assert samples["wildscav_platform_retries_total"] == 1
-    assert "4 of 4 matches done, 0 failed, 1 played again" in str(standing(watch.tally))
+    assert "4 of 4 matches done, 0 failed, 1 played again" in str(match_counts(watch.tally))
 
 
 @pytest.mark.slow
@@ -142,15 +143,15 @@ def test_a_match_that_was_played_is_kept_even_if_its_replay_kills_every_worker(
     only = job(submit("walker", WALKER), 0, out)
     (played,) = run([only], 1).values()
 
-    again = after_death(replace(only, replay=True), "killed")
+    again = after_worker_death(replace(only, replay=True), "killed")
     assert isinstance(again, Job)
-    again = after_death(again, "killed")
+    again = after_worker_death(again, "killed")
     assert isinstance(again, Job)
-    kept = after_death(again, "killed once more")
+    kept = after_worker_death(again, "killed once more")
 
     assert isinstance(kept, JobResult)
     assert kept.row == played.row
-    assert kept.complaint.endswith(".rrd: the platform failed 3 times: killed; killed once more")
+    assert kept.replay_error.endswith(".rrd: the platform failed 3 times: killed; killed once more")
 
 
 @pytest.mark.slow

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
-from tests.evaluator.monitoring.test_tally import jobs, played
+from tests.evaluator.monitoring.jobs_by_hand import jobs, played
 
 from wildscav.errors import UserError
 from wildscav.monitoring.logs import open_log
 from wildscav.monitoring.metrics import serving_metrics
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.evaluation import Plan
-from wildscav_evaluator.matches.jobs import Beat
-from wildscav_evaluator.monitoring.monitor import Watch, Watching
+from wildscav_evaluator.matches.jobs import Heartbeat
+from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.submissions.submission import load_submission
@@ -48,7 +48,7 @@ def test_metrics_tell_matches_queue_steps_latency_and_faults() -> None:
         tally.add(played(every[1], 5.0))
         tally.add(played(every[2], 5.0, fault=True))
         tally.start(every[3])
-        tally.beat(every[3], Beat(10, 2))
+        tally.beat(every[3], Heartbeat(10, 2))
         samples = scraped(address)
 
     assert samples["wildscav_matches_total", "finished", "walker", "navigation"] == 2
@@ -76,7 +76,7 @@ def test_a_port_that_is_taken_is_one_clear_line() -> None:
 
 def test_log_lines_say_what_happened_with_which_values(capsys: pytest.CaptureFixture[str]) -> None:
     every = jobs(navigation=2)
-    watch = Watch(every, 1, "suite quick · seed 0", Watching("json", None))
+    watch = Monitor(every, 1, "suite quick · seed 0", MonitorOptions("json", None))
 
     with watch.shown():
         watch.start(every[0])
@@ -111,7 +111,7 @@ def test_an_evaluation_is_watched_while_it_runs(tmp_path: Path, capsys: pytest.C
     suite, homing = read_suite(tmp_path / "short.toml"), load_submission(HOMING)
     plan = Plan((homing,), ("navigation",), suite, SuiteSeed(0), replays="none", jobs=1, out=tmp_path / "out")
 
-    run_session(plan, tmp_path / "db", Watching("json", 0))
+    run_session(plan, tmp_path / "db", MonitorOptions("json", 0))
 
     said = capsys.readouterr()
     assert "metrics   http://127.0.0.1:" in said.out

@@ -1,17 +1,14 @@
 """Where an evaluation stands: counts, scores so far and the time left."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from rich.console import Console
+from tests.evaluator.monitoring.jobs_by_hand import jobs, played
 
-from wildscav_engine.specs.spec import MatchSpec
-from wildscav_evaluator.matches.jobs import Beat, Job, JobResult
+from wildscav_evaluator.matches.jobs import Heartbeat
 from wildscav_evaluator.monitoring.dashboard import dashboard, duration
 from wildscav_evaluator.monitoring.tally import Tally
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatTiming
-from wildscav_evaluator.submissions.submission import Manifest, Submission
 
 
 class Clock:
@@ -26,50 +23,6 @@ class Clock:
 @pytest.fixture
 def clock() -> Clock:
     return Clock()
-
-
-def jobs(**counts: int) -> list[Job]:
-    """So many matches of each track, all of one submission."""
-    manifest = Manifest(
-        name="walker", version="1", entry_point="agent:Agent", tracks=("navigation", "battle", "gathering")
-    )
-    walker = Submission(Path("/walker"), manifest, digest="0" * 32)
-    return [
-        Job(walker, track, index, MatchSpec(track=track, time_limit=60.0), Path("/out"), replay=False)
-        for track, count in counts.items()
-        for index in range(count)
-    ]
-
-
-def played(job: Job, wall: float, score: float = 1.0, *, fault: bool = False) -> JobResult:
-    metrics = {"time": score, "supplies": score}
-    row = MatchRow(
-        index=job.index,
-        status="crashed" if fault else "finished",
-        fault="agent" if fault else None,
-        metrics=metrics,
-    )
-    seat = SeatTiming(
-        seat=0,
-        start_up=0.5,
-        steps=100,
-        late_steps=0,
-        time_used=1.0,
-        latency_p50=0.01,
-        latency_p99=0.01,
-        latency_max=0.01,
-        time_bank=30.0,
-    )
-    timing = MatchTiming(
-        submission="walker",
-        track=job.track,
-        index=job.index,
-        started=0.0,
-        wall=wall,
-        steps=100,
-        seats=(seat,),
-    )
-    return JobResult(job, row, timing)
 
 
 def test_every_match_is_waiting_then_running_then_done(clock: Clock) -> None:
@@ -147,11 +100,11 @@ def test_the_speed_is_that_of_the_matches_that_run(clock: Clock) -> None:
     tally = Tally(every, at_once=2, clock=clock)
     for job in every:
         tally.start(job)
-        tally.beat(job, Beat(0, 0))
+        tally.beat(job, Heartbeat(0, 0))
 
     clock.now += 2.0
-    tally.beat(first, Beat(500, 100))
-    tally.beat(second, Beat(1000, 200))
+    tally.beat(first, Heartbeat(500, 100))
+    tally.beat(second, Heartbeat(1000, 200))
     assert tally.speed == pytest.approx(150.0)
 
     tally.add(played(first, 2.0))
@@ -174,9 +127,9 @@ def test_the_dashboard_shows_it_all(clock: Clock) -> None:
     tally.add(played(every[0], 30.0, 2.0))
     tally.add(played(every[1], 30.0, 6.0, fault=True))
     tally.start(every[2])
-    tally.beat(every[2], Beat(0, 0))
+    tally.beat(every[2], Heartbeat(0, 0))
     clock.now += 65.0
-    tally.beat(every[2], Beat(1000, 130))
+    tally.beat(every[2], Heartbeat(1000, 130))
     tally.start(every[3])
 
     lines = shown(tally)
@@ -203,7 +156,7 @@ def test_a_narrow_terminal_shows_every_figure_whole(clock: Clock, width: int) ->
     for job in every[:100]:
         tally.add(played(job, 30.0, 123.4, fault=job is every[7]))
     tally.start(every[100])
-    tally.beat(every[100], Beat(1000, 130))
+    tally.beat(every[100], Heartbeat(1000, 130))
 
     lines = shown(tally, width)
 

@@ -4,12 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Submit
+from tests.evaluator.sample_agents import WALKER, Submit
 
 from wildscav.errors import UserError
 from wildscav_evaluator.evaluation import Plan, identity
 from wildscav_evaluator.output.folder import keep_only, output_folder
-from wildscav_evaluator.output.identity import IDENTITY_FILE, read_identity
+from wildscav_evaluator.output.identity import read_identity
+from wildscav_evaluator.output.layout import IDENTITY_FILE
 from wildscav_evaluator.sandbox import Limits
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed

@@ -8,7 +8,7 @@ from tests.evaluator.results_by_hand import RESULTS, evaluation, identity_of
 from wildscav_evaluator.output.identity import Identity, write_identity
 from wildscav_evaluator.output.numbered_folders import own_folder
 from wildscav_evaluator.output.results import Results, write_results
-from wildscav_evaluator.scores.changes import since_last
+from wildscav_evaluator.scores.changes import changes_since_last
 
 
 def identity(*names: str, digest: str = "1") -> Identity:
@@ -64,12 +64,12 @@ def test_the_last_evaluation_of_other_files_on_the_same_matches_is_compared_with
     kept(tmp_path, 6, (5.0, 5.0), digest="6")
     now = kept(tmp_path, 7, (5.0, 5.0), digest="6")
 
-    (since,) = since_last(now, tmp_path / "0007-mine")
+    (since,) = changes_since_last(now, tmp_path / "0007-mine")
 
     assert (since.folder, since.version) == ("0002-mine", "1.0.0")
     assert since.comparison.differences[0].difference == pytest.approx(2.0)
-    assert since_last(now, tmp_path / "season") == ()
+    assert changes_since_last(now, tmp_path / "season") == ()
 
 
 def test_a_first_evaluation_is_compared_with_nothing(tmp_path: Path) -> None:
-    assert since_last(kept(tmp_path, 1, (1.0,), digest="1"), tmp_path / "0001-mine") == ()
+    assert changes_since_last(kept(tmp_path, 1, (1.0,), digest="1"), tmp_path / "0001-mine") == ()

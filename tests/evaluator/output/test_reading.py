@@ -7,9 +7,10 @@ import pytest
 from tests.evaluator.results_by_hand import results_of
 
 from wildscav.errors import UserError
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE, LedgerError, read_ledger
+from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
 from wildscav_evaluator.output.identity import read_identity
 from wildscav_evaluator.output.json_files import LARGEST, SMALL
+from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.output.results import read_results, write_results
 from wildscav_evaluator.suites.seeds import read_secret
 from wildscav_evaluator.suites.suite_file import read_suite

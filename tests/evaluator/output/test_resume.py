@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import func, select
-from tests.evaluator.killing import Sitting, check_whole, files, journal, without_timings
+from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journal, without_timings
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sandbox.available import missing
 
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Launch, Promise, RunningAgent, SandboxError
 from wildscav_evaluator.sandbox.choose import choose

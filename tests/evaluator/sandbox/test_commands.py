@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.world import LIMITS, listening
+from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening
 
 from wildscav_evaluator.matches.play import launch_for
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Sandbox

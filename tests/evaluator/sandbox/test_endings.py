@@ -11,12 +11,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.world import GROUPS, LIMITS, listening, processes_with, tight_group, wait_until
+from tests.evaluator.sandbox.sandbox_runs import (
+    GROUPS,
+    LIMITS,
+    listening,
+    processes_with,
+    tight_group,
+    wait_until,
+)
 
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
 from wildscav_evaluator.sandbox.containers import oci
-from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine, old_groups
+from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine, has_cgroup_v1
 from wildscav_evaluator.sandbox.linux import bubblewrap, cgroup
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
@@ -66,7 +73,7 @@ def short_of_memory(real: Sandbox, monkeypatch: pytest.MonkeyPatch) -> Iterator[
             monkeypatch.setattr(bubblewrap, "find_version", lambda: tight)
             yield
         return
-    parent = GROUPS / "memory" if old_groups() else GROUPS
+    parent = GROUPS / "memory" if has_cgroup_v1() else GROUPS
     if not os.access(parent, os.W_OK) or group_driver() != "cgroupfs":
         pytest.skip("it takes root, and an engine that makes groups by itself")
     limits = oci._limits
@@ -99,7 +106,7 @@ def test_a_machine_short_of_memory_is_the_platforms_fault(
 def test_an_agent_that_kills_itself_did_not_die_of_memory(
     real: Sandbox, submit: Submit, tmp_path: Path
 ) -> None:
-    without_a_word = real.name == "oci" and find_engine().name == "podman" and old_groups()
+    without_a_word = real.name == "oci" and find_engine().name == "podman" and has_cgroup_v1()
     unknown = without_a_word and logged_kill("") is None
     code = "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)"
 

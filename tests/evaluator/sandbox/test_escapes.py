@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.world import FLOOD, LIMITS, Report, attack
+from tests.evaluator.sandbox.sandbox_runs import FLOOD, LIMITS, Report, attack
 
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Sandbox

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.world import GROUPS, listening, processes_with, wait_until
+from tests.evaluator.sandbox.sandbox_runs import GROUPS, listening, processes_with, wait_until
 
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Sandbox

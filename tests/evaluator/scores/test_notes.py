@@ -3,7 +3,7 @@
 import pytest
 from tests.evaluator.results_by_hand import results_of, timing_of_a_seat
 
-from wildscav_evaluator.scores.notes import machine_remark, remark
+from wildscav_evaluator.scores.notes import evaluation_lateness_note, invalid_actions_note
 
 
 @pytest.mark.parametrize(
@@ -15,11 +15,11 @@ from wildscav_evaluator.scores.notes import machine_remark, remark
     ],
 )
 def test_invalid_actions_are_told(actions: int, invalid: int, says: str) -> None:
-    assert str(remark("me", actions=actions, invalid=invalid)).startswith(says)
+    assert str(invalid_actions_note("me", actions=actions, invalid=invalid)).startswith(says)
 
 
 def test_there_is_nothing_to_tell_of_valid_actions() -> None:
-    assert remark("me", actions=300, invalid=0) is None
+    assert invalid_actions_note("me", actions=300, invalid=0) is None
 
 
 def test_late_steps_of_all_seats_of_a_match_are_told() -> None:
@@ -30,12 +30,12 @@ def test_late_steps_of_all_seats_of_a_match_are_told() -> None:
     )
     timing = results.timings.matches[0].model_copy(update={"seats": seats})
 
-    line = machine_remark(results.evaluations[0], [timing])
+    line = evaluation_lateness_note(results.evaluations[0], [timing])
 
     assert str(line).startswith("ann on navigation: 3 late steps were the machine's fault")
-    assert "(match 0, seat 0: steps 4–5; match 0, seat 2: step 7)" in str(line)
+    assert "(match 0, seat 0: steps 5–6; match 0, seat 2: step 8)" in str(line)
 
 
 def test_there_is_nothing_to_tell_where_the_machine_kept_nobody_waiting() -> None:
     results = results_of("ann")
-    assert machine_remark(results.evaluations[0], results.timings.matches) is None
+    assert evaluation_lateness_note(results.evaluations[0], results.timings.matches) is None

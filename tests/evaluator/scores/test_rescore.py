@@ -10,9 +10,10 @@ from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.cli.sessions.rescore import recomputed, run_rescore
 from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import Evaluation, Results, read_results, write_results
 from wildscav_evaluator.scores.expected_matches import expected_matches
-from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, record_paths, replay_one
+from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, replay_one
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import SUITES

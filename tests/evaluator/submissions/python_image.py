@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wildscav_evaluator.sandbox.agents.host_python import LINKED
-from wildscav_evaluator.sandbox.containers.container_engine import Engine, call
+from wildscav_evaluator.sandbox.containers.container_engine import ContainerEngine, call
 
 NAME = "localhost/wildscav/test-python"
 VERSION = f"python{sys.version_info.major}.{sys.version_info.minor}"
@@ -25,7 +25,7 @@ PASSED_ON = re.compile(r"PIP_\w+|(?:https?|no)_proxy", re.IGNORECASE)
 LEFT_OUT = re.compile(r"(__pycache__|(site|dist)-packages|test|idlelib|tkinter|config-.*)$")
 
 
-def python_image(engine: Engine, name: str = NAME) -> str:
+def python_image(engine: ContainerEngine, name: str = NAME) -> str:
     """Make an image with this machine's Python, pip's settings, and a shell; return its name.
 
     Tests of several files run side by side: each file has an image of its own, which it removes.

@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sandbox.available import missing
 from tests.evaluator.submissions.python_image import NAME, python_image
 
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
-from wildscav_evaluator.sandbox.containers.container_engine import Engine, call, find_engine
+from wildscav_evaluator.sandbox.containers.container_engine import ContainerEngine, call, find_engine
 from wildscav_evaluator.submissions import images
 from wildscav_evaluator.submissions.images import base_name, build_image, with_images
 from wildscav_evaluator.submissions.submission import Submission, load_submission
@@ -38,7 +38,7 @@ def python(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         call(engine, "rmi", "-f", image)
 
 
-def built(engine: Engine) -> list[str]:
+def built(engine: ContainerEngine) -> list[str]:
     return call(engine, "images", "-q", SUBMISSION).stdout.decode().split()
 
 

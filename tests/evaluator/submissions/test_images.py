@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.conftest import engine_named, missing
-from tests.evaluator.sandbox.world import listening
+from tests.evaluator.sandbox.available import engine_named, missing
+from tests.evaluator.sandbox.sandbox_runs import listening
 from tests.evaluator.submissions.python_image import python_image
 
 from wildscav_evaluator.cli.options.selection import load_submissions

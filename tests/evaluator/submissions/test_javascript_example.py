@@ -5,8 +5,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import Command
-from tests.evaluator.sandbox.conftest import missing
+from tests.evaluator.sample_agents import Command
+from tests.evaluator.sandbox.available import missing
 
 REPOSITORY = Path(__file__).parents[3]
 EXAMPLE = REPOSITORY / "docs" / "examples" / "javascript"

@@ -12,10 +12,11 @@ from tests.platform.helpers.command import Done, command_here
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.output.layout import OPENED_FILE
 from wildscav_evaluator.output.results import read_results
 from wildscav_evaluator.scores.expected_matches import check_opened, expected_matches
 from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_evaluator.suites.seeds import OPENED_FILE, SuiteSeed, read_secret
+from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import SUITES
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"

@@ -1,4 +1,4 @@
-"""The commands ``wildscav compare`` and ``wildscav rescore``."""
+"""The command ``wildscav compare``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,8 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.commands.evaluate import (
+from wildscav_evaluator.bounds import MOST_ROUNDS
+from wildscav_evaluator.cli.options.evaluation import (
     FreshOption,
     JobsOption,
     LogOption,
@@ -18,7 +19,7 @@ from wildscav_evaluator.cli.commands.evaluate import (
     SuiteOption,
 )
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
-from wildscav_evaluator.cli.options.signing import KeyOption, SignOption, signing_key, warn_of_open_key
+from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
 
 
 def compare(
@@ -30,7 +31,10 @@ def compare(
     ] = None,
     suite: SuiteOption = "quick",
     rounds: Annotated[
-        int, typer.Option(help="How often to play the suite, each time with the next seed.", min=1, max=1000)
+        int,
+        typer.Option(
+            help="How often to play the suite, each time with the next seed.", min=1, max=MOST_ROUNDS
+        ),
     ] = 2,
     seed: SeedOption = None,
     secret: SecretOption = None,
@@ -52,7 +56,7 @@ def compare(
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.cli.sessions.compare import both_play, run_comparison, told_apart
     from wildscav_evaluator.evaluation import Plan, in_own_folder
-    from wildscav_evaluator.monitoring.monitor import Watching
+    from wildscav_evaluator.monitoring.monitor import MonitorOptions
     from wildscav_evaluator.output.numbered_folders import COMPARISONS
     from wildscav_evaluator.suites.suite_file import find_suite
 
@@ -78,25 +82,6 @@ def compare(
         sandbox=runs_in,
         key=key,
     )
-    run_comparison(plan if out else in_own_folder(plan), Watching(log_format, metrics_port), as_json=as_json)
-
-
-def rescore(
-    out: Annotated[Path, typer.Argument(help="The output folder of an evaluation.", show_default=False)],
-    jobs: Annotated[
-        int | None, typer.Option(help="Records to play at once. Default: one a processor core.", min=1)
-    ] = None,
-    key: KeyOption = None,
-    as_json: AsJson = False,
-) -> None:
-    """Play every record of an evaluation again and compute its tables anew. Exit code 0 only if all agree.
-
-    Every number comes from the records, and exactly the suite's matches of every entrant must be there. Which
-    submission played, in what, and whose fault it was when an agent ended early, is only proven by a ledger
-    that the organizer signed (--key).
-    """
-    from wildscav_engine.parallel.threads import cores
-    from wildscav_evaluator.cli.sessions.rescore import run_rescore
-    from wildscav_evaluator.ledger.keys import read_public
-
-    run_rescore(out, jobs or cores(), None if key is None else read_public(key), as_json=as_json)
+    run_comparison(
+        plan if out else in_own_folder(plan), MonitorOptions(log_format, metrics_port), as_json=as_json
+    )

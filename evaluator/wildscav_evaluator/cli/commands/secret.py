@@ -59,8 +59,9 @@ def commitment(file: Secret) -> None:
 def open_(file: Secret, out: Out) -> None:
     """Put a secret beside the results of its evaluation, so that all of it can be published and checked."""
     from wildscav_engine.storage.files import write_whole
-    from wildscav_evaluator.output.results import RESULTS_FILE, read_results
-    from wildscav_evaluator.suites.seeds import OPENED_FILE, read_secret
+    from wildscav_evaluator.output.layout import OPENED_FILE, RESULTS_FILE
+    from wildscav_evaluator.output.results import read_results
+    from wildscav_evaluator.suites.seeds import read_secret
 
     told, seed = read_results(out / RESULTS_FILE), read_secret(file)
     if told.commitment != seed.commitment:

@@ -7,7 +7,7 @@ from wildscav.cli.replay import check_name
 from wildscav.errors import UserError
 
 
-def check_targets(record: Path | None, replay: Path | None) -> None:
+def check_output_paths(record: Path | None, replay: Path | None) -> None:
     """See that a record and a replay can be written, if they are asked for; their folders are made.
 
     Raises:

@@ -58,16 +58,16 @@ def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: S
     """
     tracks = tracks_played(submissions, asked)
     for name in tracks if asked else ():
-        if name not in suite.courses:
+        if name not in suite.tracks:
             raise UserError(
-                f"suite {suite.name} has no {name}; its tracks are {', '.join(suite.courses)}", exit_code=2
+                f"suite {suite.name} has no {name}; its tracks are {', '.join(suite.tracks)}", exit_code=2
             )
-    played = tuple(name for name in tracks if name in suite.courses)
+    played = tuple(name for name in tracks if name in suite.tracks)
     for submission in submissions:
         if not set(played) & set(submission.manifest.tracks):
             raise UserError(
                 f"submission {submission.name!r} plays no track of suite {suite.name}, which has "
-                f"{', '.join(suite.courses)}",
+                f"{', '.join(suite.tracks)}",
                 exit_code=2,
             )
     return played

@@ -6,13 +6,14 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from wildscav_evaluator.cli.result_tables.ranking import add_columns, number, plain_table, signed
+from wildscav_evaluator.cli.result_tables.ranking import add_columns, plain_table
 from wildscav_evaluator.output.numbered_folders import number_of
-from wildscav_evaluator.scores.changes import Since
-from wildscav_evaluator.scores.compare import FEWEST, Comparison
+from wildscav_evaluator.scores.changes import Change
+from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison
+from wildscav_evaluator.scores.number_format import number, signed
 
 
-def since_table(since: Sequence[Since]) -> Table:
+def changes_table(since: Sequence[Change]) -> Table:
     """Return the table: a line for each submission and track, by the score."""
     table = plain_table("since last time")
     table.add_column("track", no_wrap=True, vertical="bottom")
@@ -47,4 +48,4 @@ def verdict(one: Comparison) -> Text:
         case "tied":
             return Text("within the noise", "yellow")
         case _:
-            return Text(f"too few: {one.pairs} of {FEWEST} matches", "yellow")
+            return Text(f"too few: {one.pairs} of {FEWEST_PAIRS} matches", "yellow")

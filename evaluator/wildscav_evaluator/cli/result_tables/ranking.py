@@ -8,9 +8,9 @@ from rich.text import Text
 
 from wildscav.terminal.tables import FittingTable
 from wildscav_evaluator.output.results import Evaluation, MetricInfo, Results, Summary
+from wildscav_evaluator.scores.number_format import NOTHING, number
 
 HEADING_WIDTH = 8
-NOTHING = "-"
 LEGEND = "↓ less is better, ↑ more is better. The first figure ranks."
 
 
@@ -79,17 +79,6 @@ def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> 
 def fault_cell(faults: int, matches: int) -> Text:
     """Return how many matches failed, in red if any did."""
     return Text(f"{faults} of {matches}", "red" if faults else "")
-
-
-def number(value: float, metric: MetricInfo) -> str:
-    """Return a value as text; rates as percent."""
-    return f"{value:.0%}" if metric.title.endswith("rate") else f"{value:.1f}"
-
-
-def signed(value: float, metric: MetricInfo) -> str:
-    """Return a difference as text, with its sign."""
-    text = number(abs(value), metric)
-    return f"−{text}" if value < 0 and text.strip("0.%") else f"+{text}"
 
 
 def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:

@@ -6,14 +6,15 @@ from collections.abc import Iterator, Mapping
 from rich.table import Table
 from rich.text import Text
 
-from wildscav_evaluator.cli.result_tables.ranking import NOTHING, add_columns, plain_table
+from wildscav_evaluator.cli.result_tables.ranking import add_columns, plain_table
 from wildscav_evaluator.output.results import KeptLimits, Results, SeatTiming
+from wildscav_evaluator.scores.number_format import NOTHING
 
 MACHINES = " *"  # marks late steps of which some are the machine's fault, as a note below says
 UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
 
 
-def time_table(results: Results) -> Table:
+def timing_table(results: Results) -> Table:
     """Return how each submission used its time on each track, over all its matches and seats."""
     table = plain_table("time of the agents, measured at the engine")
     table.add_column("track", vertical="bottom", no_wrap=True)
@@ -53,7 +54,7 @@ def _time(seconds: float) -> str:
     return f"{seconds:.1f} s"
 
 
-def conditions(sandbox: str, limits: Mapping[str, KeptLimits]) -> Iterator[str]:
+def sandbox_and_limits(sandbox: str, limits: Mapping[str, KeptLimits]) -> Iterator[str]:
     """Yield what agents ran in and what they could use of the machine, a line for each kind of track."""
     told: dict[str, list[str]] = {}
     for track, kept in limits.items():

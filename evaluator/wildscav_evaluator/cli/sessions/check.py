@@ -54,7 +54,7 @@ def _document(submission: Submission, findings: list[Finding], logs: Path) -> di
                 "check": finding.check,
                 "verdict": finding.verdict.value,
                 "seen": finding.seen,
-                "advice": finding.mend,
+                "advice": finding.advice,
                 "last_lines": finding.last_lines,
             }
             for finding in findings
@@ -83,4 +83,4 @@ def _explain(finding: Finding) -> None:
     console.print(Text.assemble((f"\n{finding.check}: ", style), finding.seen), soft_wrap=True)
     for line in finding.last_lines[-SHOWN_LINES:]:
         console.print(Text(f"  | {line}", "dim"), soft_wrap=True)
-    console.print(Text.assemble(("  to fix it: ", "bold"), finding.mend), soft_wrap=True)
+    console.print(Text.assemble(("  to fix it: ", "bold"), finding.advice), soft_wrap=True)

@@ -8,18 +8,19 @@ from rich.text import Text
 
 from wildscav.errors import UserError, describe
 from wildscav.terminal.console import console, counted, print_json
-from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, number, plain_table, signed
-from wildscav_evaluator.cli.result_tables.timing import conditions
-from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
+from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
+from wildscav_evaluator.cli.sessions.errors import raise_errors
 from wildscav_evaluator.cli.sessions.evaluate import all_failed, evaluating, say, say_ledger
 from wildscav_evaluator.evaluation import Plan
-from wildscav_evaluator.monitoring.monitor import Watching
+from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.results import write_results
-from wildscav_evaluator.scores.compare import FEWEST, Comparison, compare, write_comparisons
+from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison, compare, write_comparisons
+from wildscav_evaluator.scores.number_format import number, signed
 from wildscav_evaluator.submissions.submission import Submission
 
 
-def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> None:
+def run_comparison(plan: Plan, options: MonitorOptions, *, as_json: bool = False) -> None:
     """Play two submissions on the same matches, and show and keep which is better.
 
     Raises:
@@ -27,7 +28,7 @@ def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> 
             matches, after everything else was shown and kept.
     """
     first, second = plan.submissions
-    with evaluating(plan, watching) as (results, ledger):
+    with evaluating(plan, options) as (results, ledger):
         comparisons = compare(results, first.name, second.name)
         for one in comparisons.comparisons:
             console.print()
@@ -36,7 +37,7 @@ def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> 
         if as_json:
             print_json({"folder": str(plan.out), **comparisons.as_json()})
         console.print()
-        for line in conditions(results.sandbox, results.limits):
+        for line in sandbox_and_limits(results.sandbox, results.limits):
             console.print(f"played in {line}", soft_wrap=True, highlight=False)
         try:
             ledger.close(results, write_results(results, plan.out))
@@ -44,7 +45,7 @@ def run_comparison(plan: Plan, watching: Watching, *, as_json: bool = False) -> 
             say_ledger(plan, ledger)
         except OSError as error:
             raise UserError(f"the comparison could not be kept: {describe(error)}") from error
-    raise_all([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])
+    raise_errors([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])
 
 
 def both_play(tracks: Sequence[str], submissions: Sequence[Submission]) -> tuple[str, ...]:
@@ -85,7 +86,7 @@ def verdict_line(one: Comparison) -> Text:
     dropped = f" ({counted(one.dropped, 'match')} left out: the platform failed)" if one.dropped else ""
     if one.verdict == "too few":
         return Text(
-            f"{counted(one.pairs, 'match')} are too few to tell: {FEWEST} at least{dropped}", "yellow"
+            f"{counted(one.pairs, 'match')} are too few to tell: {FEWEST_PAIRS} at least{dropped}", "yellow"
         )
     title = one.differences[0].metric.title
     if one.verdict == "tied":

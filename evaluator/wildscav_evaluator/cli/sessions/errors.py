@@ -8,14 +8,14 @@ from wildscav.errors import UserError
 from wildscav.terminal.console import error_console
 
 
-def raise_all(complaints: Sequence[str]) -> None:
-    """Print every complaint on a line of its own, in the way of the command line; the last one by raising it.
+def raise_errors(errors: Sequence[str]) -> None:
+    """Print every error on a line of its own, in the way of the command line; the last one by raising it.
 
     Raises:
         UserError: There was one.
     """
-    if not complaints:
+    if not errors:
         return
-    for complaint in complaints[:-1]:
-        error_console.print(Text(f"wildscav: {' '.join(complaint.split())}"), soft_wrap=True)
-    raise UserError(complaints[-1])
+    for error in errors[:-1]:
+        error_console.print(Text(f"wildscav: {' '.join(error.split())}"), soft_wrap=True)
+    raise UserError(errors[-1])

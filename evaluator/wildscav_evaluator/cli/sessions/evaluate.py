@@ -11,38 +11,31 @@ from wildscav.terminal.console import command, console, counted, print_json
 from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.record import SUFFIX
 from wildscav_engine.storage.files import write_whole
-from wildscav_evaluator.cli.result_tables.changes import since_table
+from wildscav_evaluator.cli.result_tables.changes import changes_table
 from wildscav_evaluator.cli.result_tables.ranking import LEGEND, ranked, track_table
-from wildscav_evaluator.cli.result_tables.timing import conditions, time_table
-from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
+from wildscav_evaluator.cli.sessions.errors import raise_errors
 from wildscav_evaluator.evaluation import Plan, check_names, collect, identity, make_jobs
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE
-from wildscav_evaluator.ledger.writer import Keeper
-from wildscav_evaluator.matches.jobs import (
-    LOGS,
-    RECORDS,
-    REPLAYS,
-    Broken,
-    Job,
-    JobResult,
-    Told,
-    kept,
-    sensors_read,
-)
+from wildscav_evaluator.ledger.writer import LedgerWriter
+from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, sensors_read
+from wildscav_evaluator.matches.run_job import kept
 from wildscav_evaluator.matches.workers import WorkerDiedError, Workers
-from wildscav_evaluator.monitoring.monitor import Watch, Watching
-from wildscav_evaluator.output.folder import SUITE_FILE, check_out, keep_only, output_folder
+from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
+from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
+from wildscav_evaluator.output.layout import LEDGER_FILE, LOGS, RECORDS, REPLAYS, RESULTS_FILE, SUITE_FILE
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.result_sinks import ResultSink, sinks
-from wildscav_evaluator.output.results import RESULTS_FILE, Evaluation, Results, write_results
-from wildscav_evaluator.scores.changes import Since, since_last
-from wildscav_evaluator.scores.notes import evaluation_remark, machine_remark
+from wildscav_evaluator.output.results import Evaluation, Results, write_results
+from wildscav_evaluator.scores.changes import Change, changes_since_last
+from wildscav_evaluator.scores.notes import evaluation_actions_note, evaluation_lateness_note
 
 INTERRUPTED = 130  # exit code, as shells have it
-NOBODY = Watching()
+DASHBOARD_ONLY = MonitorOptions()
 
 
-def run_session(plan: Plan, database: Path, watching: Watching = NOBODY, *, as_json: bool = False) -> None:
+def run_session(
+    plan: Plan, database: Path, options: MonitorOptions = DASHBOARD_ONLY, *, as_json: bool = False
+) -> None:
     """Evaluate, show and keep the results.
 
     Raises:
@@ -52,25 +45,23 @@ def run_session(plan: Plan, database: Path, watching: Watching = NOBODY, *, as_j
     kept_by = tuple(sinks(str(database)))
     for sink in kept_by:
         sink.check()
-    with evaluating(plan, watching) as (results, ledger):
+    with evaluating(plan, options) as (results, ledger):
         # Before anything is shown: whoever closes the terminal has them all the same.
-        complaints = list(_written(results, plan.out, ledger))
-        since = since_last(results, plan.out)
+        errors = list(_written(results, plan.out, ledger))
+        since = changes_since_last(results, plan.out)
         _show(results, since)
         if as_json:
             print_json(document(results, plan.out, since))
-        if not complaints:
+        if not errors:
             say("results", str(plan.out / RESULTS_FILE))
             say_ledger(plan, ledger)
-        complaints += _keep(results, plan, kept_by, database)
-        complaints += [
-            all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)
-        ]
-    raise_all(complaints)
+        errors += _keep(results, plan, kept_by, database)
+        errors += [all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)]
+    raise_errors(errors)
 
 
 @contextmanager
-def evaluating(plan: Plan, watching: Watching) -> Iterator[tuple[Results, Keeper]]:
+def evaluating(plan: Plan, options: MonitorOptions) -> Iterator[tuple[Results, LedgerWriter]]:
     """Play all matches of a plan, or what is left of them, and hold its output folder while the block lasts.
 
     Yields:
@@ -85,9 +76,9 @@ def evaluating(plan: Plan, watching: Watching) -> Iterator[tuple[Results, Keeper
     with output_folder(plan.out, identity(plan), fresh=plan.fresh) as lock:
         if plan.suite.source is not None:
             write_whole(plan.out / SUITE_FILE, plan.suite.source)
-        ledger = Keeper(plan.out, identity(plan), plan.key)
+        ledger = LedgerWriter(plan.out, identity(plan), plan.key)
         try:
-            results = collect(plan, _play(plan, jobs, lock, ledger, watching))
+            results = collect(plan, _play(plan, jobs, lock, ledger, options))
         except KeyboardInterrupt:
             raise UserError(_interrupted(plan, jobs), INTERRUPTED) from None
         except WorkerDiedError as error:
@@ -95,41 +86,45 @@ def evaluating(plan: Plan, watching: Watching) -> Iterator[tuple[Results, Keeper
         yield results, ledger
 
 
-def _play(plan: Plan, jobs: Sequence[Job], lock: Lock, ledger: Keeper, watching: Watching) -> list[JobResult]:
+def _play(
+    plan: Plan, jobs: Sequence[Job], lock: Lock, ledger: LedgerWriter, options: MonitorOptions
+) -> list[JobResult]:
     """Play what was not played in an earlier sitting, and return the results of all."""
     done = ledger.confirm([result for job in jobs if (result := kept(job)) is not None])
     keep_only(plan.out, (result.job.stem for result in done))
     if done:
         console.print(_goes_on(len(done), len(jobs)))
-    watch = Watch(jobs, plan.jobs, plan.title, watching)
+    monitor = Monitor(jobs, plan.jobs, plan.title, options)
     for result in done:
-        watch.keep(result)
+        monitor.keep(result)
     complete = {result.job.stem for result in done if not result.to_render}
     waiting = [job for job in jobs if job.stem not in complete]
     if waiting:
         with Workers(min(plan.jobs, len(waiting)), lock) as workers:
             with preparing(console):
                 workers.warm(sensors_read(waiting))
-            with watch.shown():
-                for result in workers.run(waiting, *_hearing(ledger, watch)):
+            with monitor.shown():
+                for result in workers.run(waiting, *_listeners(ledger, monitor)):
                     ledger.end(result)
-                    watch.add(result)
-    return list(watch.tally.done.values())
+                    monitor.add(result)
+    return list(monitor.tally.done.values())
 
 
-def _hearing(ledger: Keeper, watch: Watch) -> tuple[Callable[[Job], None], Callable[[Job, Told], None]]:
+def _listeners(
+    ledger: LedgerWriter, monitor: Monitor
+) -> tuple[Callable[[Job], None], Callable[[Job, JobEvent], None]]:
     """Return what is told of every match as it is begun, and of how it goes on."""
 
     def begin(job: Job) -> None:
         ledger.begin(job.stem)
-        watch.start(job)
+        monitor.start(job)
 
-    def tell(job: Job, told: Told) -> None:
-        if isinstance(told, Broken):
-            ledger.broke(job.stem, told.reason)
-        watch.tell(job, told)
+    def handle(job: Job, event: JobEvent) -> None:
+        if isinstance(event, AttemptFailed):
+            ledger.broke(job.stem, event.reason)
+        monitor.handle(job, event)
 
-    return begin, tell
+    return begin, handle
 
 
 def _goes_on(done: int, jobs: int) -> str:
@@ -147,15 +142,19 @@ def _interrupted(plan: Plan, jobs: Sequence[Job]) -> str:
 
 def _remark(results: Results) -> None:
     """Say which submissions' actions were not as they must be, and which late steps are not their fault."""
-    lines = [line for one in results.evaluations if (line := evaluation_remark(one))]
-    lines += [line for one in results.evaluations if (line := machine_remark(one, results.timings.matches))]
+    lines = [line for one in results.evaluations if (line := evaluation_actions_note(one))]
+    lines += [
+        line
+        for one in results.evaluations
+        if (line := evaluation_lateness_note(one, results.timings.matches))
+    ]
     if lines:
         console.print()
     for line in lines:
         console.print(Text.assemble(("note: ", "yellow"), line))
 
 
-def say_ledger(plan: Plan, ledger: Keeper) -> None:
+def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
     """Say where the ledger is, and who signed it."""
     signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
     say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
@@ -163,7 +162,7 @@ def say_ledger(plan: Plan, ledger: Keeper) -> None:
         say("", f"its head, to be published with the results: {ledger.head}")
 
 
-def _written(results: Results, out: Path, ledger: Keeper) -> Iterator[str]:
+def _written(results: Results, out: Path, ledger: LedgerWriter) -> Iterator[str]:
     """Write the results, close the ledger with them, and yield what went wrong."""
     try:
         ledger.close(results, write_results(results, out))
@@ -173,7 +172,7 @@ def _written(results: Results, out: Path, ledger: Keeper) -> Iterator[str]:
         yield str(error)
 
 
-def document(results: Results, out: Path, since: Sequence[Since]) -> dict[str, object]:
+def document(results: Results, out: Path, since: Sequence[Change]) -> dict[str, object]:
     """Return what ``wildscav evaluate --json`` prints."""
     return {
         "folder": str(out),
@@ -182,19 +181,19 @@ def document(results: Results, out: Path, since: Sequence[Since]) -> dict[str, o
     }
 
 
-def _show(results: Results, since: Sequence[Since] = ()) -> None:
+def _show(results: Results, since: Sequence[Change] = ()) -> None:
     """Show the tables, what agents should have done otherwise, and what they ran in."""
     for track in results.tracks:
         console.print()
         console.print(track_table(results, track))
     console.print(f"\n{LEGEND}\n", style="dim")
     if since:
-        console.print(since_table(since))
+        console.print(changes_table(since))
         console.print()
-    console.print(time_table(results))
+    console.print(timing_table(results))
     _remark(results)
     console.print()
-    for position, line in enumerate(conditions(results.sandbox, results.limits)):
+    for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
         say("" if position else "sandbox", line)
 
 

@@ -23,17 +23,17 @@ from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.cli.options.output_paths import check_targets
-from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, number, plain_table
-from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.cli.options.output_paths import check_output_paths
+from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
+from wildscav_evaluator.cli.sessions.errors import raise_errors
 from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
-from wildscav_evaluator.evaluation import metric_infos
-from wildscav_evaluator.matches.jobs import FINISHED
-from wildscav_evaluator.matches.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
-from wildscav_evaluator.scores.notes import late_for_machine, remark
+from wildscav_evaluator.scores.notes import invalid_actions_note, lateness_note
+from wildscav_evaluator.scores.number_format import number
 from wildscav_evaluator.seats import BATTLE_ROBOTS
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -97,7 +97,7 @@ def run_match(
             everything else was shown and written.
         OSError: A log could not be written.
     """
-    check_targets(record, replay)
+    check_output_paths(record, replay)
     if record is not None or replay is not None:
         _check_recordable(spec)
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
@@ -106,7 +106,7 @@ def run_match(
         played = _play(seating, SANDBOXES[sandbox])
     console.print(_table(seating, played))
     _remark(seating, played)
-    complaints = list(_write(played, seating, record, replay))
+    errors = list(_write(played, seating, record, replay))
     if as_json:
         print_json(_document(seating, played))
     if any(path.exists() for path in paths):
@@ -114,7 +114,7 @@ def run_match(
     for path in filter(is_cut, paths):
         kept = f"{int(seating.limits.output):,}"
         console.print(f"  {path} was cut: of what an agent prints, {kept} bytes are kept", soft_wrap=True)
-    raise_all([*complaints, *_failures(played, seating)])
+    raise_errors([*errors, *_failures(played, seating)])
 
 
 def _check_recordable(spec: MatchSpec) -> None:
@@ -138,7 +138,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
                 empty.rmdir()
 
 
-def _play(seating: Seating, sandbox: Sandbox) -> Played:
+def _play(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
     try:
         with preparing(console):
             warm([submission.manifest.sensors for submission in seating.submissions])
@@ -149,7 +149,7 @@ def _play(seating: Seating, sandbox: Sandbox) -> Played:
         raise UserError(str(error)) from error
 
 
-async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> Played:
+async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
     spec = seating.spec
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
@@ -165,14 +165,14 @@ async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> Played:
             return await play_match(
                 seating,
                 sandbox=sandbox,
-                started=lambda hosted: watching.append(asyncio.create_task(watch(hosted))),
+                on_start=lambda hosted: watching.append(asyncio.create_task(watch(hosted))),
             )
         finally:
             for watcher in watching:
                 watcher.cancel()
 
 
-def _table(seating: Seating, played: Played) -> Table:
+def _table(seating: Seating, played: PlayedMatch) -> Table:
     result = played.match.result()
     metrics = metric_infos(seating.spec.track)
     seconds = result.frames / FRAMES_PER_SECOND
@@ -194,7 +194,7 @@ def _table(seating: Seating, played: Played) -> Table:
     return table
 
 
-def _document(seating: Seating, played: Played) -> dict[str, object]:
+def _document(seating: Seating, played: PlayedMatch) -> dict[str, object]:
     """Return what ``wildscav play --json`` prints."""
     result = played.match.result()
     return {
@@ -207,7 +207,7 @@ def _document(seating: Seating, played: Played) -> dict[str, object]:
     }
 
 
-def _seat_document(seating: Seating, played: Played, seat: "SeatResult") -> dict[str, object]:
+def _seat_document(seating: Seating, played: PlayedMatch, seat: "SeatResult") -> dict[str, object]:
     report = played.seats.get(seat.seat)
     return {
         "seat": seat.seat,
@@ -218,18 +218,20 @@ def _seat_document(seating: Seating, played: Played, seat: "SeatResult") -> dict
     }
 
 
-def _remark(seating: Seating, played: Played) -> None:
+def _remark(seating: Seating, played: PlayedMatch) -> None:
     """Say which agents' actions were not as they must be."""
     for seat, report in played.seats.items():
-        line = remark(seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions)
+        line = invalid_actions_note(
+            seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions
+        )
         if line is not None:
             console.print(Text.assemble(("note: ", "yellow"), line))
         if steps := played.late_for_platform.get(seat):
-            told = late_for_machine(seating.names[seat], {"": steps})
+            told = lateness_note(seating.names[seat], {"": steps})
             console.print(Text.assemble(("note: ", "yellow"), told))
 
 
-def _write(played: Played, seating: Seating, record: Path | None, replay: Path | None) -> Iterator[str]:
+def _write(played: PlayedMatch, seating: Seating, record: Path | None, replay: Path | None) -> Iterator[str]:
     """Write what is asked for, and yield what went wrong. Neither file costs the other."""
     if record is not None:
         try:
@@ -246,7 +248,7 @@ def _write(played: Played, seating: Seating, record: Path | None, replay: Path |
             yield f"the replay could not be kept: {describe(error)}"
 
 
-def _render(played: Played, seating: Seating, replay: Path) -> None:
+def _render(played: PlayedMatch, seating: Seating, replay: Path) -> None:
     from wildscav_engine.view import write_replay
 
     with leftovers.temporary_folder("record-") as folder:
@@ -255,7 +257,7 @@ def _render(played: Played, seating: Seating, replay: Path) -> None:
         write_replay(read_record(path), replay, follow=seating.seats[0])
 
 
-def _failures(played: Played, seating: Seating) -> Iterator[str]:
+def _failures(played: PlayedMatch, seating: Seating) -> Iterator[str]:
     """Yield a line for every agent that did not play to the end."""
     for seat, log in zip(seating.seats, seating.logs, strict=True):
         report = played.seats[seat]

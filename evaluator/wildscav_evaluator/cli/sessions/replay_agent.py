@@ -12,13 +12,14 @@ from wildscav.terminal.console import console, counted, printable
 from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
-from wildscav_evaluator.cli.sessions.errors import raise_all
+from wildscav_evaluator.cli.sessions.errors import raise_errors
 from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
 from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
-from wildscav_evaluator.matches.jobs import FINISHED, RECORDS
-from wildscav_evaluator.matches.play import Played, Seating, play_match, prepare_logs, remove_empty_logs
-from wildscav_evaluator.matches.recorded_match import Agreement, AskedAgain
+from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.recorded_match import Agreement, RecordedMatch
 from wildscav_evaluator.matches.warm import warm
+from wildscav_evaluator.output.layout import RECORDS
+from wildscav_evaluator.output.results import FINISHED
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.submissions.submission import Submission
@@ -56,11 +57,11 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
     finally:
         remove_empty_logs(places)
     match = played.match
-    if not isinstance(match, AskedAgain):
+    if not isinstance(match, RecordedMatch):
         raise TypeError("another match was played than the one asked for")
-    if match.astray is not None:
-        raise UserError(f"{path} does not hold: step {match.astray}: the state differs")
-    raise_all(list(_shown(match.agreements.values(), played, record)))
+    if match.diverged_at is not None:
+        raise UserError(f"{path} does not hold: step {match.diverged_at}: the state differs")
+    raise_errors(list(_shown(match.agreements.values(), played, record)))
 
 
 def _whole(path: Path) -> Record:
@@ -126,13 +127,15 @@ def _warn(text: str) -> None:
     console.print(Text.assemble(("warning: ", "yellow"), printable(text)), soft_wrap=True)
 
 
-def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: str) -> Played:
+def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: str) -> PlayedMatch:
     try:
         with preparing(console):
             warm([submission.manifest.sensors for submission in seating.submissions])
         with console.status(f"asking the agent again, {counted(record.steps, 'step')}"):
             return asyncio.run(
-                play_match(seating, sandbox=SANDBOXES[sandbox], make=lambda _: AskedAgain(record, compared))
+                play_match(
+                    seating, sandbox=SANDBOXES[sandbox], make=lambda _: RecordedMatch(record, compared)
+                )
             )
     except KeyboardInterrupt:
         raise UserError("interrupted: the match was not played to its end", INTERRUPTED) from None
@@ -140,7 +143,7 @@ def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: 
         raise UserError(str(error)) from error
 
 
-def _shown(agreements: Iterable[Agreement], played: Played, record: Record) -> Iterator[str]:
+def _shown(agreements: Iterable[Agreement], played: PlayedMatch, record: Record) -> Iterator[str]:
     """Say how far each seat acted as recorded, and yield a line for each that did not."""
     differing = []
     for one in agreements:

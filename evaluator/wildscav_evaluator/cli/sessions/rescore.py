@@ -8,15 +8,16 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, error_console, print_json
 from wildscav_evaluator.cli.result_tables.ranking import LEGEND, track_table
-from wildscav_evaluator.cli.result_tables.timing import conditions
-from wildscav_evaluator.cli.sessions.errors import raise_all
-from wildscav_evaluator.ledger.ledger import LEDGER_FILE, LedgerError, check_key, read_ledger
+from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
+from wildscav_evaluator.cli.sessions.errors import raise_errors
+from wildscav_evaluator.ledger.ledger import LedgerError, check_key, read_ledger
 from wildscav_evaluator.output.identity import Identity, read_identity
-from wildscav_evaluator.output.results import RESULTS_FILE, Results, Timings, read_results
+from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_FILE
+from wildscav_evaluator.output.record_names import record_paths
+from wildscav_evaluator.output.results import Results, Timings, read_results
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
-from wildscav_evaluator.scores.audit import Folder, complaints, read_folder
-from wildscav_evaluator.scores.rescore import Replayed, recompute, record_paths, replay_all
-from wildscav_evaluator.suites.seeds import OPENED_FILE
+from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies, read_folder
+from wildscav_evaluator.scores.rescore import Replayed, recompute, replay_all
 
 SHOWN = 20  # disagreements, at most
 
@@ -34,18 +35,18 @@ def run_rescore(out: Path, jobs: int, key: str | None = None, *, as_json: bool =
         UserError: There are no records; or they do not agree, after everything was shown.
     """
     paths = record_paths(out)
-    told = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
-    folder = None if told is None else read_folder(out, told, key)
+    reported = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
+    folder = None if reported is None else read_folder(out, reported, key)
     replayed = _replay(paths, jobs)
-    results = recomputed(replayed, told, read_identity(out))
+    results = recomputed(replayed, reported, read_identity(out))
     _show(results)
     found = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
-    found += _without_results(out, key) if folder is None else complaints(folder, replayed)
+    found += _without_results(out, key) if folder is None else discrepancies(folder, replayed)
     if as_json:
         print_json({"folder": str(out), "results": results.as_json(), "disagreements": found})
     if len(found) > SHOWN:
         found[SHOWN:] = [f"and {len(found) - SHOWN:,} more disagreements"]
-    raise_all(found)
+    raise_errors(found)
     everything = counted(len(replayed), "record")
     if folder is None:
         console.print(f"{everything} played again; there is no {out / RESULTS_FILE} to compare with")
@@ -69,7 +70,7 @@ def _without_results(out: Path, key: str | None) -> Iterator[str]:
         yield f"the evaluation in {out} did not come to its end: there is nothing yet that was signed as such"
 
 
-def _say_what_is_shown(folder: Folder) -> None:
+def _say_what_is_shown(folder: AuditedFolder) -> None:
     """Say what all that agrees shows, and what it does not."""
     ledger = folder.ledger
     if ledger is None:
@@ -86,7 +87,7 @@ def _say_what_is_shown(folder: Folder) -> None:
     if again := sum(ledger.interrupted.values()):
         were = "was" if again == 1 else "were"
         _say(f"{counted(again, 'match')} {were} interrupted and started again: see {LEDGER_FILE}")
-    if folder.told.commitment is not None and not (folder.out / OPENED_FILE).exists():
+    if folder.reported.commitment is not None and not (folder.out / OPENED_FILE).exists():
         _say("That these are the suite's matches can be checked once its secret is opened.")
 
 
@@ -95,18 +96,18 @@ def _say(text: str) -> None:
 
 
 def recomputed(
-    replayed: Sequence[Replayed], told: Results | None, identity: Identity | None = None
+    replayed: Sequence[Replayed], reported: Results | None, identity: Identity | None = None
 ) -> Results:
     """Return results made anew from records.
 
     Args:
         replayed: The records, played again.
-        told: What the evaluation said; what no record says is taken from it.
+        reported: What the evaluation said; what no record says is taken from it.
         identity: Which evaluation it is, where it has not come to results yet.
     """
-    evaluations = tuple(recompute(replayed, told))
-    if told is not None:
-        return told.model_copy(update={"evaluations": evaluations})
+    evaluations = tuple(recompute(replayed, reported))
+    if reported is not None:
+        return reported.model_copy(update={"evaluations": evaluations})
     nothing = Timings(started="", wall=0.0, jobs=0, matches=())
     return Results(
         versions=CURRENT_VERSIONS,
@@ -139,5 +140,5 @@ def _show(results: Results) -> None:
         console.print()
     console.print(f"{LEGEND}\n", style="dim")
     if results.limits:
-        for line in conditions(results.sandbox, results.limits):
+        for line in sandbox_and_limits(results.sandbox, results.limits):
             console.print(f"played in {line}", soft_wrap=True, highlight=False)

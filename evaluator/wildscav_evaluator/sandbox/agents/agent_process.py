@@ -57,8 +57,8 @@ def python_command(launch: Launch) -> list[str]:
     return list(launch.command) or [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
 
 
-class Hold(Protocol):
-    """A sandbox's hold on all that one agent started."""
+class AgentHandle(Protocol):
+    """A sandbox's handle on all that one agent started."""
 
     def processes(self) -> list[int]:
         """Return the processes of the agent, as far as they are known."""
@@ -85,9 +85,9 @@ class AgentProcess:
         process: asyncio.subprocess.Process,
         output: tuple[asyncio.StreamReader, asyncio.ReadTransport],
         launch: Launch,
-        hold: Hold,
+        handle: AgentHandle,
     ) -> None:
-        self._process, self._hold = process, hold
+        self._process, self._handle = process, handle
         self._folders = (host_python.CODE, launch.folder)  # what the agent's code is called
         stream, self._pipe = output
         self._log = CappedLog(launch.log, launch.limits.output)
@@ -104,9 +104,9 @@ class AgentProcess:
     async def ended(self) -> Ending:
         """Wait for the process to end. See ``RunningAgent.ended``."""
         code = await self._process.wait()
-        kill = await self._hold.memory_kill(code)
+        kill = await self._handle.memory_kill(code)
         # Whatever it left behind ends with it, and so does its output.
-        await self._hold.kill()
+        await self._handle.kill()
         await self._finish_log()
         signalled = signal_of(code)
         return Ending(
@@ -121,7 +121,7 @@ class AgentProcess:
 
     def processes(self) -> list[int]:
         """Return its processes. See ``RunningAgent.processes``."""
-        return self._hold.processes()
+        return self._handle.processes()
 
     def overdue(self) -> str:
         """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
@@ -130,16 +130,16 @@ class AgentProcess:
     async def stop(self) -> None:
         """Kill all of the agent. See ``RunningAgent.stop``."""
         self._clock.cancel()
-        await self._hold.kill()
+        await self._handle.kill()
         await self._process.wait()
-        await self._hold.kill()
+        await self._handle.kill()
         await self._finish_log()
-        await self._hold.release()
+        await self._handle.release()
 
     async def _watch_clock(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
         self._limit = "wall clock"
-        await self._hold.kill()
+        await self._handle.kill()
 
     async def _finish_log(self) -> None:
         # A child that outlives its parent may hold the pipe open: the log then ends without it.
@@ -154,7 +154,7 @@ class AgentProcess:
 async def start_process(
     arguments: Sequence[str],
     launch: Launch,
-    hold: Hold,
+    handle: AgentHandle,
     *,
     environment: Mapping[str, str],
     folder: Path,
@@ -165,13 +165,13 @@ async def start_process(
     Args:
         arguments: The command.
         launch: What is started.
-        hold: The sandbox's hold on it, made before.
+        handle: The sandbox's handle on it, made before.
         environment: All of its variables.
         folder: Its working directory.
         pass_fds: Files that stay open for it.
 
     Raises:
-        OSError: It could not be started; the hold is released.
+        OSError: It could not be started; the handle is released.
     """
     # A pipe of our own: asyncio's would keep `wait` waiting for every child that holds it open.
     ours, theirs = os.pipe()
@@ -189,11 +189,11 @@ async def start_process(
         )
     except BaseException:
         output[1].close()
-        await hold.release()
+        await handle.release()
         raise
     finally:
         os.close(theirs)
-    return AgentProcess(process, output, launch, hold)
+    return AgentProcess(process, output, launch, handle)
 
 
 async def _open_stream(pipe: int) -> tuple[asyncio.StreamReader, asyncio.ReadTransport]:

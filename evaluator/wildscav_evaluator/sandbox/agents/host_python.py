@@ -62,7 +62,7 @@ def socket_path(address: str) -> Path:
     return Path(address.removeprefix("unix:").removeprefix("//"))
 
 
-def everybody_reads(folder: Path) -> bool:
+def is_world_readable(folder: Path) -> bool:
     """Return whether every user may read a folder with all that is in it."""
     return all(_readable(Path(entry)) for entry in _walk(folder))
 

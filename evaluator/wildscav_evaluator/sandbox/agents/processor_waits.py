@@ -51,7 +51,7 @@ class WaitMeter:
     def take(self) -> None:
         """Take a sample."""
         now = time.monotonic()
-        samples = {process: sample for process in self._processes() if (sample := read(process))}
+        samples = {process: sample for process in self._processes() if (sample := take_sample(process))}
         grown = [
             Sample(*(new - old for new, old in zip(sample, self._last[process], strict=True)))
             for process, sample in samples.items()
@@ -91,7 +91,7 @@ class WaitMeter:
         return self._waited[before] + share * (self._waited[after] - self._waited[before])
 
 
-def read(process: int) -> Sample | None:
+def take_sample(process: int) -> Sample | None:
     """Return what the kernel has counted of a process; None if it is gone, or the kernel counts nothing."""
     with contextlib.suppress(OSError, ValueError, IndexError):
         folder = Path(f"/proc/{process}")

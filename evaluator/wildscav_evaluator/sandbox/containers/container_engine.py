@@ -32,11 +32,11 @@ CREATION_TIME = 20.0  # s that the making of a container may take
 SETTLING = 2.0  # s in which Docker's daemon may still make what a killed command asked it for
 BARE = "localhost/wildscav-bare"  # an image of nothing, for agents that run with this machine's Python
 INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
-LONGEST = 300  # characters of a complaint that are told
+LONGEST = 300  # characters of an error message that are shown
 
 
 @dataclass(frozen=True)
-class Engine:
+class ContainerEngine:
     """A container engine, and what it needs on this machine."""
 
     name: str
@@ -65,12 +65,12 @@ class Engine:
         )
         try:
             async with asyncio.timeout(PATIENCE):
-                output, complaints = await process.communicate()
+                output, errors = await process.communicate()
         except TimeoutError:
             process.kill()
             raise SandboxError(f"{self.name} {arguments[0]} takes more than {PATIENCE:g} s") from None
         if process.returncode != 0:
-            raise SandboxError(f"{self.name} {arguments[0]} failed: {last_line(complaints)}")
+            raise SandboxError(f"{self.name} {arguments[0]} failed: {last_line(errors)}")
         return output.decode("utf-8", "replace").strip()
 
 
@@ -81,7 +81,7 @@ def last_line(output: bytes) -> str:
     return line if len(line) <= LONGEST else f"{line[:LONGEST]} …"
 
 
-def find_engine() -> Engine:
+def find_engine() -> ContainerEngine:
     """Return the engine that works on this machine, or the one that WILDSCAV_ENGINE names.
 
     Raises:
@@ -91,32 +91,32 @@ def find_engine() -> Engine:
 
 
 @functools.cache
-def _find(asked: str, docker_host: str, path: str) -> Engine:
+def _find(asked: str, docker_host: str, path: str) -> ContainerEngine:
     del path  # where programs are, which tests change
     if asked and asked not in ENGINES:
         raise SandboxError(f"{CHOICE} is {asked!r}, must be one of {', '.join(ENGINES)}")
-    complaints = []
+    reasons = []
     for name in (asked,) if asked else ENGINES:
         if shutil.which(name) is None:
-            complaints.append(f"{name} is not installed")
+            reasons.append(f"{name} is not installed")
             continue
         try:
             return _podman() if name == "podman" else _docker(docker_host)
         except SandboxError as error:
-            complaints.append(f"{name}: {error}")
-    raise SandboxError(f"no container engine works here ({'; '.join(complaints)}): {INSTALL}")
+            reasons.append(f"{name}: {error}")
+    raise SandboxError(f"no container engine works here ({'; '.join(reasons)}): {INSTALL}")
 
 
-def _podman() -> Engine:
+def _podman() -> ContainerEngine:
     # crun cannot work with control groups of version 1, which runc can.
-    options = ("--runtime", "runc") if old_groups() and shutil.which("runc") else ()
-    engine = Engine("podman", options, all_users=os.getuid() == 0)
+    options = ("--runtime", "runc") if has_cgroup_v1() and shutil.which("runc") else ()
+    engine = ContainerEngine("podman", options, all_users=os.getuid() == 0)
     _ask(engine, "version", "--format", "{{.Version}}")
     return engine
 
 
-def _docker(host: str) -> Engine:
-    engine = Engine("docker", ("--host", host) if host else ())
+def _docker(host: str) -> ContainerEngine:
+    engine = ContainerEngine("docker", ("--host", host) if host else ())
     server = _ask(engine, "version", "--format", "{{json .Server}}")
     if any("podman" in str(part.get("Name", "")).lower() for part in server.get("Components") or ()):
         raise SandboxError(
@@ -126,7 +126,7 @@ def _docker(host: str) -> Engine:
     return replace(engine, all_users=not any("rootless" in one or "userns" in one for one in security))
 
 
-def _ask(engine: Engine, *arguments: str) -> Any:
+def _ask(engine: ContainerEngine, *arguments: str) -> Any:
     """Return what an engine answers, read as JSON if it is."""
     answer = call(engine, *arguments)
     if answer.returncode != 0:
@@ -136,13 +136,13 @@ def _ask(engine: Engine, *arguments: str) -> Any:
     return answer.stdout
 
 
-def old_groups() -> bool:
+def has_cgroup_v1() -> bool:
     """Return whether this machine has control groups of version 1."""
     return not Path("/sys/fs/cgroup/cgroup.controllers").exists()
 
 
 def call(
-    engine: Engine, *arguments: str, content: bytes | None = None
+    engine: ContainerEngine, *arguments: str, content: bytes | None = None
 ) -> "subprocess.CompletedProcess[bytes]":
     """Run a command of the engine and wait for it.
 
@@ -163,7 +163,7 @@ def call(
 
 
 @functools.cache
-def bare_image(engine: Engine, folders: Sequence[str], links: tuple[tuple[str, str], ...]) -> str:
+def bare_image(engine: ContainerEngine, folders: Sequence[str], links: tuple[tuple[str, str], ...]) -> str:
     """Return an image of empty folders and links, made if it is not there yet.
 
     Raises:
@@ -189,7 +189,7 @@ def bare_image(engine: Engine, folders: Sequence[str], links: tuple[tuple[str, s
 
 
 @functools.cache
-def image_command(engine: Engine, image: str) -> tuple[str, ...]:
+def image_command(engine: ContainerEngine, image: str) -> tuple[str, ...]:
     """Return the command that an image runs by itself.
 
     Raises:
@@ -202,7 +202,7 @@ def image_command(engine: Engine, image: str) -> tuple[str, ...]:
     return command
 
 
-def image_settings(engine: Engine, image: str) -> dict[str, Any]:
+def image_settings(engine: ContainerEngine, image: str) -> dict[str, Any]:
     """Return what an image says of how it is to be run.
 
     Raises:
@@ -218,21 +218,21 @@ def _digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 
-def enter_container(engine: Engine, name: str) -> None:
+def enter_container(engine: ContainerEngine, name: str) -> None:
     """Enter a container in this process's list, before it is made."""
     leftovers.enter(KIND, _entry(engine, name))
 
 
-def cross_out_container(engine: Engine, name: str) -> None:
+def cross_out_container(engine: ContainerEngine, name: str) -> None:
     """Note that a container is gone."""
     leftovers.cross_out(KIND, _entry(engine, name))
 
 
-def _entry(engine: Engine, name: str) -> str:
+def _entry(engine: ContainerEngine, name: str) -> str:
     return json.dumps([engine.name, *engine.options, name])
 
 
-def removal(engine: Engine, name: str) -> tuple[str, ...]:
+def removal(engine: ContainerEngine, name: str) -> tuple[str, ...]:
     """Return the arguments that remove a container, running or not, with the volumes made for it."""
     return ("rm", "-f", "-v", *(("-t", "0") if engine.name == "podman" else ()), name)
 
@@ -244,7 +244,7 @@ def remove_left_container(entry: str) -> None:
         OSError: It may still be there.
     """
     command, *options, name = json.loads(entry)
-    engine = Engine(command, tuple(options))
+    engine = ContainerEngine(command, tuple(options))
     _wait_for_creation(name)
     now = time.monotonic()
     settled, end = now + (SETTLING if engine.name == "docker" else 0.0), now + PATIENCE
@@ -254,7 +254,7 @@ def remove_left_container(entry: str) -> None:
         time.sleep(0.1)
 
 
-def _is_removed(engine: Engine, name: str, settled: float) -> bool:
+def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
     """Remove a container, and return whether it is gone for good.
 
     Args:

@@ -32,14 +32,14 @@ from wildscav_evaluator.sandbox.agents.readable_copies import readable_copy
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
     OWNER,
-    Engine,
+    ContainerEngine,
     bare_image,
     cross_out_container,
     enter_container,
     find_engine,
+    has_cgroup_v1,
     image_command,
     image_settings,
-    old_groups,
     processes_of,
     removal,
     start_reaper,
@@ -97,29 +97,29 @@ class OciSandbox:
         """Start an agent. See ``Sandbox.start``."""
         engine = await asyncio.to_thread(find_engine)
         start_reaper(os.getpid())
-        hold = ContainerHold(engine, f"wildscav-{leftovers.owner()}-{next(_numbers)}")
-        hold.command = launch.command[0] if launch.command else ""
+        handle = ContainerHandle(engine, f"wildscav-{leftovers.owner()}-{next(_numbers)}")
+        handle.command = launch.command[0] if launch.command else ""
         try:
             environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
-            arguments = await asyncio.to_thread(_create_command, launch, hold)
-            hold.identity = await engine.run(*arguments, environment=environment)
+            arguments = await asyncio.to_thread(_create_command, launch, handle)
+            handle.identity = await engine.run(*arguments, environment=environment)
             process = await start_process(
-                [*engine.command, "start", "--attach", hold.container],
+                [*engine.command, "start", "--attach", handle.container],
                 launch,
-                hold,
+                handle,
                 environment=os.environ,
                 folder=Path("/"),
             )
         except BaseException:
-            await asyncio.shield(hold.release())
+            await asyncio.shield(handle.release())
             raise
-        return Container(process, hold)
+        return Container(process, handle)
 
 
-class ContainerHold:
-    """A hold on an agent by its container."""
+class ContainerHandle:
+    """A handle on an agent by its container."""
 
-    def __init__(self, engine: Engine, container: str) -> None:
+    def __init__(self, engine: ContainerEngine, container: str) -> None:
         self.engine, self.container = engine, container
         self.folder = Path(
             tempfile.mkdtemp(prefix="container-", dir=leftovers.own_folder())
@@ -133,13 +133,13 @@ class ContainerHold:
         self._looked = -LOOK  # when, by the monotonic clock
 
     def processes(self) -> list[int]:
-        """Return the processes of the container. See ``Hold.processes``."""
+        """Return the processes of the container. See ``AgentHandle.processes``."""
         if self.identity and time.monotonic() > self._looked + LOOK:
             self._looked, self._found = time.monotonic(), processes_of(self.identity)
         return self._found
 
     async def kill(self) -> None:
-        """Remove the container, and with it every process. See ``Hold.kill``."""
+        """Remove the container, and with it every process. See ``AgentHandle.kill``."""
         if not self._removed:
             with contextlib.suppress(SandboxError):
                 await self.engine.run(*removal(self.engine, self.container))
@@ -149,7 +149,7 @@ class ContainerHold:
     async def memory_kill(self, code: int) -> MemoryKill:
         """Return for want of whose memory the kernel killed, as it says or as the engine knows it.
 
-        See ``Hold.memory_kill``.
+        See ``AgentHandle.memory_kill``.
         """
         if code == 0:
             return MemoryKill.NONE
@@ -163,12 +163,12 @@ class ContainerHold:
             self.never_started = str(state.get("StartedAt", NEVER)).startswith(NEVER)
             # With control groups of version 1, Podman does not notice. What kills an agent is then memory, or
             # the agent itself: others cannot, and for a limit of ours there is another word.
-            unnoticed = self.engine.name == "podman" and old_groups() and logged is None
+            unnoticed = self.engine.name == "podman" and has_cgroup_v1() and logged is None
             return MemoryKill.OWN if state.get("OOMKilled") or unnoticed else MemoryKill.NONE
         return MemoryKill.NONE
 
     async def release(self) -> None:
-        """Remove what is left. See ``Hold.release``."""
+        """Remove what is left. See ``AgentHandle.release``."""
         await self.kill()
         await asyncio.to_thread(shutil.rmtree, self.folder, ignore_errors=True)
 
@@ -176,18 +176,18 @@ class ContainerHold:
 class Container:
     """One agent's container."""
 
-    def __init__(self, process: AgentProcess, hold: ContainerHold) -> None:
-        self._process, self._hold = process, hold
+    def __init__(self, process: AgentProcess, handle: ContainerHandle) -> None:
+        self._process, self._handle = process, handle
 
     async def ended(self) -> Ending:
         """Wait for the container to end. See ``RunningAgent.ended``."""
         ending = await self._process.ended()
-        if self._hold.command and NOT_RUN in ending.last_words:  # Podman's init does not say what
-            return replace(ending, last_words=f"cannot run {self._hold.command}: {ending.last_words}")
-        if ending.exit_code in NO_COMMAND and self._hold.command:
+        if self._handle.command and NOT_RUN in ending.last_words:  # Podman's init does not say what
+            return replace(ending, last_words=f"cannot run {self._handle.command}: {ending.last_words}")
+        if ending.exit_code in NO_COMMAND and self._handle.command:
             return ending  # there is no such program in it, says the engine
-        if ending.exit_code in ENGINE_FAILED and self._hold.never_started:
-            engine = self._hold.engine.name
+        if ending.exit_code in ENGINE_FAILED and self._handle.never_started:
+            engine = self._handle.engine.name
             return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
         return ending
 
@@ -204,28 +204,30 @@ class Container:
         await self._process.stop()
 
 
-def _create_command(launch: Launch, hold: ContainerHold) -> list[str]:
+def _create_command(launch: Launch, handle: ContainerHandle) -> list[str]:
     """Return the arguments that make an agent's container, without starting it."""
-    engine = hold.engine
+    engine = handle.engine
     image, command = _image(launch, engine)
     clock, entry = _with_wall_clock(command, launch, engine)
     return [
-        *("create", "--name", hold.container, "--label", f"{OWNER}={leftovers.owner()}", "--pull", "never"),
+        *("create", "--name", handle.container, "--label", f"{OWNER}={leftovers.owner()}", "--pull", "never"),
         *("--network", "none", "--hostname", "agent", "--user", _user(engine), "--no-healthcheck"),
         *("--cap-drop", "all", "--security-opt", "no-new-privileges"),
-        *("--security-opt", f"seccomp={_profile(launch, hold.folder)}"),
+        *("--security-opt", f"seccomp={_profile(launch, handle.folder)}"),
         *("--log-driver", "none", "--read-only"),
         *(PODMAN_ONLY if engine.name == "podman" else ()),
         *clock,
         *_limits(launch.limits, engine),
         *_variables(launch),
-        *_mounts(launch, hold),
+        *_mounts(launch, handle),
         *(("--workdir", str(host_python.CODE)) if launch.image is None else ()),
         *(image, *entry),
     ]
 
 
-def _with_wall_clock(command: Sequence[str], launch: Launch, engine: Engine) -> tuple[list[str], list[str]]:
+def _with_wall_clock(
+    command: Sequence[str], launch: Launch, engine: ContainerEngine
+) -> tuple[list[str], list[str]]:
     """Return the options that keep a container's wall clock, and the command in it.
 
     Args:
@@ -244,7 +246,7 @@ def _with_wall_clock(command: Sequence[str], launch: Launch, engine: Engine) -> 
     return [*without(variables), "--entrypoint", first], others
 
 
-def _user(engine: Engine) -> str:
+def _user(engine: ContainerEngine) -> str:
     # Where there are few users, agents share the one who owns nothing.
     user = agent_user() if engine.all_users else host_python.NOBODY
     return f"{user}:{user}"
@@ -256,7 +258,7 @@ def _profile(launch: Launch, folder: Path) -> Path:
     return path
 
 
-def _limits(limits: Limits, engine: Engine) -> list[str]:
+def _limits(limits: Limits, engine: ContainerEngine) -> list[str]:
     memory, tmp = str(int(limits.memory)), int(limits.tmp_size)
     hard = resource.getrlimit(resource.RLIMIT_NPROC)[1]
     processes = MOST_PROCESSES if hard == resource.RLIM_INFINITY else min(MOST_PROCESSES, hard)
@@ -283,7 +285,7 @@ def _variables(launch: Launch) -> list[str]:
     return [*named, "--env", "WILDSCAV_TOKEN"]
 
 
-def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
+def _image(launch: Launch, engine: ContainerEngine) -> tuple[str, list[str]]:
     """Return an agent's image, and the command in it: none for an image's own."""
     if launch.image is not None:
         return launch.image, []
@@ -294,7 +296,7 @@ def _image(launch: Launch, engine: Engine) -> tuple[str, list[str]]:
     return bare_image(engine, folders, links), python_command(launch)
 
 
-def _host_runtime(engine: Engine) -> host_python.Runtime:
+def _host_runtime(engine: ContainerEngine) -> host_python.Runtime:
     """Return this machine's Python, as an engine can mount it."""
     host = host_python.host_runtime()
     # Docker puts its init into /sbin, which must not be a link into our /usr then.
@@ -306,18 +308,18 @@ def _host_runtime(engine: Engine) -> host_python.Runtime:
     return host
 
 
-def _mounts(launch: Launch, hold: ContainerHold) -> list[str]:
+def _mounts(launch: Launch, handle: ContainerHandle) -> list[str]:
     """Return the options for what is mounted: the socket; where no image has them, code and Python."""
     socket = host_python.socket_path(launch.address)
     socket.chmod(0o666)  # the folder that it is in keeps others from it
     mounts = {host_python.SOCKET: socket}
-    if hold.engine.name == "docker":
-        mounts |= guard_files() if launch.image is None else _copied_guard(hold.folder)
+    if handle.engine.name == "docker":
+        mounts |= guard_files() if launch.image is None else _copied_guard(handle.folder)
     if launch.image is None:
         folder = launch.folder
-        if not host_python.everybody_reads(folder):
-            folder = readable_copy(folder, hold.folder)
-        mounts = {**_host_runtime(hold.engine).folders, host_python.CODE: folder, **mounts}
+        if not host_python.is_world_readable(folder):
+            folder = readable_copy(folder, handle.folder)
+        mounts = {**_host_runtime(handle.engine).folders, host_python.CODE: folder, **mounts}
     return [
         word
         for there, here in mounts.items()

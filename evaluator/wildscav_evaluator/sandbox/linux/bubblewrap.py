@@ -52,30 +52,30 @@ class BubblewrapSandbox:
             raise SandboxError(f"image {launch.image} needs --sandbox oci: bubblewrap runs folders only")
         if shutil.which("bwrap") is None:
             raise SandboxError("there is no bubblewrap: install it (package bubblewrap)")
-        hold = GroupHold(AgentGroup(find_version(), launch.limits))
+        handle = CgroupHandle(AgentGroup(find_version(), launch.limits))
         agent = None
         try:
-            hold.stage(launch.folder)
-            agent = await _start(launch, hold)
-            await _await_start(agent, hold)
+            handle.stage(launch.folder)
+            agent = await _start(launch, handle)
+            await _await_start(agent, handle)
         except BaseException:
-            await (hold.release() if agent is None else agent.stop())
+            await (handle.release() if agent is None else agent.stop())
             raise
         return agent
 
 
-async def _start(launch: Launch, hold: "GroupHold") -> AgentProcess:
+async def _start(launch: Launch, handle: "CgroupHandle") -> AgentProcess:
     """Start bubblewrap, without waiting for what comes of it."""
     filter_fd = os.memfd_create("seccomp")
-    hold.status, status = os.pipe()
+    handle.status, status = os.pipe()
     try:
         os.write(filter_fd, bpf_filter())
         os.lseek(filter_fd, 0, os.SEEK_SET)
         variables = host_python.host_runtime().variables() | agent_variables(launch, host_python.ADDRESS)
         return await start_process(
-            _command(launch, hold, filter_fd, status),
+            _command(launch, handle, filter_fd, status),
             launch,
-            hold,
+            handle,
             environment=variables,
             folder=Path("/"),
             pass_fds=(filter_fd, status),
@@ -85,8 +85,8 @@ async def _start(launch: Launch, hold: "GroupHold") -> AgentProcess:
         os.close(status)
 
 
-class GroupHold:
-    """A hold on an agent by its control group."""
+class CgroupHandle:
+    """A handle on an agent by its control group."""
 
     def __init__(self, group: AgentGroup) -> None:
         self.group = group
@@ -96,25 +96,25 @@ class GroupHold:
 
     def stage(self, folder: Path) -> None:
         """Take a submission's folder, or a copy of it if the agent's user could not read it."""
-        if os.getuid() == 0 and not host_python.everybody_reads(folder):
+        if os.getuid() == 0 and not host_python.is_world_readable(folder):
             self._copy = Path(tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder()))
             folder = readable_copy(folder, self._copy)
         self.folder = folder
 
     def processes(self) -> list[int]:
-        """Return the processes of the group. See ``Hold.processes``."""
+        """Return the processes of the group. See ``AgentHandle.processes``."""
         return self.group.members()
 
     async def kill(self) -> None:
-        """Kill the group. See ``Hold.kill``."""
+        """Kill the group. See ``AgentHandle.kill``."""
         await asyncio.to_thread(self.group.kill)
 
     async def memory_kill(self, code: int) -> MemoryKill:  # noqa: ARG002
-        """Return for want of whose memory the kernel killed. See ``Hold.memory_kill``."""
+        """Return for want of whose memory the kernel killed. See ``AgentHandle.memory_kill``."""
         return self.group.memory_kill()
 
     async def release(self) -> None:
-        """Remove the group, and the copy of the code. See ``Hold.release``."""
+        """Remove the group, and the copy of the code. See ``AgentHandle.release``."""
         await asyncio.to_thread(self.group.remove)
         if self.status is not None:
             os.close(self.status)
@@ -123,29 +123,29 @@ class GroupHold:
             shutil.rmtree(self._copy, ignore_errors=True)
 
 
-async def _await_start(agent: AgentProcess, hold: GroupHold) -> None:
+async def _await_start(agent: AgentProcess, handle: CgroupHandle) -> None:
     """Wait until bubblewrap has become the agent.
 
     Raises:
         SandboxError: It could not.
     """
-    if hold.status is not None and b'"child-pid"' in await asyncio.to_thread(os.read, hold.status, 4096):
+    if handle.status is not None and b'"child-pid"' in await asyncio.to_thread(os.read, handle.status, 4096):
         return
     ending = await agent.ended()
     raise SandboxError(f"bubblewrap could not start: {ending.last_words or ending}")
 
 
-def _command(launch: Launch, hold: GroupHold, filter_fd: int, status_fd: int) -> list[str]:
+def _command(launch: Launch, handle: CgroupHandle, filter_fd: int, status_fd: int) -> list[str]:
     """Return the whole command that starts an agent."""
     limits = launch.limits
     as_user, drop = _user()
     return [
-        *("/bin/sh", "-c", ENTER, "sh", *map(str, hold.group.entrances), "--", str(limits.open_files)),
+        *("/bin/sh", "-c", ENTER, "sh", *map(str, handle.group.entrances), "--", str(limits.open_files)),
         *("bwrap", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts"),
         "--unshare-cgroup-try",
         *("--die-with-parent", "--new-session", "--hostname", "agent", *as_user),
         *("--seccomp", str(filter_fd), "--json-status-fd", str(status_fd)),
-        *_mounts(launch, hold.folder, int(limits.tmp_size)),
+        *_mounts(launch, handle.folder, int(limits.tmp_size)),
         *("--chdir", str(host_python.CODE), "--", *drop, *python_command(launch)),
     ]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.evaluator.players import WALKER, Command, Submit
+from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav_engine.record import read_record, save, verify_record
 from wildscav_evaluator.output.lock import locked

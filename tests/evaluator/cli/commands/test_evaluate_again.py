@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Command, Submit
+from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 SUITE = """
 name = "tiny"

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Command, Submit
+from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.options.signing import signing_key

@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import Command, Submit
+from tests.evaluator.sample_agents import Command, Submit
 
 from wildscav.errors import UserError
 from wildscav_engine.record import write_record

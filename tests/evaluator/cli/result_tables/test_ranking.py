@@ -16,16 +16,16 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.commands import doctor
-from wildscav_evaluator.cli.result_tables.changes import since_table, verdict
+from wildscav_evaluator.cli.result_tables.changes import changes_table, verdict
 from wildscav_evaluator.cli.result_tables.ranking import track_table
-from wildscav_evaluator.cli.result_tables.timing import time_table
+from wildscav_evaluator.cli.result_tables.timing import timing_table
 from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import play as play_session
 from wildscav_evaluator.cli.sessions.compare import comparison_table
-from wildscav_evaluator.matches.play import Played, Seating
+from wildscav_evaluator.matches.play import PlayedMatch, Seating
 from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.sandbox import Promise
-from wildscav_evaluator.scores.changes import Since
+from wildscav_evaluator.scores.changes import Change
 from wildscav_evaluator.scores.compare import compare
 from wildscav_evaluator.submissions.submission import Manifest, Submission
 from wildscav_leaderboard import cli as leaderboard
@@ -66,16 +66,16 @@ def of_play(_: Path) -> Table:
     )
     seating = Seating(spec, (Submission(Path("/a"), manifest, ""),), (Path("/log"),))
     report = SeatReport(seat=0, status=SeatStatus.PROTOCOL_ERROR)
-    return play_session._table(seating, Played(Match(spec), {0: report}))
+    return play_session._table(seating, PlayedMatch(Match(spec), {0: report}))
 
 
 TABLES: dict[str, Callable[[Path], Table]] = {
     "evaluate": lambda _: track_table(RESULTS, "royale"),
     "evaluate, long names": lambda _: track_table(WITH_LONGEST, "royale"),
-    "time": lambda _: time_table(results_of("my-agent")),
-    "time, long names": lambda _: time_table(results_of(LONGEST)),
-    "since": lambda _: since_table([Since(folder="0001-a", version="1.0.0", comparison=COMPARISON)]),
-    "since, long names": lambda _: since_table([Since(folder="0001-a", version="1.0.0", comparison=LONG)]),
+    "time": lambda _: timing_table(results_of("my-agent")),
+    "time, long names": lambda _: timing_table(results_of(LONGEST)),
+    "since": lambda _: changes_table([Change(folder="0001-a", version="1.0.0", comparison=COMPARISON)]),
+    "since, long names": lambda _: changes_table([Change(folder="0001-a", version="1.0.0", comparison=LONG)]),
     "compare": lambda _: comparison_table(COMPARISON),
     "compare, long names": lambda _: comparison_table(LONG),
     "play": of_play,
@@ -122,7 +122,7 @@ def test_the_table_since_last_time_says_which_way_is_better() -> None:
     for track, arrow in (("navigation", "↓"), ("royale", "↑")):
         ones = (evaluation("now", track, (1.0, 2.0)), evaluation("then", track, (2.0, 3.0)))
         comparison = compare(RESULTS.model_copy(update={"evaluations": ones}), "now", "then").comparisons[0]
-        table = since_table([Since(folder="0001-a", version="1.0.0", comparison=comparison)])
+        table = changes_table([Change(folder="0001-a", version="1.0.0", comparison=comparison)])
         assert list(table.columns[0].cells) == [f"{track} {arrow}"]
 
 

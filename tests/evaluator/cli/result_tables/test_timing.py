@@ -5,8 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from wildscav_evaluator.cli.result_tables.timing import conditions, time_table
-from wildscav_evaluator.evaluation import metric_infos
+from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
 from wildscav_evaluator.output.results import (
     Evaluation,
     KeptLimits,
@@ -14,6 +13,7 @@ from wildscav_evaluator.output.results import (
     Results,
     SeatTiming,
     Timings,
+    metric_infos,
 )
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 
@@ -62,7 +62,7 @@ def results(*seats: SeatTiming) -> Results:
 def cells(*seats: SeatTiming) -> list[str]:
     """The row of the table in a terminal of 80 columns, cell by cell."""
     console = Console(file=io.StringIO(), width=80)
-    console.print(time_table(results(*seats)))
+    console.print(timing_table(results(*seats)))
     assert isinstance(console.file, io.StringIO)
     *_, row = (line for line in console.file.getvalue().splitlines() if "navigation" in line)
     return row.split()
@@ -115,4 +115,4 @@ def test_a_submission_that_never_played_has_no_times() -> None:
 def test_conditions_are_told_once_for_all_tracks_that_share_them(
     limits: dict[str, KeptLimits], lines: list[str]
 ) -> None:
-    assert list(conditions("oci", limits)) == lines
+    assert list(sandbox_and_limits("oci", limits)) == lines

@@ -5,13 +5,13 @@ from pathlib import Path
 from tests.evaluator.results_by_hand import identity_of, results_of
 
 from wildscav_evaluator.cli.sessions.evaluate import _written
-from wildscav_evaluator.ledger.writer import Keeper
+from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.output.results import read_results
 
 
 def test_a_ledger_that_cannot_be_closed_keeps_no_results_from_being_shown(tmp_path: Path) -> None:
     results = results_of("ada")
-    ledger = Keeper(tmp_path, identity_of("ada"), None)
+    ledger = LedgerWriter(tmp_path, identity_of("ada"), None)
     ledger._path = Path("/dev/full")  # the disk is full from here on
 
     (said,) = _written(results, tmp_path, ledger)

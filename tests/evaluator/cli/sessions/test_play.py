@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.evaluator.players import WALKER, Command, Submit
+from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav_engine.record import read_record
 

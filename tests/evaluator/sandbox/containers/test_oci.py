@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.conftest import missing
-from tests.evaluator.sandbox.world import LIMITS, listening, wait_until
+from tests.evaluator.sandbox.available import missing
+from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening, wait_until
 
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError

@@ -10,8 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from wildscav_engine.record import read_record
-from wildscav_evaluator.output.journal import MATCHES, Entry
-from wildscav_evaluator.output.results import RESULTS_FILE, Results
+from wildscav_evaluator.output.journal import Entry
+from wildscav_evaluator.output.layout import MATCHES, RESULTS_FILE
+from wildscav_evaluator.output.results import Results
 
 PROGRAM = str(Path(sys.executable).parent / "wildscav")
 

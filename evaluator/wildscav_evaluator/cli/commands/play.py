@@ -1,0 +1,66 @@
+"""The command ``wildscav play``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.errors import UserError, describe
+from wildscav.system.output_folders import check_folder
+from wildscav_evaluator.cli.options.evaluation import Submissions
+from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+
+
+def play(
+    submissions: Submissions,
+    track: Annotated[
+        str | None, typer.Option(help="What to play. Default: the first submission's first track.")
+    ] = None,
+    map_seed: Annotated[
+        int,
+        typer.Option(
+            "--map",
+            help="Seed that the map is made from; it names none of the numbered maps.",
+            min=0,
+            max=2**64 - 1,
+        ),
+    ] = 0,
+    size: Annotated[int, typer.Option(help="Side of the map, m.", min=40, max=2000)] = 100,
+    seed: Annotated[int, typer.Option(help="Seed of the match.", min=0, max=2**64 - 1)] = 0,
+    robots: Annotated[
+        int | None,
+        typer.Option(help="Seats for robots. Default: in battle, up to six seats in all.", min=0, max=999),
+    ] = None,
+    time_limit: Annotated[float, typer.Option(help="Seconds of game time.", min=0.1, max=86_400)] = 60.0,
+    record: Annotated[Path | None, typer.Option(help="Keep the match as a record in this file.")] = None,
+    replay: Annotated[
+        Path | None, typer.Option(help="Render the match as a Rerun recording into this file (.rrd).")
+    ] = None,
+    logs: Annotated[Path, typer.Option(help="Folder for what the agents print.")] = Path("out/play"),
+    sandbox: InSandbox = None,
+    as_json: AsJson = False,
+) -> None:
+    """Play one match, each agent in a sandbox of its own."""
+    from wildscav_evaluator.cli.options.selection import check_plays, load_submissions, tracks_played
+    from wildscav_evaluator.cli.sessions.play import make_spec, run_match
+
+    check_folder("--logs", logs)
+    loaded = load_submissions(submissions)
+    chosen = tracks_played(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
+    for submission in loaded:
+        check_plays(submission, chosen)
+    spec = make_spec(
+        chosen,
+        submissions=len(loaded),
+        robots=robots,
+        map_seed=map_seed,
+        size=size,
+        seed=seed,
+        time_limit=time_limit,
+    )
+    runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    try:
+        run_match(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in, as_json=as_json)
+    except OSError as error:
+        raise UserError(describe(error)) from error

@@ -1,0 +1,74 @@
+"""The arguments and options that ``evaluate``, ``compare`` and ``play`` share.
+
+The command line imports this to show its help: nothing heavy is imported here.
+"""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+Submissions = Annotated[
+    list[Path],
+    typer.Argument(
+        help="Folders with a submission.toml, archives of such, image:NAME, or the baselines random, homing "
+        "and hunter.",
+        metavar="SUBMISSION",
+        show_default=False,
+    ),
+]
+
+SuiteOption = Annotated[
+    str,
+    typer.Option(
+        help="Which matches. quick: 3 to 5 short ones a track, on small maps. official: the competition's, "
+        "on large maps (100 of navigation, gathering and capture, 10 of battle and royale). Or the file of a "
+        "suite of your own (.toml)."
+    ),
+]
+SeedOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Seed of the suite: another seed gives other maps. Default: 0.", min=0, show_default=False
+    ),
+]
+SecretOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="File with a hidden seed (`wildscav secret new`), instead of --seed.", show_default=False
+    ),
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Output folder. Default: a new one with the next number, or the one in which the same command "
+        "was interrupted.",
+        show_default=False,
+    ),
+]
+FreshOption = Annotated[
+    bool,
+    typer.Option(
+        "--fresh",
+        help="Play everything again: into a new folder or, with --out, in place of what that folder holds.",
+        show_default=False,
+    ),
+]
+JobsOption = Annotated[
+    int | None,
+    typer.Option(help="Matches at once. Default: one a processor core.", min=1, show_default=False),
+]
+
+LogOption = Annotated[
+    Literal["json", "text"] | None,
+    typer.Option(help="Write log lines of this form to stderr, instead of a dashboard.", show_default=False),
+]
+MetricsOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Serve Prometheus metrics on this port of this machine; 0 takes a free one.",
+        min=0,
+        max=65_535,
+        show_default=False,
+    ),
+]

@@ -1,0 +1,181 @@
+"""Running a job: one match, from its agents' start to its record and replay on disk."""
+
+import asyncio
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+
+from wildscav.errors import WildscavError, describe
+from wildscav.server import HostedMatch
+from wildscav_engine.record import read_record, write_record
+from wildscav_evaluator.matches.jobs import (
+    AttemptFailed,
+    Heartbeat,
+    Job,
+    JobEvent,
+    JobResult,
+    RenderingReplay,
+)
+from wildscav_evaluator.matches.play import (
+    MAX_ATTEMPTS,
+    PlayedMatch,
+    Seating,
+    given_up,
+    play_match,
+    prepare_logs,
+    remove_empty_logs,
+)
+from wildscav_evaluator.matches.seat_rows import match_timing, seat_row
+from wildscav_evaluator.output.journal import read_entry, write_entry
+from wildscav_evaluator.output.results import FAILED, MatchRow
+from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
+
+HEARTBEAT_INTERVAL = 0.5  # s between two heartbeats of a match
+
+
+def run_job(
+    runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None] = lambda _: None
+) -> JobResult:
+    """Play a job's match, unless it was played before, and write its files.
+
+    Whatever goes wrong costs this job alone.
+
+    Args:
+        runner: Of the loop to play in.
+        job: The job.
+        on_event: Told now and then how far the match is, when it is played again, and when its replay is
+            begun.
+    """
+    result = kept(job) or _play(runner, job, on_event)
+    if not result.to_render:
+        return result
+    on_event(RenderingReplay())
+    return _rendered(result)
+
+
+def kept(job: Job) -> JobResult | None:
+    """Return the result of a job whose match was played to its end in an earlier sitting."""
+    entry = read_entry(job.out, job.evaluation, job.stem)
+    if entry is None:
+        return None
+    rendered = job.replay and (job.out / job.replay_path).exists()
+    return JobResult(job, _with_replay(job, entry.row) if rendered else entry.row, entry.timing)
+
+
+def after_worker_death(job: Job, reason: str) -> Job | JobResult:
+    """Return what becomes of a job whose worker died: the job once more, or its result.
+
+    Args:
+        job: The job, with all that broke it before.
+        reason: How the worker ended, in a line.
+    """
+    faults = (*job.faults, reason)
+    if len(faults) < MAX_ATTEMPTS:
+        return replace(job, faults=faults)
+    played = kept(job)
+    if played is not None:
+        return replace(played, replay_error=f"no replay {job.out / job.replay_path}: {given_up(faults)}")
+    return failed(job, given_up(faults))
+
+
+def _play(runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None]) -> JobResult:
+    started, clock = time.time(), time.perf_counter()
+    seating = job.seating
+    try:
+        prepare_logs(seating.logs)
+        played = runner.run(_play_with_heartbeats(seating, SANDBOXES[job.sandbox], job.faults, on_event))
+        write_record(job.out / job.record, played.match, seating.names)
+        remove_empty_logs(seating.logs)
+        row = MatchRow.of(job.index, tuple(seat_row(job, played, seat) for seat in job.seats), job.record)
+        timing = match_timing(job, played, started, time.perf_counter() - clock)
+        # From here on the match is played, whatever happens.
+        write_entry(job.out, job.evaluation, job.stem, row, timing)
+        return JobResult(job, row, timing)
+    except OSError as error:
+        return failed(job, describe(error))
+    except (WildscavError, ValueError) as error:
+        return failed(job, str(error))
+    except Exception as error:  # noqa: BLE001 (a match that breaks must not take the others along)
+        return failed(job, f"{type(error).__name__}: {error}")
+
+
+async def _play_with_heartbeats(
+    seating: Seating, sandbox: Sandbox, faults: Sequence[str], on_event: Callable[[JobEvent], None]
+) -> PlayedMatch:
+    """Play a match, and tell how far it is; from its start again, if it is played again."""
+    heartbeats: list[asyncio.Task[None]] = []
+
+    async def beat(hosted: HostedMatch) -> None:
+        while True:
+            on_event(Heartbeat(hosted.match.frame, hosted.match.step_number))
+            await asyncio.sleep(HEARTBEAT_INTERVAL)
+
+    def begin(hosted: HostedMatch) -> None:
+        for task in heartbeats:
+            task.cancel()
+        heartbeats.append(asyncio.create_task(beat(hosted)))
+
+    try:
+        with _cancelled_by_signal():
+            return await play_match(
+                seating,
+                sandbox=sandbox,
+                on_start=begin,
+                faults=faults,
+                on_failure=lambda reason: on_event(AttemptFailed(reason)),
+            )
+    finally:
+        for task in heartbeats:
+            task.cancel()
+
+
+@contextmanager
+def _cancelled_by_signal() -> Iterator[None]:
+    """Have SIGTERM cancel this task, which ends all that it started (in the main thread).
+
+    A handler that raises would do so in whatever task just runs, and keep the others from ending in order.
+    """
+    task, loop = asyncio.current_task(), asyncio.get_running_loop()
+    if task is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.getsignal(signal.SIGTERM)
+    loop.add_signal_handler(signal.SIGTERM, task.cancel)
+    try:
+        yield
+    finally:
+        loop.remove_signal_handler(signal.SIGTERM)
+        signal.signal(signal.SIGTERM, before)
+
+
+def failed(job: Job, reason: str) -> JobResult:
+    """Return the result of a job that came to no result, by no fault of the agent."""
+    return JobResult(job, MatchRow(index=job.index, status=FAILED, fault="platform", detail=reason))
+
+
+def _rendered(result: JobResult) -> JobResult:
+    """Return a result with its replay, rendered now if it is missing, or with what went wrong."""
+    error = _render(result.job)
+    row = result.row if error else _with_replay(result.job, result.row)
+    return replace(result, row=row, replay_error=error)
+
+
+def _with_replay(job: Job, row: MatchRow) -> MatchRow:
+    return row.model_copy(update={"replay": job.replay_path})
+
+
+def _render(job: Job) -> str:
+    """Render the replay from the record; return what went wrong, if anything did."""
+    from wildscav_engine.view import write_replay
+
+    path = job.out / job.replay_path
+    try:
+        write_replay(read_record(job.out / job.record), path, follow=job.seats[0])
+    except OSError as error:
+        return f"no replay {path}: {error.strerror or error}"
+    except Exception as error:  # noqa: BLE001 (the match stands, whatever becomes of its picture)
+        return f"no replay {path}: {type(error).__name__}: {error}"
+    return ""

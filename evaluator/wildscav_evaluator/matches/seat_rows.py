@@ -1,0 +1,65 @@
+"""How a match went for the submission in it: the match server's reports as rows of the results file."""
+
+from wildscav.server import SeatReport
+from wildscav_evaluator.matches.jobs import Job
+from wildscav_evaluator.matches.play import PlayedMatch
+from wildscav_evaluator.output.results import MatchTiming, SeatRow, SeatTiming
+
+
+def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
+    """Return how a match went in one seat, as the results file has it."""
+    report, log = played.seats[seat], job.log(seat)
+    return SeatRow(
+        seat=seat,
+        status=report.status.value,
+        fault=fault.value if (fault := report.status.fault) else None,
+        detail=report.detail,
+        exit_code=report.exit_code,
+        killed_by=report.killed_by,
+        last_lines=report.last_lines,
+        actions=report.steps_played,
+        invalid_actions=report.invalid_actions,
+        ignored_fields=report.ignored_fields,
+        metrics=dict(played.match.result().seats[seat].metrics),
+        log=log if (job.out / log).exists() else None,
+    )
+
+
+def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> MatchTiming:
+    """Return how long a match took, as the results file has it.
+
+    Args:
+        job: Whose match it is.
+        played: The match.
+        started: Seconds since 1970, UTC.
+        wall: Seconds, with starting the agents and writing the record.
+    """
+    return MatchTiming(
+        submission=job.submission.name,
+        track=job.track,
+        index=job.index,
+        started=started,
+        wall=wall,
+        steps=played.match.step_number,
+        seats=tuple(
+            _seat_timing(played.seats[seat], played.late_for_platform.get(seat, ())) for seat in job.seats
+        ),
+        platform_faults=played.platform_faults,
+    )
+
+
+def _seat_timing(report: SeatReport, late_for_platform: tuple[int, ...]) -> SeatTiming:
+    times = report.think_time
+    return SeatTiming(
+        seat=report.seat,
+        start_up=report.start_up,
+        steps=report.steps_played + report.late_steps,
+        late_steps=report.late_steps,
+        late_for_platform=late_for_platform,
+        dropped_actions=report.dropped_actions,
+        time_used=times.total,
+        latency_p50=times.p50,
+        latency_p99=times.p99,
+        latency_max=times.max,
+        time_bank=report.time_bank,
+    )

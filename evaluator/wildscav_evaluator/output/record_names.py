@@ -1,0 +1,55 @@
+"""The names of records in the output folder of an evaluation: which match of whom a record is."""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+from wildscav.errors import UserError
+from wildscav_engine.record import SUFFIX, Record
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.output.layout import RECORDS
+from wildscav_evaluator.seats import display_names, submission_seats
+
+NAME = re.compile(
+    rf"(?P<track>{'|'.join(TRACKS)})-(?P<match>\d{{3,6}})-(?P<submission>[a-z0-9-]{{2,40}}){re.escape(SUFFIX)}"
+)
+
+
+class RecordName(NamedTuple):
+    """What the name of a record's file says."""
+
+    track: str
+    match: int  # in the suite
+    submission: str
+
+
+def record_paths(out: Path) -> list[Path]:
+    """Return the records of an output folder.
+
+    Raises:
+        UserError: There are none.
+    """
+    paths = sorted((out / RECORDS).glob(f"[!.]*{SUFFIX}"))
+    if not paths:
+        raise UserError(f"there are no records in {out / RECORDS}: name an evaluation's output folder", 2)
+    return paths
+
+
+def parse_name(path: Path) -> RecordName | None:
+    """Return what a record's name says; none if no evaluation named it."""
+    found = NAME.fullmatch(path.name)
+    return found and RecordName(found["track"], int(found["match"]), found["submission"])
+
+
+def misnamed(record: Record, name: RecordName) -> str:
+    """Return in what a record differs from the name of its file; nothing if it does not."""
+    seats = submission_seats(record.spec.seats)
+    if not seats:
+        return "no submission plays in its match"
+    if record.spec.track != name.track:
+        return f"it is of {record.spec.track}, not of {name.track}"
+    expected = display_names(record.spec.seats, [name.submission] * len(seats))
+    for seat in seats:
+        if record.names[seat] != expected[seat]:
+            return f"seat {seat} is that of {record.names[seat]}, not of {expected[seat]}"
+    return "" if record.names == expected else "its seats have other names"
