@@ -7,7 +7,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 
-from wildscav_website import commands, environments, protocol, python_reference
+from wildscav_website import commands, environments, home, protocol, python_reference
 from wildscav_website.links import MOVED, ROOT, SOURCES, links_for_site
 
 ASSETS = Path(__file__).parents[1] / "assets"
@@ -45,4 +45,7 @@ def on_page_markdown(markdown: str, /, *, page: Page, config: MkDocsConfig, file
 
     if page.file.generated_by is None or path in MOVED.values():
         markdown = links_for_site(markdown, path, add)
+    if path == "index.md":
+        page.meta["hide"] = ["navigation"]
+        return home.with_readers(markdown, config.nav or [])
     return environments.link_to_pages(markdown) if path == "environments.md" else markdown

@@ -323,7 +323,9 @@ def _written(space: Space[Any]) -> str:
     if isinstance(space, MultiDiscrete):
         return f"MultiDiscrete({space.nvec.tolist()})"
     if isinstance(space, Box):
-        return f"Box({space.shape})" if space.dtype == "float32" else f"Box({space.shape}, {space.dtype})"
+        low, high = {float(one) for one in space.low.flat}, {float(one) for one in space.high.flat}
+        bounds = f"{_number(*low)}, {_number(*high)}" if len(low) == len(high) == 1 else "…"
+        return f"Box({bounds}, {space.shape}, {space.dtype})"
     raise TypeError(f"{space} is of an unknown kind")
 
 
