@@ -10,7 +10,8 @@ class Reference(NamedTuple):
 
     title: str
     opening: str
-    names: tuple[str, ...]  # full names of modules, classes and functions
+    # Modules, and the names of each that are described; without names, all that the module offers.
+    names: dict[str, str]
 
 
 PAGES = {
@@ -18,59 +19,50 @@ PAGES = {
         "SDK",
         "What an agent imports: `from wildscav import Agent, Action, MatchInfo, Observation, run`. "
         "[The SDK](../sdk.md) has the same as tables.",
-        (
-            *(f"wildscav.{name}" for name in ("Agent", "run", "Action", "Observation", "MatchInfo")),
-            *(f"wildscav.{name}" for name in ("VisibleAgent", "SupplyBox", "SupplyWave", "Vector")),
-            "wildscav.errors",
-        ),
+        {
+            "wildscav": "Agent run Action Observation MatchInfo VisibleAgent SupplyBox SupplyWave Vector",
+            "wildscav.errors": "",
+        },
     ),
     "policy": Reference(
         "Policies",
         "Trained policies as agents, without the engine: [training](../training.md) tells how to export one.",
-        ("wildscav.policy",),
+        {"wildscav.policy": ""},
     ),
     "environments": Reference(
         "Environments",
         "What `wildscav_engine.envs` offers; [environments](../environments.md) is the guide.",
-        (
-            *(
-                f"wildscav_engine.envs.{name}"
-                for name in ("SingleEnv", "VectorArena", "parallel_env", "aec_env")
-            ),
-            *(f"wildscav_engine.envs.{name}" for name in ("ParallelArena", "BatchedArena", "StableVector")),
-            *(f"wildscav_engine.envs.{name}" for name in ("EnvConfig", "EnvOptions", "FlatObservations")),
-            *(f"wildscav_engine.envs.{name}" for name in ("FlatActions", "describe")),
-        ),
+        {
+            "wildscav_engine.envs": "SingleEnv VectorArena parallel_env aec_env ParallelArena BatchedArena "
+            "StableVector EnvConfig EnvOptions FlatObservations FlatActions describe"
+        },
     ),
     "sensors": Reference(
         "Sensors",
         "What `wildscav_engine.sensors` offers; [sensors](../sensors.md) is the guide.",
-        ("wildscav_engine.sensors",),
+        {"wildscav_engine.sensors": ""},
     ),
     "matches": Reference(
         "Matches and specs",
         "What a match is made of. [The rules](../rules.md) say what the numbers mean.",
-        (
-            *(
-                f"wildscav_engine.specs.spec.{name}"
-                for name in ("MatchSpec", "MapSpec", "MapConfig", "SupplyConfig")
-            ),
-            *(f"wildscav_engine.specs.spec.{name}" for name in ("SupplyWave", "ZoneConfig", "ZonePhase")),
-            "wildscav_engine.specs.rules.Rules",
-            "wildscav_engine.simulation.match.Match",
-            "wildscav_engine.specs.result.MatchResult",
-            "wildscav_engine.tracks.Track",
-        ),
+        {
+            "wildscav_engine.specs.spec": "MatchSpec MapSpec MapConfig SupplyConfig SupplyWave ZoneConfig "
+            "ZonePhase",
+            "wildscav_engine.specs.rules": "Rules",
+            "wildscav_engine.simulation.match": "Match",
+            "wildscav_engine.specs.result": "MatchResult",
+            "wildscav_engine.tracks": "Track",
+        },
     ),
     "maps": Reference(
         "Maps",
         "What `wildscav_engine.maps` offers; [maps](../maps.md) is the guide.",
-        ("wildscav_engine.maps",),
+        {"wildscav_engine.maps": ""},
     ),
     "records": Reference(
         "Records and replays",
         "What `wildscav_engine.record` and `wildscav_engine.view` offer; see also [replays](../replays.md).",
-        ("wildscav_engine.record", "wildscav_engine.view"),
+        {"wildscav_engine.record": "", "wildscav_engine.view": ""},
     ),
 }
 
@@ -81,5 +73,9 @@ def pages() -> dict[str, Callable[[], str]]:
 
 
 def _page(reference: Reference) -> str:
-    entries = "\n\n".join(f"::: {name}" for name in reference.names)
-    return f"# {reference.title}\n\n{reference.opening}\n\n{entries}\n"
+    described = [
+        f"::: {path}"
+        for module, names in reference.names.items()
+        for path in ([f"{module}.{name}" for name in names.split()] or [module])
+    ]
+    return "\n\n".join([f"# {reference.title}", reference.opening, *described]) + "\n"
