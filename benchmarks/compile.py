@@ -24,7 +24,7 @@ def done(name):
 from wildscav_engine.maps import map_of
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.sensors import DepthCamera
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 done("import")
 spec = MatchSpec(track="battle", seats=("submission", "fighter"), time_limit=10)
 game_map = map_of(spec.map)

@@ -26,7 +26,7 @@ from wildscav_engine.maps.ground.terrain import water_of_cells
 from wildscav_engine.maps.layout import Layout, lay_out
 from wildscav_engine.maps.locations import Places, choose_places
 from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 WARM_UP_SEED = 999
 ENVIRONMENT = dict(os.environ)  # in which what is compiled lies where it always does
@@ -37,7 +37,7 @@ Made = TypeVar("Made")
 PEAK_MEMORY = """
 import resource
 from wildscav_engine.maps import generate_map
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 generate_map(MapConfig(size={size}, houses={houses}, storeys=(2, 3)), 0)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """

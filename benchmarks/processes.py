@@ -17,7 +17,7 @@ from report import Figure, JsonFile, publish
 from wildscav_engine.maps import load_map
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 AGENTS, PROCESSES = (1, 5, 10), (1, 2, 4)
 PAPER = {

@@ -21,7 +21,8 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.sensors import SENSORS, DepthCamera
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MapConfig, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
 
 # This much vegetation makes 357 trees and 143 rocks (and 191 bushes) on the map of seed 1.
 COUNTRY = MapConfig(size=500, houses=15, storeys=(2, 3), vegetation=0.1905)

@@ -33,7 +33,8 @@ from wildscav.wire.observations import encode_observation
 from wildscav_engine.parallel.threads import cores
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field, no_actions
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 HERE = Path(__file__).parent
 STEPS = {1: 1500, 10: 300}

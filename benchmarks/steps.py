@@ -19,7 +19,8 @@ from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
-from wildscav_engine.specs.spec import MapConfig, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
 
 REPEATS = 5
 POOL = 64  # maps
@@ -95,7 +96,9 @@ class Play:
         self.batch.step(self.actions[number % 8], threads=self.threads)
         for row in np.flatnonzero(self.batch.state.matches.over).tolist():
             self.maps[row] = pool()[self.begun % POOL]
-            spec = self.specs[row].varied(seed=self.begun, map=self.maps[row].spec, time_limit=self.limit)
+            spec = self.specs[row].unchecked_copy(
+                seed=self.begun, map=self.maps[row].spec, time_limit=self.limit
+            )
             self.batch.restart([row], [spec], [self.maps[row]])
             self.begun += 1
 
@@ -158,7 +161,7 @@ def vector_threads_figure(envs: int) -> Figure:
 def reset_figure() -> Figure:
     """Measure how long it takes to begin a match anew, on a map of the pool."""
     play = Play(1, 1, resets=True)
-    specs = [play.specs[0].varied(seed=seed, map=pool()[seed % POOL].spec) for seed in range(200)]
+    specs = [play.specs[0].unchecked_copy(seed=seed, map=pool()[seed % POOL].spec) for seed in range(200)]
     started = time.perf_counter()
     for seed, fresh in enumerate(specs):
         play.batch.restart([0], [fresh], [pool()[seed % POOL]])

@@ -14,7 +14,9 @@ from wildscav_engine.simulation.state import Supplies
 from wildscav_engine.simulation.systems.supplies import index_boxes
 from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.actions import FIELDS, Field
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 # Boxes on half of the whole metres of a map, and in all rooms.
 RICH = SupplyConfig(

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.picture import draw_map
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 FOLDER = Path(__file__).parent / "maps"
 WIDTH, HOUSE_WIDTH = 900, 500  # pixels

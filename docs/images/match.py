@@ -18,7 +18,8 @@ from rerun.experimental import ViewerClient
 
 from wildscav_engine.record import record_of
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.view import write_replay
 
 MAP = MapConfig(

@@ -28,7 +28,7 @@ from wildscav_engine.sensors.optics.dynamic_objects import Things
 from wildscav_engine.sensors.optics.optical import OpticalSensor
 from wildscav_engine.sensors.optics.placed_objects import placed_things
 from wildscav_engine.specs.body import EYE_HEIGHT
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 FOLDER = Path(__file__).parent
 CONFIG = MapConfig(

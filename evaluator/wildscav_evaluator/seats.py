@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from wildscav_engine.arithmetic.random_numbers import Dice
-from wildscav_engine.specs.spec import SUBMISSION
+from wildscav_engine.specs.match_spec import SUBMISSION
 
 BATTLE_ROBOTS = ("fighter", "gatherer")
 

@@ -13,7 +13,7 @@ import typer
 
 from wildscav.cli.maps import map as map_commands
 from wildscav_engine.maps.catalogue import BENCHMARK, SIZES
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])

@@ -13,8 +13,9 @@ from wildscav_engine.simulation.setup.starts import START_DISTANCE, TARGET_DISTA
 from wildscav_engine.simulation.systems.damage import RESPAWN_DISTANCE
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, ASPECT, SUPPLY_LIMIT
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_engine.tracks.royale import DAMAGES, SHARES, SHRINK, WAIT

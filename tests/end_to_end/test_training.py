@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from wildscav_engine.envs import SingleEnv, parallel_env
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 # The trainers warn of much, most of all of one another.
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]

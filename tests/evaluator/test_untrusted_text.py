@@ -15,7 +15,7 @@ from tests.platform.helpers.plain_text import is_plain
 
 from wildscav.cli import verify
 from wildscav.terminal.console import PlainConsole
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.result_tables.ranking import track_table
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table

@@ -46,8 +46,10 @@ PAGES = {
         "Matches and specs",
         "What a match is made of. [The rules](../rules.md) say what the numbers mean.",
         {
-            "wildscav_engine.specs.spec": "MatchSpec MapSpec MapConfig SupplyConfig SupplyWave ZoneConfig "
-            "ZonePhase",
+            "wildscav_engine.specs.match_spec": "MatchSpec",
+            "wildscav_engine.specs.map_spec": "MapSpec MapConfig",
+            "wildscav_engine.specs.supply_config": "SupplyConfig SupplyWave",
+            "wildscav_engine.specs.zone_config": "ZoneConfig ZonePhase",
             "wildscav_engine.specs.rules": "Rules",
             "wildscav_engine.simulation.match": "Match",
             "wildscav_engine.specs.result": "MatchResult",

@@ -28,7 +28,8 @@ from wildscav_engine.compilation.sources import sources_digest
 from wildscav_engine.maps import generate
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 from wildscav_engine.maps.generate import generate_map
-from wildscav_engine.specs.spec import MapSpec, Spec
+from wildscav_engine.specs.base import Spec
+from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.storage.binary_format import ContainerError, Layout, canonical, pack, unpack
 from wildscav_engine.storage.files import write_whole
 

@@ -12,7 +12,8 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.specs.spec import MapConfig, MapSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 LAST_ID = 999
 SIZES = (500, 200, 80, 140, 300, 500, 700, 1000, 1400, 2000)  # m, by the hundreds of an id

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.settlements.houses import House
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.walk import WalkGraph

@@ -11,7 +11,7 @@ from wildscav_engine.maps.layout import Layout, lay_out
 from wildscav_engine.maps.locations import Places, choose_places, houses_cut_off
 from wildscav_engine.maps.settlements.sites import Site
 from wildscav_engine.maps.walk import WalkGraph, build_graph
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 LAYOUTS = 8  # tries to put houses where one gets into all of their rooms
 

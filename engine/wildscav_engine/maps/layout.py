@@ -15,7 +15,7 @@ from wildscav_engine.maps.placements import fixed_houses, placed_solids
 from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.maps.settlements.sites import Settlement, Site, footprints_of, room_for, settle
 from wildscav_engine.maps.vegetation.planting import plant
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 NO_HOUSE = -1
 DOORSTEP = 1.5  # m before an outer doorway, where one stands before going in

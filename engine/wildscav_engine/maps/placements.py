@@ -19,7 +19,7 @@ from wildscav_engine.maps.vegetation.planting import conifers
 from wildscav_engine.maps.vegetation.scatter import Spots, allocate_spots, place_one, scatter
 from wildscav_engine.maps.vegetation.species import PARTS, grow
 from wildscav_engine.maps.vegetation.woods import shores
-from wildscav_engine.specs.spec import MapConfig, Placement
+from wildscav_engine.specs.map_spec import MapConfig, Placement
 
 NUMBER = 10_000  # of the first house placed by hand; those of the generator count from 0
 LEAST_GAP = 1.5  # m between two houses, so that one walks between them

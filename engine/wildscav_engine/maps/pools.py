@@ -16,7 +16,7 @@ from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 Level = Literal["easy", "normal", "hard"]
 Split = Literal["train", "test"]

@@ -18,8 +18,9 @@ from pydantic import ValidationError
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.result import MatchResult
-from wildscav_engine.specs.spec import MatchSpec, one_line
+from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.binary_format import ContainerError, Layout, decompress, pack, unpack
 from wildscav_engine.storage.files import read_limited, write_whole
 from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION

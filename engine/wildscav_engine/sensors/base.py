@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, ValidationError
 from pydantic.dataclasses import dataclass
 
-from wildscav_engine.specs.spec import one_line
+from wildscav_engine.specs.validation import one_line
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box

@@ -21,7 +21,7 @@ from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
 from wildscav_engine.simulation.thread_pool import Crew, Job, crew, most_together
 from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.actions import FIELDS, Field, no_actions
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 
 class NewActions(NamedTuple):

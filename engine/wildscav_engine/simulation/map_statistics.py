@@ -64,7 +64,7 @@ def _things(game_map: GameMap, kind: Kind) -> int:
 def _supplies(game_map: GameMap) -> str:
     """Say what a match of the gathering track would find, at the start of one and in all."""
     from wildscav_engine.simulation.match import Match
-    from wildscav_engine.specs.spec import MatchSpec
+    from wildscav_engine.specs.match_spec import MatchSpec
 
     match = Match(MatchSpec(track="gathering", map=game_map.spec, seed=SUPPLY_SEED), game_map)
     quantity = match.state.supplies.quantity[0]

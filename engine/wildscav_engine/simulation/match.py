@@ -16,8 +16,8 @@ from wildscav_engine.simulation.state import Ending, State
 from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.simulation.track import Track
 from wildscav_engine.specs.actions import FIELDS, no_actions
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.result import MatchResult, SeatResult
-from wildscav_engine.specs.spec import SUBMISSION, MatchSpec
 
 __all__ = ["Match", "MatchSetupError", "StartInfo", "StateError", "WaveInfo"]
 

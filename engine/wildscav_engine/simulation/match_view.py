@@ -5,7 +5,7 @@ from typing import Protocol
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.state import State
 from wildscav_engine.simulation.systems.visibility import Seen
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 
 class MatchView(Protocol):

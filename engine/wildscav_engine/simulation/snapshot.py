@@ -20,7 +20,8 @@ from wildscav_engine.maps import GENERATOR_VERSION, GameMap, MapError, map_of
 from wildscav_engine.simulation.state import allocate_state
 from wildscav_engine.simulation.systems.visibility import allocate_seen
 from wildscav_engine.specs.actions import FIELDS
-from wildscav_engine.specs.spec import MatchSpec, one_line
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.binary_format import ContainerError, Layout, pack, unpack
 from wildscav_engine.version import SIMULATION_VERSION
 

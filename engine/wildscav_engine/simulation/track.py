@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, ZoneConfig
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.supply_config import SupplyConfig
+from wildscav_engine.specs.zone_config import ZoneConfig
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView

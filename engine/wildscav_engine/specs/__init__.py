@@ -1,1 +1,1 @@
-"""What a match is a function of: rules, specs and actions; and what comes out of it."""
+"""The inputs of a match (rules, specs and actions) and its result."""

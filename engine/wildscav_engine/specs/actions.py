@@ -1,4 +1,4 @@
-"""What an agent intends for one step, as a row of eight numbers."""
+"""The action of one agent for one step, as a row of eight numbers."""
 
 from enum import IntEnum
 
@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 
 class Field(IntEnum):
-    """The columns of an action row, float32. All zero is "no action": stand still, hold everything."""
+    """The columns of an action row, float32. All zeros mean "no action": stand still and keep everything."""
 
     WALK_DIRECTION = 0  # degrees, compass: 0 is +z (north), 90 is +x (east); any finite value
     WALK_SPEED = 1  # m/s, 0–10
-    TURN = 2  # degrees a frame, added to the yaw; positive turns right
-    LOOK = 3  # degrees a frame, added to the pitch; positive looks down
+    TURN = 2  # degrees per frame, added to the yaw; positive turns right
+    LOOK = 3  # degrees per frame, added to the pitch; positive looks down
     JUMP = 4  # 0 or 1
     PICK_UP = 5  # 0 or 1
     SHOOT = 6  # 0 or 1

@@ -1,14 +1,14 @@
-"""The body of an agent and what it can do: constants of the engine.
+"""Constants of the engine: the size of an agent's body and the limits of its motion.
 
-An organizer cannot change them, because which places of a map can be reached depends on them. The radius,
-the height, the eye and the speed are the original game's; the rest it never published.
+Organizers cannot change them, because they determine which places of a map can be reached. The radius, the
+height, the eye height and the speed are those of the original game, which never published the others.
 """
 
 BODY_RADIUS = 0.45  # m
 BODY_HEIGHT = 1.78  # m
 EYE_HEIGHT = 1.5  # m above the soles
-STEP_HEIGHT = 0.5  # m, what is walked onto without a jump, up and down
-SLOPE_LIMIT = 45.0  # degrees, the steepest ground that is walked up or stood on
+STEP_HEIGHT = 0.5  # m, up or down, that can be walked without a jump
+SLOPE_LIMIT = 45.0  # degrees, the steepest ground that can be climbed or stood on
 TAN_SLOPE_LIMIT = 1.0
 COS_SLOPE_LIMIT = 0.7071067811865476
 SLIDE_SPEED = 5.0  # m/s, downhill on steeper ground

@@ -1,6 +1,6 @@
-"""The result of a match, from engine state alone."""
+"""The result of a match, computed from engine state alone."""
 
-from wildscav_engine.specs.spec import Spec
+from wildscav_engine.specs.base import Spec
 
 
 class SeatResult(Spec):
@@ -15,11 +15,11 @@ class SeatResult(Spec):
     shots: int
     hits: int
     walked: float  # m
-    metrics: dict[str, float]  # by the names of Track.metrics
+    metrics: dict[str, float]  # keys: the names in Track.metrics
 
 
 class MatchResult(Spec):
-    """What came out of a match."""
+    """The outcome of a match."""
 
     track: str
     frames: int

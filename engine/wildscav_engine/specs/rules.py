@@ -1,7 +1,7 @@
 """Every rule of the game that an organizer may change between matches.
 
-Body and motion limits are not here: they are constants of the engine (``body.py``), because a
-map's reachable places depend on them.
+Body and motion limits are not here. They are constants of the engine (``body.py``), because the reachable
+places of a map depend on them.
 """
 
 from typing import Annotated, Any, NamedTuple
@@ -15,7 +15,7 @@ FRAME = 1.0 / FRAMES_PER_SECOND  # s
 
 
 class Rules(NamedTuple):
-    """What an organizer may change between matches."""
+    """The rules that an organizer may change between matches."""
 
     # Motion
     water_speed_factor: Annotated[float, Field(gt=0, le=1)] = 0.5
@@ -32,17 +32,17 @@ class Rules(NamedTuple):
     bullet_range: Annotated[float, Field(gt=0, le=2000)] = 200.0  # m
     # Supplies
     pick_up_distance: Annotated[float, Field(gt=0, le=20)] = 1.5  # m, from the soles to the box
-    supply_loss: Annotated[float, Field(ge=0, le=1)] = 0.5  # share dropped at death
-    # What is seen
+    supply_loss: Annotated[float, Field(ge=0, le=1)] = 0.5  # share dropped on death
+    # Sight
     supply_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, no occlusion
-    target_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, at which a hidden target is found
-    view_angle: Annotated[float, Field(gt=0, lt=180)] = 90.0  # degrees wide, 9/16 of it high
+    target_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, within which a hidden target is found
+    view_angle: Annotated[float, Field(gt=0, lt=180)] = 90.0  # degrees horizontally, 9/16 of that vertically
     # Goals
     target_distance: Annotated[float, Field(gt=0, le=20)] = 1.0  # m, from the soles to the target
 
 
 def _from_mapping(value: Any) -> Any:
-    """Let rules be written as a table of the fields that differ."""
+    """Accept a table that holds only the rules that differ from the defaults."""
     if isinstance(value, dict):
         unknown = sorted(set(value) - set(Rules._fields))
         if unknown:
@@ -52,12 +52,12 @@ def _from_mapping(value: Any) -> Any:
     return value
 
 
-# As a field of a spec: a table in TOML and JSON, a NamedTuple in the kernels.
+# Rules as a field of a spec: a table in TOML and JSON, a NamedTuple in the kernels.
 RulesField = Annotated[Rules, BeforeValidator(_from_mapping), PlainSerializer(lambda rules: rules._asdict())]
 RULES = TypeAdapter(RulesField)
 
 
 @kernel
 def frames(seconds: float) -> int:
-    """Return a time as the nearest whole number of frames, at least one."""
+    """Return a duration as the nearest whole number of frames, at least one."""
     return max(1, int(seconds * FRAMES_PER_SECOND + 0.5))

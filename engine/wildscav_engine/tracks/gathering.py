@@ -13,8 +13,9 @@ from wildscav_engine.simulation.track import (
     carried_by_team,
 )
 from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAME
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView

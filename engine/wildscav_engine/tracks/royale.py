@@ -14,7 +14,9 @@ from wildscav_engine.simulation.track import (
     carried_by_team,
 )
 from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, ZoneConfig, ZonePhase
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.supply_config import SupplyConfig
+from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_engine.tracks.battle import Battle
 
 if TYPE_CHECKING:

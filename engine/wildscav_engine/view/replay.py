@@ -4,7 +4,7 @@ from pathlib import Path
 from threading import Lock
 
 from wildscav_engine.record import Record, resimulate
-from wildscav_engine.specs.spec import SUBMISSION
+from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.view.recording.history import collect
 

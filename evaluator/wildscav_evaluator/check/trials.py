@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wildscav.server import Clock, HostedMatch, MatchServer
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check import findings
 from wildscav_evaluator.check.delaying_proxy import delayed_replies
 from wildscav_evaluator.check.findings import Finding

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from wildscav_engine.record import SUFFIX
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import (
     Seating,
 )

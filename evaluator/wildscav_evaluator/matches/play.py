@@ -24,7 +24,7 @@ from wildscav.server import (
 from wildscav.system import leftovers
 from wildscav.terminal.console import counted
 from wildscav_engine.simulation.match import Match, MatchSetupError
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import MatchAgents, status_of
 from wildscav_evaluator.sandbox import (
     DEFAULT_LIMITS,

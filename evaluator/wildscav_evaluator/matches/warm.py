@@ -23,7 +23,7 @@ def warm(sensors: Sequence[Wanted] = ()) -> None:
     from wildscav_engine.sensors import parse_sensors
     from wildscav_engine.simulation.match import Match
     from wildscav_engine.specs.actions import Field, no_actions
-    from wildscav_engine.specs.spec import SUBMISSION, MatchSpec
+    from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS
 
     game_map = warm_map()

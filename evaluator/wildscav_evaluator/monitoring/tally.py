@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from wildscav_engine.specs.spec import SUBMISSION
+from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobResult
 from wildscav_evaluator.output.results import MetricInfo, Summary, metric_infos
 from wildscav_evaluator.scores.score import summarize

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from wildscav.errors import UserError
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.bounds import MOST_ROUNDS
 from wildscav_evaluator.output.json_files import FileModel, FileModelError
 from wildscav_evaluator.output.layout import IDENTITY_FILE

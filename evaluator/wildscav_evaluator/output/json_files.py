@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wildscav.errors import UserError
 from wildscav.system.limited_process import LimitExceededError, call_limited
 from wildscav.terminal.console import ascii_json
-from wildscav_engine.specs.spec import one_line
+from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.files import read_limited, write_whole
 
 LARGEST = 32 << 20  # bytes of a file

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.terminal.console import printable
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.ledger.entries import Ended
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, read_ledger, sha256_of

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_engine.record import RecordError, read_record
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.layout import OPENED_FILE, RESULTS_FILE, SUITE_FILE
 from wildscav_evaluator.output.record_names import parse_name, record_paths
 from wildscav_evaluator.output.results import Results, read_results

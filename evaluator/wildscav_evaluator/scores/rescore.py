@@ -15,7 +15,7 @@ from wildscav.errors import describe
 from wildscav.system.worker_processes import become_worker, starting_workers
 from wildscav.terminal.console import printable
 from wildscav_engine.record import RECORD_VERSION, RecordError, read_record, verify_record
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.output.layout import RECORDS
 from wildscav_evaluator.output.record_names import misnamed, parse_name

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from wildscav_engine.arithmetic.random_numbers import Dice
-from wildscav_engine.specs.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 from wildscav_evaluator.seats import battle_seats
 
 Choice = TypeVar("Choice")

@@ -1,7 +1,7 @@
 """The matches of a suite that is played in several rounds, each with the next seed."""
 
 from wildscav.errors import UserError
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.bounds import MOST_MATCHES
 from wildscav_evaluator.suites.suite import Suite
 

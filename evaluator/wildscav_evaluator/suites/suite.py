@@ -13,7 +13,8 @@ from hashlib import blake2b
 from typing import NamedTuple
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.suites.match_drawing import battle, capture, choose, gathering, navigation, royale
 

@@ -28,7 +28,10 @@ from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.record import RecordError, check_recordable
-from wildscav_engine.specs.spec import SUBMISSION, MapConfig, MatchSpec, Spec, one_line
+from wildscav_engine.specs.base import Spec
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.files import read_limited
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.bounds import MOST_MATCHES

@@ -15,8 +15,10 @@ from wildscav.errors import WildscavError
 from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, SupplyRefreshData, Vector3
 
 if TYPE_CHECKING:
+    from wildscav_engine.specs.equipment import Equipment
+    from wildscav_engine.specs.match_spec import MatchSpec, Position
     from wildscav_engine.specs.rules import Rules
-    from wildscav_engine.specs.spec import Equipment, MatchSpec, Place, SupplyConfig, SupplyWave
+    from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 _Source = GMCommand | SupplyRefreshData | AgentSetup
 
@@ -132,7 +134,7 @@ def _setups(command: GMCommand) -> list[AgentSetup]:
 
 def _spec(command: GMCommand, setups: Sequence[AgentSetup]) -> "MatchSpec":
     from wildscav_engine.maps import map_spec
-    from wildscav_engine.specs.spec import SUBMISSION, MatchSpec
+    from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS as ENGINE_TRACKS
 
     track = TRACKS[_value(command, "game_mode")]
@@ -166,7 +168,7 @@ def _rules(command: GMCommand) -> "Rules":
 
 
 def _equipment(setup: AgentSetup) -> "Equipment":
-    from wildscav_engine.specs.spec import Equipment
+    from wildscav_engine.specs.equipment import Equipment
 
     return Equipment(
         health=_value(setup, "hp"),
@@ -182,7 +184,7 @@ def _returns_anywhere(command: GMCommand) -> bool:
 
 
 def _supplies(command: GMCommand) -> "SupplyConfig":
-    from wildscav_engine.specs.spec import SupplyConfig
+    from wildscav_engine.specs.supply_config import SupplyConfig
 
     return SupplyConfig(
         waves=(_wave(command, 0.0), *map(_refresh, command.supply_refresh_datas)),
@@ -197,7 +199,7 @@ def _refresh(data: SupplyRefreshData) -> "SupplyWave":
 
 
 def _wave(source: GMCommand | SupplyRefreshData, time: float) -> "SupplyWave":
-    from wildscav_engine.specs.spec import SupplyWave
+    from wildscav_engine.specs.supply_config import SupplyWave
 
     center = _place(source, "supply_heatmap_center") or (0.0, 0.0, 0.0)
     return SupplyWave(
@@ -235,7 +237,7 @@ def _value(source: _Source, name: str) -> Any:
     return played
 
 
-def _place(source: _Source, name: str) -> "Place | None":
+def _place(source: _Source, name: str) -> "Position | None":
     """Return a place in m, None where it is not given; infinite numbers count as far, no numbers as 0."""
     if not source.HasField(name):
         return None

@@ -8,7 +8,7 @@ from wildscav.legacy.episode import Episode
 
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
-    from wildscav_engine.specs.spec import MatchSpec, Place
+    from wildscav_engine.specs.match_spec import MatchSpec, Position
 
 
 def settle_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, list[str]]":
@@ -19,7 +19,7 @@ def settle_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, li
     """
     spec, moved = episode.spec, []
 
-    def settled(place: "Place | None", name: str, reach: float | None) -> "Place | None":
+    def settled(place: "Position | None", name: str, reach: float | None) -> "Position | None":
         if place is None:
             return None
         usable = _nearest_usable(game_map, place, reach)
@@ -37,7 +37,7 @@ def settle_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, li
     return spec.model_copy(update={"starts": tuple(starts), "target": target}), moved
 
 
-def _nearest_usable(game_map: "GameMap", place: "Place", reach: float | None) -> "Place":
+def _nearest_usable(game_map: "GameMap", place: "Position", reach: float | None) -> "Position":
     """Return a place if one can be there, else the nearest of the map's locations where one can."""
     from wildscav_engine.simulation.setup.starts import usable_place
 
@@ -51,5 +51,5 @@ def _nearest_usable(game_map: "GameMap", place: "Place", reach: float | None) ->
     return usable
 
 
-def _text(place: "Place") -> str:
+def _text(place: "Position") -> str:
     return f"({', '.join(f'{number:.2f}' for number in place)})"

@@ -18,7 +18,7 @@ from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_seat_result
 
 if TYPE_CHECKING:
-    from wildscav_engine.specs.spec import MatchSpec
+    from wildscav_engine.specs.match_spec import MatchSpec
 
 OPEN_LIMIT = 64  # matches at one time
 KEPT_LIMIT = 256  # finished matches that can still be asked for
@@ -85,7 +85,8 @@ class ArenaService:
 
         from wildscav_engine.record import RecordError, check_recordable
         from wildscav_engine.simulation.match import MatchSetupError
-        from wildscav_engine.specs.spec import MatchSpec, one_line
+        from wildscav_engine.specs.match_spec import MatchSpec
+        from wildscav_engine.specs.validation import one_line
 
         try:
             spec = MatchSpec.model_validate_json(request.spec_json)

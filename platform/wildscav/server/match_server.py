@@ -26,7 +26,7 @@ from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 if TYPE_CHECKING:
     from wildscav_engine.sensors import Sensor
     from wildscav_engine.simulation.match import Match
-    from wildscav_engine.specs.spec import MatchSpec
+    from wildscav_engine.specs.match_spec import MatchSpec
 
 DEFAULT_SETTINGS = EndpointSettings()
 
@@ -128,7 +128,7 @@ class MatchServer:
             ValueError: Another number of names than seats, sensors or an address for a seat that there is
                 not, or an address that nobody listens on.
         """
-        from wildscav_engine.specs.spec import SUBMISSION
+        from wildscav_engine.specs.match_spec import SUBMISSION
 
         numbers = [number for number, filled_by in enumerate(spec.seats) if filled_by == SUBMISSION]
         if len(names) != len(spec.seats):

@@ -30,7 +30,8 @@ def test_what_is_compiled_ahead_plays_matches_and_makes_depth_maps() -> None:
         from wildscav_engine.simulation.match import Match
         from wildscav_engine.simulation.play import play_batch
         from wildscav_engine.sensors import DepthCamera
-        from wildscav_engine.specs.spec import MapConfig, MatchSpec
+        from wildscav_engine.specs.map_spec import MapConfig
+        from wildscav_engine.specs.match_spec import MatchSpec
 
         game_map = generate_map(MapConfig(size=40, houses=0), 1)
         for seats in (("submission",), ("submission", "fighter")):

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.tracks import TRACKS
 
 SMALL = MapSpec(config=MapConfig(size=40, houses=1), seed=7)

@@ -20,7 +20,7 @@ from wildscav_engine.geometry.rays import (
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps import generate_map
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 WALL = box((-2, 0, 10), (2, 3, 11))
 HALF = math.sqrt(0.5)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from wildscav_engine.maps import cache, generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +171,7 @@ def test_two_processes_may_keep_and_take_the_same_maps(kept: Path) -> None:
     code = f"""
 from pathlib import Path
 from wildscav_engine.maps import cache
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 cache.folder = lambda: Path({str(kept)!r})
 cache.WORTH_KEEPING, cache.ROOM = 0.0, 700_000  # room for a few
 for number in range(24):

@@ -9,7 +9,7 @@ from wildscav_engine.maps import GameMap, MapError, cache, load_map, map_spec
 from wildscav_engine.maps.catalogue import BENCHMARK, LAST_ID
 from wildscav_engine.maps.layout import lay_out
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 # The table of the paper's appendix: size in m, houses, density, storeys.
 TABLE = {

@@ -4,7 +4,7 @@ import pytest
 
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import MapError, generate_map, map_of
-from wildscav_engine.specs.spec import MapConfig, MapSpec, Placement
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec, Placement
 
 SMALL = MapConfig(size=60, houses=3, storeys=(1, 3), water=0.15, vegetation=0.6)
 STREET = MapConfig(size=80, houses=6, density="high")

@@ -22,7 +22,7 @@ from wildscav_engine.maps.locations import (
     keep_apart,
 )
 from wildscav_engine.maps.walk import build_graph
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 CONFIGS = [
     MapConfig(size=80, houses=4, storeys=(1, 3), water=0.2, vegetation=1.0),

@@ -14,7 +14,7 @@ from wildscav_engine.maps.ground.terrain import Terrain, distance_to_footprint
 from wildscav_engine.maps.placements import fixed_houses, placed_solids
 from wildscav_engine.maps.settlements.footprints import footprints_of
 from wildscav_engine.maps.vegetation.planting import plant
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 
 def level(size: int = 100, slope: float = 0.0, water_level: float = -np.inf) -> Terrain:

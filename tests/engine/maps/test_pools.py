@@ -4,7 +4,7 @@ import pytest
 
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.pools import LEVELS, PARITY, MapPool, numbered_maps, random_maps
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 TINY = MapConfig(size=40, houses=0, vegetation=0.1)
 

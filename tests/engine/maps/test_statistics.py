@@ -13,7 +13,7 @@ from wildscav_engine.maps import GameMap, House, generate_map
 from wildscav_engine.maps.layout import NO_HOUSE
 from wildscav_engine.maps.settlements.footprints import footprints_of, gap_between
 from wildscav_engine.maps.settlements.sites import Site
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 BATCH = 20  # maps a test
 PLANTS = (Kind.TRUNK, Kind.CROWN, Kind.BUSH, Kind.ROCK)

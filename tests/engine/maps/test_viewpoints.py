@@ -10,7 +10,7 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.viewpoints import standing_height, viewpoint_of
 from wildscav_engine.sensors import SegmentationCamera
 from wildscav_engine.specs.body import EYE_HEIGHT
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 FLOOR = box((-3, 0, -3), (3, 0.2, 3), Kind.FLOOR)
 UPPER = box((-3, 3, -3), (3, 3.2, 3), Kind.FLOOR)

@@ -15,7 +15,8 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, JUMP_SPEED
-from wildscav_engine.specs.spec import MapConfig, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
 
 
 @pytest.mark.parametrize(

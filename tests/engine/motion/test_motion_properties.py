@@ -13,8 +13,8 @@ from wildscav_engine.geometry.world import Kind, build_world
 from wildscav_engine.maps import GameMap, MapError, generate_map
 from wildscav_engine.motion.walking import LIFT
 from wildscav_engine.specs.body import FALL_SPEED_LIMIT, GRAVITY
+from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.rules import FRAME
-from wildscav_engine.specs.spec import MapConfig
 
 # A body held up by steep faces keeps half of what gravity adds in a frame, and no more; J/kg.
 HELD_UP = 0.5 * (0.5 * GRAVITY * FRAME) ** 2 + 1e-9

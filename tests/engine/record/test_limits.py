@@ -21,7 +21,8 @@ from wildscav_engine.record import (
 )
 from wildscav_engine.record.format import LAYOUT, decode, encode
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.storage.binary_format import CHUNK, HEADER_LIMIT, decompress, pack, unpack
 
 MIB = 1 << 20
@@ -89,7 +90,7 @@ def test_a_header_beyond_the_limit_is_not_parsed() -> None:
 def test_half_a_million_faults_are_one_short_line(record: Record) -> None:
     header = header_of(record)
     header["spec"] = {"seats": [0] * 500_000}
-    with pytest.raises(RecordError, match="500,002 of its values are not as they must be") as caught:
+    with pytest.raises(RecordError, match="500,002 of its values are invalid") as caught:
         decode(pack(LAYOUT, header, b""))
     assert len(str(caught.value)) < 200
 

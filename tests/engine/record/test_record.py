@@ -30,7 +30,8 @@ from wildscav_engine.record import (
 )
 from wildscav_engine.record.format import LAYOUT, decode, encode
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MapConfig, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.storage.binary_format import PREAMBLE, canonical, pack, unpack
 
 

@@ -21,7 +21,7 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.trace import Scene
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 EDGES = 0.02  # of an image's rays at most may run so close to an edge that they go by either side of it
 SIZES = [(1, 1), (1, 7), (7, 1), (38, 22), (64, 36), (65, 37)]

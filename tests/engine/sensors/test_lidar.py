@@ -14,7 +14,7 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import DepthCamera, Lidar
 from wildscav_engine.specs.body import EYE_HEIGHT
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 RING = {"channels": 1, "lowest": 0.0, "highest": 0.0}  # one level ring
 

@@ -11,7 +11,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import generate_map
 from wildscav_engine.sensors import DepthCamera, NormalCamera
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 
 def read(world: World, yaw: float = 0.0, pitch: float = 0.0, **options: Any) -> np.ndarray:

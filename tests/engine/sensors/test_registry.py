@@ -12,7 +12,8 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.sensors import SENSORS, parse_sensor
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field, no_actions
-from wildscav_engine.specs.spec import MapConfig, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
 
 COUNTRY = generate_map(MapConfig(size=60, houses=2, water=0.1, vegetation=0.8), seed=3)
 # Options that differ from the defaults, none of them round. A sensor without an entry is read as it is.

@@ -4,7 +4,7 @@ import numpy as np
 
 from builders import flat_world, make_match, place
 from wildscav_engine.sensors import SafeZone, Teammates
-from wildscav_engine.specs.spec import ZoneConfig, ZonePhase
+from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 
 
 def test_teammates_are_listed_nearest_first_in_sight_or_not() -> None:

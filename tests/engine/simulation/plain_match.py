@@ -18,7 +18,7 @@ from wildscav_engine.compilation.kernel import config, kernel
 from wildscav_engine.sensors import DepthCamera, Lidar
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 
 @kernel

@@ -8,7 +8,7 @@ import pytest
 from builders import act, lay_boxes, make_match
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import Agents
-from wildscav_engine.specs.spec import SupplyConfig, SupplyWave
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 RICH = SupplyConfig(waves=(SupplyWave(center=(0, 0), radius=1000, outdoor_richness=50),), spacing=2)
 # What a match is set up with and never changes, what says nothing, and what a frame sets anew or clears.

@@ -13,7 +13,8 @@ from wildscav_engine.maps import MapError, generate_map, map_of
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 CONFIGS = (MapConfig(size=60, houses=2, storeys=(1, 2)), MapConfig(size=80, houses=3, vegetation=0.9))
 MAPS = (

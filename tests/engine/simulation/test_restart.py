@@ -11,7 +11,8 @@ from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError
 from wildscav_engine.specs.actions import FIELDS
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 MEADOW = map_from(flat_world())
 YARD = map_from(flat_world(solids=[box((3, 0, -9), (4, 3, 9))]))

@@ -16,7 +16,7 @@ from wildscav_engine.simulation import thread_pool as crews
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.thread_pool import Crew, crew
 from wildscav_engine.specs.actions import FIELDS, Field
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 COUNTRY = map_from(flat_world())
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from builders import act, flat_world, make_match, place
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.zone import plan_zone, zone_at
-from wildscav_engine.specs.spec import ZoneConfig, ZonePhase
+from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_engine.tracks.rewards import FACTS, RewardSum, read_facts
 
 NO_ZONE = ZoneConfig()

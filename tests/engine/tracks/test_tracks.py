@@ -156,7 +156,7 @@ def test_a_supply_goal_ends_gathering_when_a_team_carries_enough() -> None:
     ("spec", "message"),
     [
         ({"teams": (0, 1)}, "2 teams are given for 3 seats"),
-        ({"teams": (0, 2, 2)}, "nobody is in team 1"),
+        ({"teams": (0, 2, 2)}, "team 1 has no seat"),
         ({"supply_goal": 5}, "supply_goal is given, but battle has no supply goal"),
         ({"zone": {"phases": ()}}, "zone is given, but battle has no zone"),
     ],

@@ -4,7 +4,8 @@ import pytest
 
 from wildscav_engine.record import Record, record_of
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.view import write_replay
 
 SMALL_MAP = MapSpec(config=MapConfig(size=60, houses=1, water=0.1), seed=1)

@@ -7,7 +7,8 @@ import pytest
 from tests.evaluator.sample_agents import Submit
 from tests.evaluator.sandbox.available import missing
 
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission

@@ -14,7 +14,8 @@ import pytest
 from tests.evaluator.sample_agents import TALKER, Submit
 
 from wildscav.server import Clock, HostedMatch
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import PlatformFaultError, PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent
 from wildscav_evaluator.submissions.submission import Submission

@@ -8,7 +8,8 @@ from tests.evaluator.sample_agents import QUITTER, TALKER, Submit
 
 from wildscav.server import Clock, SeatStatus
 from wildscav_engine.simulation.match import Match, MatchSetupError
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import status_of
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS, PlatformFaultError, PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent

@@ -9,7 +9,8 @@ import pytest
 from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 
 from wildscav.server import Clock, HostedMatch, SeatStatus
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission

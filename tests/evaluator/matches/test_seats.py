@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sample_agents import WALKER, Submit
 
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.matches.run_job import kept, run_job
 from wildscav_evaluator.output.folder import keep_only

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sample_agents import WALKER, Submit
 
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import AttemptFailed, Heartbeat, Job, JobEvent, RenderingReplay
 from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
 

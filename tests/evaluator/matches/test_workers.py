@@ -12,7 +12,8 @@ import pytest
 from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.matches.play import Seating
 from wildscav_evaluator.matches.run_job import after_worker_death

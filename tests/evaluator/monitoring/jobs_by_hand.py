@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatTiming
 from wildscav_evaluator.submissions.submission import Manifest, Submission

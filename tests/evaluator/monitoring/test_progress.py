@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.monitoring.progress import EvaluationProgress
 from wildscav_evaluator.monitoring.tally import Tally

@@ -8,7 +8,8 @@ import pytest
 from tests.evaluator.sandbox.available import missing
 from tests.evaluator.submissions.python_image import NAME, python_image
 
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.containers.container_engine import ContainerEngine, call, find_engine

@@ -6,7 +6,7 @@ from typing import get_type_hints
 import pytest
 
 from wildscav_engine.maps.layout import lay_out
-from wildscav_engine.specs.spec import SUBMISSION
+from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.commands.evaluate import evaluate
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES, suite

@@ -7,7 +7,7 @@ import pytest
 
 from wildscav.errors import UserError
 from wildscav_engine.maps.catalogue import map_spec
-from wildscav_engine.specs.spec import SUBMISSION
+from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES
 from wildscav_evaluator.suites.suite_file import find_suite, read_suite

@@ -15,7 +15,8 @@ from tests.platform.helpers.command import Done, command_here
 
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
 END = 120  # s, far more than it takes

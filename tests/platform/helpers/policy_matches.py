@@ -15,7 +15,7 @@ from wildscav.sdk.connection import Connection
 from wildscav.server import MatchServer
 from wildscav.server.hosting.time_limits import Clock
 from wildscav_engine.envs import SingleEnv
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 PATIENT = Clock(step_budget=10.0, time_bank=600.0)  # the machine may be busy
 

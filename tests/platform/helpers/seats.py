@@ -14,7 +14,8 @@ from wildscav.proto import PROTOCOL_VERSION
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join, ServerMessage
 from wildscav.server import HostedMatch, MatchServer
 from wildscav.server.hosting.warm_up import warm
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 # Else all channels of a process share one, and the streams of those that leave without reading crowd it.
 OWN_CONNECTION = [("grpc.use_local_subchannel_pool", 1)]

@@ -21,7 +21,7 @@ from wildscav.legacy.map_files import is_written, obj_of, paths_of, write_map
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 EYE = np.array([0.0, 1.5, 0.0])
 WIDTH, HEIGHT, FAR = 64, 36, 200.0

@@ -8,18 +8,13 @@ from pydantic import Field, ValidationError, model_validator
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, parse_sensors
 from wildscav_engine.specs.actions import Field as ActionField
+from wildscav_engine.specs.base import Spec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec, Position
 from wildscav_engine.specs.rules import Rules, RulesField
-from wildscav_engine.specs.spec import (
-    SUBMISSION,
-    MapConfig,
-    MapSpec,
-    MatchSpec,
-    Place,
-    Spec,
-    SupplyConfig,
-    ZoneConfig,
-    one_line,
-)
+from wildscav_engine.specs.supply_config import SupplyConfig
+from wildscav_engine.specs.validation import one_line
+from wildscav_engine.specs.zone_config import ZoneConfig
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum
 
@@ -39,10 +34,10 @@ class EnvConfig(Spec):
     level: Level = "normal"
     split: Split = "train"
     random_maps: Annotated[int, Field(ge=1, le=100_000)] = 64
-    start: Place | None = None  # m, of the first seat; None: a random place
-    starts: tuple[Place | None, ...] | None = None  # m, of every seat
+    start: Position | None = None  # m, of the first seat; None: a random place
+    starts: tuple[Position | None, ...] | None = None  # m, of every seat
     start_range: Annotated[float, Field(ge=0, le=2000)] | None = None  # m from where the target is reached
-    target: Place | None = None  # m; None: a random place
+    target: Position | None = None  # m; None: a random place
     # Who: learners first, then the robots on their team, then the robots against them.
     agents: Annotated[int, Field(ge=1, le=1000)] = 1
     teammates: tuple[str, ...] = ()

@@ -14,7 +14,8 @@ from wildscav_engine.arithmetic.random_numbers import philox
 from wildscav_engine.maps import MapError, map_of, map_spec
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.pools import PARITY, Level, MapPool, Split, numbered_maps, random_maps
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 Land = int | MapSpec | MapConfig | tuple[int, ...] | None
 
@@ -81,7 +82,7 @@ class Episodes:
         self.number += 1
         seed = int(first) // 2 * 2 + PARITY[self._split]
         game_map = self._pool.draw(int(second))
-        spec = self._template.varied(seed=seed, map=game_map.spec)
+        spec = self._template.unchecked_copy(seed=seed, map=game_map.spec)
         if options and not options.keys().isdisjoint({"start", "target", "map"}):
             spec = _changed(spec, options)
             game_map = map_of(spec.map) if "map" in options else game_map

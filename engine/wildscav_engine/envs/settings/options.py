@@ -9,8 +9,11 @@ from typing import Any, TypedDict
 
 from wildscav_engine.envs.settings.config import ActionMode, RenderMode, RenderView
 from wildscav_engine.maps.pools import Level, Split
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import Position
 from wildscav_engine.specs.rules import Rules
-from wildscav_engine.specs.spec import MapConfig, MapSpec, Place, SupplyConfig, ZoneConfig
+from wildscav_engine.specs.supply_config import SupplyConfig
+from wildscav_engine.specs.zone_config import ZoneConfig
 
 Table = Mapping[str, Any]  # the fields of a spec by name, those that differ from their defaults
 
@@ -24,10 +27,10 @@ class EnvOptions(TypedDict, total=False):
     level: Level
     split: Split
     random_maps: int
-    start: Place | None
-    starts: Sequence[Place | None] | None
+    start: Position | None
+    starts: Sequence[Position | None] | None
     start_range: float | None
-    target: Place | None
+    target: Position | None
     # Who
     agents: int
     teammates: Sequence[str]

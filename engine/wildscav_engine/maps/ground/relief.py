@@ -9,7 +9,7 @@ from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream, uniform
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 STREAM = int(Stream.TERRAIN)
 GRADIENTS_KEY = 1  # the frame that keys the noise

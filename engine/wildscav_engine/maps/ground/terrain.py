@@ -20,7 +20,7 @@ from wildscav_engine.maps.ground.relief import (
     raise_cliffs,
 )
 from wildscav_engine.specs.body import TAN_SLOPE_LIMIT
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 __all__ = [
     "DEEPEST_WATER",

@@ -10,7 +10,7 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.shapes import Pose, pose
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.ground.terrain import LEVEL_MARGIN, distance_to_footprint
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 WIDEST = {"block": 0.0, "tree": 0.5, "bush": 1.2, "rock": 2.2}  # m, how far one reaches from its axis at most
 

@@ -24,7 +24,7 @@ from wildscav_engine.maps.settlements.footprints import (
     heights_under,
     placed_footprints,
 )
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 EDGE_MARGIN = 3.0  # m between a house and the edge of the map
 PLACED_MARGIN = 3.0  # m between a house and what is placed by hand

@@ -27,7 +27,7 @@ from wildscav_engine.maps.settlements.streets import (
     draw_streets,
     town_center,
 )
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 __all__ = ["CLOSE_GAP", "EDGE_MARGIN", "Settlement", "Site", "corner_of", "footprints_of", "gap_between"]
 

@@ -17,7 +17,7 @@ from wildscav_engine.maps.vegetation.scatter import (
 )
 from wildscav_engine.maps.vegetation.species import PARTS, grow
 from wildscav_engine.maps.vegetation.woods import shores, slow_noise, steepness, wooded
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 SHARES = {ROCKS: 0.003, TREES: 0.0075, BUSHES: 0.004}  # a m², with vegetation 1; large things come first
 KEYS = 2**24  # plants of each sort have keys of their own, from this on

@@ -17,8 +17,9 @@ from wildscav_engine.simulation.systems.supplies import choose_indoor, choose_ou
 from wildscav_engine.simulation.systems.zone import COLUMNS as ZONE_COLUMNS
 from wildscav_engine.simulation.systems.zone import plan_zone
 from wildscav_engine.simulation.track import TRACKS
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.specs.spec import SUBMISSION, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 __all__ = ["Boxes", "MatchSetupError", "Setup", "WaveInfo", "place_match", "plan_match", "seed_of_seat"]
 

@@ -20,7 +20,7 @@ from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
 from wildscav_engine.motion.body_motion import move
 from wildscav_engine.motion.collision import Bodies, Point
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EDGE_MARGIN
-from wildscav_engine.specs.spec import MatchSpec, Place
+from wildscav_engine.specs.match_spec import MatchSpec, Position
 
 LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
 LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
@@ -43,7 +43,7 @@ class MatchSetupError(ValueError):
 class Given(NamedTuple):
     """A place that a spec gives, and what it is for."""
 
-    place: Place
+    place: Position
     name: str
     reach: float | None  # m, from where a target counts as reached; None: it is a start
 
@@ -83,7 +83,7 @@ def choose_starts(
     return starts, target
 
 
-def usable_place(game_map: GameMap, place: Place, reach: float | None) -> Place:
+def usable_place(game_map: GameMap, place: Position, reach: float | None) -> Position:
     """Return a place that a spec may give, or the nearest of the map's places if it may not.
 
     Args:

@@ -14,7 +14,7 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.simulation.state import Agents, Matches
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.specs.spec import ZoneConfig
+from wildscav_engine.specs.zone_config import ZoneConfig
 
 COLUMNS = 9  # of a phase in Matches.zone
 

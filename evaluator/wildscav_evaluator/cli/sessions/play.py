@@ -20,8 +20,10 @@ from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.specs.spec import SUBMISSION, MapConfig, MapSpec, MatchSpec, one_line
+from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.options.output_paths import check_output_paths
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table

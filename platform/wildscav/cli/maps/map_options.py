@@ -141,7 +141,8 @@ def _made(map_id: int | None, seed: int | None, file: Path | None, fields: dict[
 
     from wildscav.terminal.console import error_console
     from wildscav_engine.maps import MapError, generate_map, load_map
-    from wildscav_engine.specs.spec import MapSpec, one_line
+    from wildscav_engine.specs.map_spec import MapSpec
+    from wildscav_engine.specs.validation import one_line
 
     try:
         with error_console.status("making the map"):

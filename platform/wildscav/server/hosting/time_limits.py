@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from wildscav_engine.specs.spec import MatchSpec
+    from wildscav_engine.specs.match_spec import MatchSpec
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,7 +45,7 @@ def _tiny_match() -> "Match":
     """Return a match that was played to its end."""
     from wildscav_engine.simulation.match import Match
     from wildscav_engine.specs.actions import no_actions
-    from wildscav_engine.specs.spec import MatchSpec
+    from wildscav_engine.specs.match_spec import MatchSpec
 
     game_map = warm_map()
     match = Match(MatchSpec(track="navigation", map=game_map.spec, time_limit=0.1), game_map)
@@ -59,6 +59,6 @@ def _tiny_match() -> "Match":
 def warm_map() -> "GameMap":
     """Make a small map with a little of everything, anew: one that was kept on disk would warm nothing."""
     from wildscav_engine.maps import generate_map
-    from wildscav_engine.specs.spec import MapConfig
+    from wildscav_engine.specs.map_spec import MapConfig
 
     return generate_map(MapConfig(size=60, houses=3, density="high", ruggedness=1.0, water=0.1), seed=5)

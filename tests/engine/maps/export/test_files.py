@@ -13,7 +13,7 @@ from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import GENERATOR_VERSION, GameMap, generate_map
 from wildscav_engine.maps.export.files import FILES, export_map
 from wildscav_engine.maps.export.mesh import solids_mesh, terrain_mesh, water_mesh
-from wildscav_engine.specs.spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 SKY = 200.0  # m
 

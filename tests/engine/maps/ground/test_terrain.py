@@ -18,7 +18,7 @@ from wildscav_engine.maps.ground.terrain import (
     water_of_cells,
 )
 from wildscav_engine.maps.settlements.sites import footprints_of, place_houses
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 TOO_STEEP = 1.0  # tangent of 45°
 

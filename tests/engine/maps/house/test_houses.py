@@ -16,7 +16,7 @@ from wildscav_engine.maps.house.plan import Roof
 from wildscav_engine.maps.house.roof import can_be_walked_to
 from wildscav_engine.maps.house.stairs import RISE
 from wildscav_engine.specs.body import BODY_HEIGHT
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 CONFIG = MapConfig(size=80, houses=4, storeys=(2, 3), vegetation=0.0)
 SEEDS = [0, 1]

@@ -15,7 +15,7 @@ from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.base import Base, BaseError
 from wildscav_engine.maps.export.files import export_map
 from wildscav_engine.maps.importing import import_height_map, import_mesh
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 Image = pytest.importorskip("PIL.Image")
 trimesh = pytest.importorskip("trimesh")

@@ -26,7 +26,7 @@ from wildscav_engine.maps.picture.survey import (
     look_down,
     smooth_ground,
 )
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 SIZE = 40  # m, of the worlds made by hand
 WHOLE = Window(-SIZE / 2, SIZE / 2, 0.5, 2 * SIZE, 2 * SIZE)

@@ -20,7 +20,7 @@ from wildscav_engine.maps.settlements.sites import (
     room_for,
     settle,
 )
-from wildscav_engine.specs.spec import MapConfig, Placement
+from wildscav_engine.specs.map_spec import MapConfig, Placement
 
 Sizes = list[tuple[float, float]]
 

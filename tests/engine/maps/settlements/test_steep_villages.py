@@ -18,7 +18,7 @@ from wildscav_engine.maps.locations import ON_FLOOR, houses_cut_off
 from wildscav_engine.maps.placements import fixed_houses
 from wildscav_engine.maps.settlements.footprints import gap_between, heights_under
 from wildscav_engine.maps.settlements.plots import level_for
-from wildscav_engine.specs.spec import MapConfig, Placement
+from wildscav_engine.specs.map_spec import MapConfig, Placement
 
 CROWDED = MapConfig(
     size=256, houses=29, relief=2, ruggedness=1, water=0, storeys=(1, 3), vegetation=0.4

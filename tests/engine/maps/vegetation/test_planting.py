@@ -45,7 +45,7 @@ from wildscav_engine.maps.vegetation.species import (
 )
 from wildscav_engine.motion.body_motion import move
 from wildscav_engine.motion.collision import Bodies
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 ALL_SPECIES = {
     "broadleaf": BROADLEAF,

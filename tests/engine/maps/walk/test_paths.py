@@ -15,7 +15,7 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.maps import GameMap, MapError, generate_map
 from wildscav_engine.maps.walk import build_graph, find_path
 from wildscav_engine.specs.body import BODY_RADIUS
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 SPEEDS = (3.0, 5.0, 10.0)  # m/s
 

@@ -23,7 +23,7 @@ from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_WAY, haze
 from wildscav_engine.rendering.trace import allocate_hits, trace
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 Place = tuple[float, float, float]
 CONFIG = MapConfig(size=60, houses=2, water=0.1, vegetation=0.8)

@@ -11,7 +11,7 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera, parse_sensors
 from wildscav_engine.sensors.optics.optical import OpticalSensor
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 COUNTRY = generate_map(MapConfig(size=60, houses=2), 3)
 FINE: dict[str, Any] = {"positions": np.ones((2, 3)), "yaws": np.zeros(2), "pitches": np.zeros(2)}

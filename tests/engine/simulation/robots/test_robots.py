@@ -10,8 +10,10 @@ from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.robots import ROBOTS
 from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import Rules
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec, ZoneConfig, ZonePhase
+from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,9 @@ from pydantic import ValidationError
 
 from builders import act, make_match, place
 from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.equipment import Equipment
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import Rules
-from wildscav_engine.specs.spec import Equipment, MatchSpec
 
 
 def duel(*equipment: Equipment | None, **spec: object) -> Match:
@@ -76,5 +77,5 @@ def test_a_match_goes_on_from_bytes_with_its_equipment() -> None:
 
 
 def test_equipment_is_given_for_every_seat() -> None:
-    with pytest.raises(ValidationError, match="1 equipments are given for 2 seats"):
+    with pytest.raises(ValidationError, match="equipment has 1 entries for 2 seats"):
         MatchSpec(track="battle", seats=("submission",) * 2, equipment=(None,))

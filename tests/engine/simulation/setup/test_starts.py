@@ -16,7 +16,7 @@ from wildscav_engine.simulation.setup.starts import (
 )
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.body import BODY_RADIUS
-from wildscav_engine.specs.spec import MatchSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 
 MEADOW = map_from(flat_world())
 # A wall all along the meadow, with a gap in the middle.
@@ -62,7 +62,7 @@ def test_a_start_of_the_first_seat_alone_leaves_the_others_to_chance() -> None:
 @pytest.mark.parametrize(
     ("fields", "fault"),
     [
-        ({"start": (0, 0, 0), "starts": ((0, 0, 0),)}, "start and starts are given"),
+        ({"start": (0, 0, 0), "starts": ((0, 0, 0),)}, "start and starts are both given"),
         ({"starts": (None, None)}, "2 starts are given for 1 seats"),
         ({"start_range": -1.0}, "start_range"),
         ({"start_range": 2.0, "track": "battle"}, "battle has no start range"),
@@ -169,11 +169,11 @@ def test_seats_that_race_in_a_narrow_place_do_not_start_in_each_other(seed: int)
     assert least_distance(starts) >= 2 * BODY_RADIUS
 
 
-def test_a_varied_spec_is_as_one_made_anew() -> None:
+def test_an_unchecked_copy_equals_a_spec_made_anew() -> None:
     made = spec(5, start_range=1.0)
-    varied = made.varied(seed=9, target=(1.0, 0.0, 2.0))
-    assert varied == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0))
-    assert varied.model_dump_json() == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0)).model_dump_json()
-    assert hash(varied) != hash(made)
+    copy = made.unchecked_copy(seed=9, target=(1.0, 0.0, 2.0))
+    assert copy == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0))
+    assert copy.model_dump_json() == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0)).model_dump_json()
+    assert hash(copy) != hash(made)
     assert made.seed == 5
-    assert Batch([varied], [MEADOW]).state.matches.seed[0] == 9
+    assert Batch([copy], [MEADOW]).state.matches.seed[0] == 9

@@ -6,8 +6,9 @@ import pytest
 from builders import RICH, WILD, act, flat_world, lay_boxes, make_match, place, seen_now
 from wildscav_engine.maps import map_of
 from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import Rules
-from wildscav_engine.specs.spec import MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 
 def gathering(seats: int = 1) -> Match:

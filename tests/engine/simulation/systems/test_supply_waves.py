@@ -11,7 +11,9 @@ from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.maps import GameMap, generate_map, map_of, map_spec
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.setup.starts import usable_place
-from wildscav_engine.specs.spec import MapConfig, MatchSpec, SupplyConfig, SupplyWave
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 
 def test_numbers_of_boxes_do_not_tell_where_they_lie() -> None:

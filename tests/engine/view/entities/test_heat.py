@@ -5,7 +5,7 @@ import numpy as np
 from builders import flat_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.view.entities.draped import LIFT, Net
 from wildscav_engine.view.entities.heat import density
 from wildscav_engine.view.recording.history import Boxes

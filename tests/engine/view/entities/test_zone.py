@@ -7,7 +7,7 @@ from rerun.chunk import RrdReader
 from tests.engine.view.conftest import robots_play
 
 from builders import act, flat_world, make_match
-from wildscav_engine.specs.spec import ZoneConfig, ZonePhase
+from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_engine.view import write_replay
 from wildscav_engine.view.entities.zone import CORNERS, LIFT, ring, static_zone
 from wildscav_engine.view.events import events_of

@@ -9,7 +9,8 @@ from tests.evaluator.sample_agents import Command, Submit
 
 from wildscav.errors import UserError
 from wildscav_engine.record import write_record
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.cli.sessions.replay_agent import run_again
 from wildscav_evaluator.matches.play import Seating, play_match
 

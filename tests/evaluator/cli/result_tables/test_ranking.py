@@ -13,7 +13,8 @@ from wildscav.cli.maps import map as map_command
 from wildscav.server import SeatReport, SeatStatus
 from wildscav.terminal.console import PlainConsole
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.commands import doctor
 from wildscav_evaluator.cli.result_tables.changes import changes_table, verdict

@@ -20,7 +20,7 @@ from wildscav_engine.sensors.display.colors import of_distances
 from wildscav_engine.sensors.optics.optical import OpticalSensor
 from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.specs.body import EYE_HEIGHT
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 BARE = ("--seed", 3, "--size", 40, "--houses", 0, "--vegetation", 0, "--water", 0)
 BARE_MAP = generate_map(MapConfig(size=40, houses=0, vegetation=0.0, water=0.0), 3)

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from wildscav.cli.maps.map_import import import_map
 from wildscav.errors import UserError
 from wildscav_engine.maps.base import load_base
-from wildscav_engine.specs.spec import MapConfig
+from wildscav_engine.specs.map_spec import MapConfig
 
 Image = pytest.importorskip("PIL.Image")
 trimesh = pytest.importorskip("trimesh")

@@ -16,8 +16,9 @@ from wildscav.server.hosting.warm_up import warm
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, SUPPLY_LIMIT
 from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAME
-from wildscav_engine.specs.spec import MapConfig, MapSpec, MatchSpec
 from wildscav_engine.tracks import TRACKS
 
 BANK = 29.5  # s, of seat 0; each other one has a second more

@@ -1,0 +1,53 @@
+"""Everything that a map is a function of."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from wildscav_engine.specs.base import Seed, Spec
+from wildscav_engine.specs.supply_config import SupplyConfig
+
+
+class Placement(Spec):
+    """An object, or an area of vegetation or rocks, that is placed on a map by hand."""
+
+    kind: Literal["house", "block", "tree", "bush", "rock"]
+    location: tuple[float, float]  # x, z in m, of its center
+    area: tuple[Annotated[float, Field(gt=0, le=2000)], Annotated[float, Field(gt=0, le=2000)]] | None = None
+    # m, width and depth. A house or a block has this size (None: drawn by the generator); trees, bushes
+    # and rocks fill it (None: a single one).
+    orientation: Annotated[float, Field(ge=-360, le=360)] = 0.0  # degrees, the yaw of its front
+    storeys: Annotated[int, Field(ge=1, le=4)] | None = None  # of a house; None: drawn by the generator
+    height: Annotated[float, Field(gt=0, le=30)] = 2.0  # m, of a block
+    density: Annotated[float, Field(gt=0, le=1)] = 0.5  # of trees, bushes and rocks in an area; 1: densest
+
+
+class MapConfig(Spec):
+    """The settings of the map generator. Together with a seed, they determine exactly one map."""
+
+    size: Annotated[int, Field(ge=40, le=2000, multiple_of=2)] = 100  # m, length of each side
+    relief: Annotated[float, Field(ge=0, le=2)] = 1.0  # 0 flat, 1 hills, 2 mountains
+    ruggedness: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 smooth downs and plains, 1 ridges and cliffs
+    water: Annotated[float, Field(ge=0, le=0.4)] = 0.08  # approximate share of the area under lakes
+    houses: Annotated[int, Field(ge=0, le=200)] = 4  # in addition to those placed by hand
+    density: Literal["low", "high"] = "low"  # scattered houses, or houses close together along streets
+    storeys: tuple[Annotated[int, Field(ge=1, le=4)], Annotated[int, Field(ge=1, le=4)]] = (1, 2)
+    vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
+    placements: Annotated[tuple[Placement, ...], Field(max_length=1000)] = ()
+    # The digest of an imported height map or mesh to build the map on; None: generated terrain.
+    base: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None
+    # For matches on this map whose own spec has none; None: the track's default.
+    supplies: SupplyConfig | None = None
+
+    @model_validator(mode="after")
+    def _storeys_ascend(self) -> Self:
+        if self.storeys[0] > self.storeys[1]:
+            raise ValueError(f"storeys is {self.storeys}: the first number must not be above the second")
+        return self
+
+
+class MapSpec(Spec):
+    """One map."""
+
+    config: MapConfig = MapConfig()
+    seed: Seed = 0
