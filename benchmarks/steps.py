@@ -1,7 +1,8 @@
-"""Steps a second of the engine and of its environments: batches, matches, threads, with and without depth."""
+"""Steps a second of the engine and its environments, with threads and processes, with and without depth."""
 
 import functools
 import itertools
+import multiprocessing
 import statistics
 import time
 from collections.abc import Callable
@@ -76,8 +77,7 @@ def pool() -> tuple[GameMap, ...]:
 class Play:
     """A batch of navigation matches of one agent, each begun anew on the next map when it ends."""
 
-    def __init__(self, matches: int, threads: int, *, resets: bool) -> None:
-        self.threads = threads
+    def __init__(self, matches: int, *, resets: bool) -> None:
         limit = EPISODE if resets else 80_000.0
         # Ends spread over time, as in training.
         self.specs = [
@@ -93,7 +93,7 @@ class Play:
 
     def step(self, number: int) -> None:
         """Play one step of all matches, and begin anew those that end."""
-        self.batch.step(self.actions[number % 8], threads=self.threads)
+        self.batch.step(self.actions[number % 8])
         for row in np.flatnonzero(self.batch.state.matches.over).tolist():
             self.maps[row] = pool()[self.begun % POOL]
             spec = self.specs[row].unchecked_copy(
@@ -103,12 +103,12 @@ class Play:
             self.begun += 1
 
 
-def batch_figure(threads: int, *, resets: bool = True) -> Figure:
+def batch_figure(*, resets: bool = True) -> Figure:
     """Measure a batch of 64 matches of one agent on 64 maps."""
-    play = Play(64, threads, resets=resets)
+    play = Play(64, resets=resets)
     rate = steps_per_second(play.step, 64, 400)
     what = f"64 matches × 1 agent, no sensors{'' if resets else ', no resets'}"
-    return Figure(what, rate, "agent-steps/s", f"{threads} thread{'s' if threads > 1 else ''}")
+    return Figure(what, rate, "agent-steps/s")
 
 
 def threads_figure(name: str, steps: int, one: Callable[[int], None], two: Callable[[int], None]) -> Figure:
@@ -141,26 +141,61 @@ def batch_threads_figure(matches: int, seats: int) -> Figure:
     )
 
 
-def vector_threads_figure(envs: int) -> Figure:
-    """Measure two threads on a vector environment with depth maps."""
-    options = {**env_options(depth=True), "num_envs": envs, "vectorization_mode": "vector_entry_point"}
-    one, two = (gymnasium.make_vec(ENV, threads=threads, **options) for threads in (1, 2))
-    one.action_space.seed(0)
+def vector_threads_figure(envs: int, sensor: str, size: int, steps: int) -> Figure:
+    """Measure two threads on a vector environment with square images."""
+    options = {**env_options(depth=False), "sensors": {sensor: {"width": size, "height": size}}}
+    one, two = (vector_env(envs, options | {"threads": threads}) for threads in (1, 2))
     actions = [one.action_space.sample() for _ in range(8)]
-    for env in (one, two):
-        env.reset(seed=0)
-        make_pool(env.unwrapped.arena)
     return threads_figure(
-        f"vector env, {envs} × 1, 10 × 10 depth",
-        40,
+        f"vector env, {envs} × 1, {sensor} {size} × {size}",
+        steps,
         lambda number: one.step(actions[number % 8]),
         lambda number: two.step(actions[number % 8]),
     )
 
 
+def processes_figure(depth: bool) -> Figure:
+    """Measure two processes, each with a vector environment of its own, over one."""
+    context = multiprocessing.get_context("spawn")
+    rates = []
+    for count in (1, 2):
+        together, found = context.Barrier(count), context.Queue()
+        arguments = (together, found, depth)
+        processes = [context.Process(target=play_beside, args=arguments) for _ in range(count)]
+        for process in processes:
+            process.start()
+        rates.append(sum(found.get() for _ in processes))
+        for process in processes:
+            process.join()
+    what = f"two processes over one, vector env, 64 × 1, {seen(depth)}"
+    return Figure(what, rates[1] / rates[0], "×", f"{rates[1]:,.0f} agent-steps/s")
+
+
+def play_beside(together: Any, found: Any, depth: bool) -> None:
+    """Play a vector environment in a process while others play theirs, and tell its agent-steps a second."""
+    vector = vector_env(64, env_options(depth))
+    actions = [vector.action_space.sample() for _ in range(8)]
+
+    def step(number: int) -> None:
+        if number == 0:
+            together.wait()
+        vector.step(actions[number % 8])
+
+    found.put(steps_per_second(step, 64, 2000))
+
+
+def vector_env(envs: int, options: dict[str, Any]) -> Any:
+    """Return a vector environment that has begun, with all the maps that it will play on."""
+    vector = gymnasium.make_vec(ENV, num_envs=envs, vectorization_mode="vector_entry_point", **options)
+    vector.action_space.seed(0)
+    vector.reset(seed=0)
+    make_pool(vector.unwrapped.arena)
+    return vector
+
+
 def reset_figure() -> Figure:
     """Measure how long it takes to begin a match anew, on a map of the pool."""
-    play = Play(1, 1, resets=True)
+    play = Play(1, resets=True)
     specs = [play.specs[0].unchecked_copy(seed=seed, map=pool()[seed % POOL].spec) for seed in range(200)]
     started = time.perf_counter()
     for seed, fresh in enumerate(specs):
@@ -217,13 +252,8 @@ def env_figure(depth: bool) -> Figure:
 
 def vector_figure(envs: int, depth: bool) -> Figure:
     """Measure a vector environment, its resets over a pool of 64 maps included."""
-    vector = gymnasium.make_vec(
-        ENV, num_envs=envs, vectorization_mode="vector_entry_point", **env_options(depth)
-    )
-    vector.action_space.seed(0)
+    vector = vector_env(envs, env_options(depth))
     actions = [vector.action_space.sample() for _ in range(8)]
-    vector.reset(seed=0)
-    make_pool(vector.unwrapped.arena)
     rate = steps_per_second(lambda number: vector.step(actions[number % 8]), envs, 400)
     return Figure(f"vector env, {envs} × 1, {seen(depth)}", rate, "agent-steps/s", "resets included")
 
@@ -248,11 +278,14 @@ def seen(depth: bool) -> str:
 def main(json_file: JsonFile = None) -> None:
     """Measure and print."""
     figures = [
-        batch_figure(1),
-        batch_figure(2),
-        batch_figure(1, resets=False),
-        *(batch_threads_figure(matches, seats) for matches, seats in ((64, 10), (512, 1), (64, 1))),
-        *(vector_threads_figure(envs) for envs in (64, 512)),
+        batch_figure(),
+        batch_figure(resets=False),
+        *(batch_threads_figure(matches, seats) for matches, seats in ((64, 10), (512, 1))),
+        vector_threads_figure(64, "camera", 84, 2),
+        vector_threads_figure(64, "depth", 84, 20),
+        vector_threads_figure(512, "depth", 10, 20),
+        processes_figure(depth=True),
+        processes_figure(depth=False),
         reset_figure(),
         match_figure("one match, 1 agent", "submission"),
         match_figure("one match, 10 agents", *["submission"] * 10),

@@ -1,6 +1,8 @@
-"""Work over threads: kernels let go of Python's lock, so threads of Python's own are enough.
+"""Work shared by threads: kernels release Python's lock, so threads of Python's own are enough.
 
-Threads of the compiler's own would need every kernel compiled once more for them, and that version is slower.
+To hand work to another thread and to wait for it takes 50 to 100 µs, so a thread is worth waking for half a
+millisecond of work or more. Threads that never sleep would begin sooner, but they would take a processor core
+from everybody else all the time; Numba's own would need every kernel compiled once more.
 """
 
 import os
@@ -22,16 +24,18 @@ def cores() -> int:
 def share(work: Callable[[slice], bool], count: int, threads: int, least: int = 1) -> bool:
     """Do work on parts of ``range(count)`` until one fails, and return whether none did.
 
-    Every thread begins with the parts that were its own the last time, too, for what they work on lies in the
-    cache of its processor core still; who is done takes over what others have left.
+    Every thread begins with the parts that were its own the last time, too, because the cache of its
+    processor core still holds what they work on; a thread that is done takes over what others have left.
 
     Args:
         work: Does one part.
         count: How much there is.
-        threads: How many threads share them, the calling one among them.
-        least: How much a part is at least, unless there is less.
+        threads: How many threads share them at most, the calling one among them.
+        least: How much a thread and a part get at least, unless there is less in all.
     """
-    threads = max(1, min(threads, -(-count // least), MOST_HELPERS + 1))
+    threads = min(threads, count // least, MOST_HELPERS + 1)
+    if threads <= 1:
+        return work(slice(0, count))
     ends = [count * one // threads for one in range(threads + 1)]
     piles = [deque(_halves(first, last, least)) for first, last in pairwise(ends)]
     helpers = [_helper(number).submit(_take, work, piles, number) for number in range(1, threads)]

@@ -38,6 +38,7 @@ class ColorCamera(PaintedCamera):
     name: ClassVar[str] = "camera"
     title: ClassVar[str] = "picture in red, green and blue, 0-255"
     dtype: ClassVar[type[np.generic]] = np.uint8
+    ray_time: ClassVar[int] = 100
     channels: ClassVar[tuple[int, ...]] = (3,)
     sees_water: ClassVar[bool] = True
 

@@ -41,6 +41,7 @@ class DepthCamera(MovingOption, PinholeCamera):
     name: ClassVar[str] = "depth"
     title: ClassVar[str] = "planar depth, m"
     dtype: ClassVar[type[np.generic]] = np.float32
+    ray_time: ClassVar[int] = 5
 
     moving: bool = False  # whether agents and supply boxes are seen
 

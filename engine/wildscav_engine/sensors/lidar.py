@@ -40,6 +40,7 @@ class Lidar(MovingOption):
     name: ClassVar[str] = "lidar"
     title: ClassVar[str] = "distances all round, m"
     dtype: ClassVar[type[np.generic]] = np.float32
+    ray_time: ClassVar[int] = 50
 
     channels: Annotated[int, Field(ge=1, le=128)] = 16  # rings; a single one is halfway up
     azimuths: Annotated[int, Field(ge=1, le=3600)] = 360  # columns of a whole turn

@@ -2,12 +2,12 @@
 
 import copy
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, Handle, addresses_of
+from wildscav_engine.compilation.array_tables import Addresses, Handle
 from wildscav_engine.compilation.row_copy import clear_rows, fills_of
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
@@ -18,16 +18,11 @@ from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_
 from wildscav_engine.simulation.snapshot import History, check_size, decode, encode, map_for, write
 from wildscav_engine.simulation.state import State, allocate_state, with_room
 from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
-from wildscav_engine.simulation.thread_pool import Crew, Job, crew, most_together
 from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.actions import FIELDS, Field, no_actions
 from wildscav_engine.specs.match_spec import MatchSpec
 
-
-class NewActions(NamedTuple):
-    """What is new in every ``Job``."""
-
-    actions: NDArray[np.float32]
+LEAST_AGENTS = 200  # that a thread plays: of fewer, a step takes no longer than waking the thread
 
 
 class Batch:
@@ -67,8 +62,6 @@ class Batch:
         self._numbers = np.array(self.rules, np.float64)
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
-        self._frames = np.array([self.frames_per_action])
-        self._job: Handle | None = None  # the last step that was played by several threads
         self._nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
         self._open(self._rows)
 
@@ -96,7 +89,8 @@ class Batch:
             actions: (B, A, FIELDS). Rows of robots are replaced by their own choices, fields outside the
                 track's action set count as zero, and a row with a number that is not finite or a walk speed
                 outside 0–10 m/s does nothing.
-            threads: How many threads play. The outcome is the same, bit for bit.
+            threads: How many threads play at most; small batches are played by fewer. The outcome is the
+                same, bit for bit.
 
         Returns:
             (B, A, FIELDS), the actions as they were played.
@@ -107,18 +101,10 @@ class Batch:
         rows = check_actions(actions, self.state.agents.present.shape)
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
-        threads = min(threads, len(self._rows))
-        if 1 < threads <= most_together():
-            self._play_with(crew(threads), rows)
-        elif threads == 1:
-            self._play(self._rows, rows, opening=False)
-        else:
-            share(lambda part: self._play_part(part, rows), len(self._rows), threads)
+        self._is_seen = False
+        least = -(-LEAST_AGENTS // rows.shape[1])
+        share(lambda part: self._play(self._rows[part], rows), len(self._rows), threads, least)
         return rows
-
-    def _play_part(self, part: slice, actions: NDArray[np.float32]) -> bool:
-        self._play(self._rows[part], actions, opening=False)
-        return True
 
     def restart(
         self, rows: Sequence[int], specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None
@@ -220,20 +206,15 @@ class Batch:
         for row in rows.tolist():
             place_match(self.state, row, self.setups[row])
         self._number_maps(rows)
+        self._is_seen = False
         self._play(rows, self._nothing, opening=True)
 
     def _number_maps(self, rows: NDArray[np.int64]) -> None:
         for row in rows.tolist():
             self.state.matches.map_index[row] = self._bank.index_of(self.maps[row])
 
-    def _play(
-        self,
-        rows: NDArray[np.int64],
-        actions: NDArray[np.float32],
-        *,
-        opening: bool,
-    ) -> None:
-        self._is_seen = False
+    def _play(self, rows: NDArray[np.int64], actions: NDArray[np.float32], *, opening: bool = False) -> bool:
+        """Open the matches in some rows, or play one step of them; return True, as ``share`` wants it."""
         play_batch(
             self._bank.addresses,
             *self._tables,
@@ -244,15 +225,7 @@ class Batch:
             self._numbers,
             opening,
         )
-
-    def _play_with(self, threads: Crew, actions: NDArray[np.float32]) -> None:
-        self._is_seen = False
-        arrays = (self._bank.addresses, *self._tables, self._rows, self.allowed, self._numbers, self._frames)
-        job = self._job
-        if job is None or any(one is not other for one, other in zip(arrays, job.arrays, strict=False)):
-            job = self._job = Handle(Job(*arrays, actions))
-        job.addresses[-1] = addresses_of(NewActions(actions))
-        threads.play(job.addresses)
+        return True
 
     def _make_room(self, slots: int, phases: int) -> None:
         state = with_room(self.state, slots, phases)

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import threading
 from typing import Any
 
 import gymnasium
@@ -11,6 +12,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from tests.engine.envs.common import SMALL, TRACK_NAMES, digest, env_id, options
 
 from wildscav_engine.envs.vector import VectorArena
+from wildscav_engine.sensors import ColorCamera
 
 SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
 ENVS = 3
@@ -79,10 +81,36 @@ def test_neither_the_number_of_environments_nor_of_threads_matters(track: str) -
     assert told_by(track, 5) == two
 
 
+def test_threads_that_share_images_of_what_moves_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_TIME", 1)
+    names: set[str] = set()
+
+    def told(threads: int) -> list[Any]:
+        sensors = {"camera": {"width": 8, "height": 6}, "depth": {"width": 4, "height": 3}}
+        env = VectorArena(
+            "battle", 6, **options("battle", sensors=sensors, action_mode="box", threads=threads)
+        )
+        found: list[Any] = [env.reset(seed=2)[0]]
+        env.action_space.seed(1)
+        found += [env.step(env.action_space.sample())[0] for _ in range(5)]
+        return [digest(observation) for observation in found]
+
+    read = ColorCamera.read
+    monkeypatch.setattr(
+        ColorCamera, "read", lambda *given: names.add(threading.current_thread().name) or read(*given)
+    )
+    alone = told(1)
+    assert names == {threading.current_thread().name}
+    assert told(3) == alone
+    assert len(names) > 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("track", TRACK_NAMES)
-def test_threads_and_processes_do_not_matter(track: str) -> None:
+def test_threads_and_processes_do_not_matter(track: str, monkeypatch: pytest.MonkeyPatch) -> None:
     alone = told_by(track, 4)
+    monkeypatch.setattr("wildscav_engine.simulation.batch.LEAST_AGENTS", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_TIME", 1)
     assert told_by(track, 4, threads=2) == alone
     code = (
         "from hashlib import sha256; from tests.engine.envs.test_vector import told_by; "

@@ -57,6 +57,17 @@ def test_who_is_done_takes_over_what_another_has_left() -> None:
     assert helped.is_set(), "the other thread did none of the first half"
 
 
+def test_no_thread_is_woken_for_less_than_it_should_get() -> None:
+    done: list[tuple[slice, str]] = []
+
+    def work(part: slice) -> bool:
+        done.append((part, threading.current_thread().name))
+        return True
+
+    assert share(work, 9, threads=4, least=5)
+    assert done == [(slice(0, 9), threading.current_thread().name)]
+
+
 def test_a_failure_is_told() -> None:
     assert not share(lambda part: not part.start <= 3 < part.stop, 8, 1)
     assert not share(lambda part: not part.start <= 3 < part.stop, 8, 3)

@@ -8,26 +8,16 @@ import sys
 import warnings
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2]))
 
 import numpy as np
 
 from builders import box, flat_world, map_from
-from wildscav_engine.compilation.atomics import count_one, number_now, raise_to, tell
-from wildscav_engine.compilation.kernel import config, kernel
+from wildscav_engine.compilation.kernel import config
 from wildscav_engine.sensors import DepthCamera, Lidar
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.match_spec import MatchSpec
-
-
-@kernel
-def _use_atomics(numbers: np.ndarray, returned: np.ndarray) -> None:
-    returned[0] = tell(numbers, 0, 7)
-    returned[1] = count_one(numbers, 0)
-    returned[2] = raise_to(numbers, 0, 5)
-    returned[3] = raise_to(numbers, 0, 11)
-    returned[4] = number_now(numbers, 0)
 
 
 def report() -> list[object]:
@@ -43,9 +33,7 @@ def report() -> list[object]:
         match.step(actions)
         digests.append(str(match.digest))
     readings = [sensor.read(match, [0]).astype(float).sum() for sensor in (DepthCamera(6, 4), Lidar())]
-    returned = np.zeros(5, np.int64)
-    _use_atomics(np.zeros(1, np.int64), returned)
-    return [digests, readings, returned.tolist()]
+    return [digests, readings]
 
 
 if __name__ == "__main__":

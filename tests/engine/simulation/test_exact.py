@@ -5,7 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
@@ -84,10 +83,10 @@ def test_a_batch_of_64_plays_as_64_batches_of_one(alone: list[int]) -> None:
     assert len(set(alone)) == 64
 
 
-def test_two_threads_play_as_one(alone: list[int]) -> None:
-    if numba.config.NUMBA_NUM_THREADS < 2:
-        pytest.skip("this machine has one core")
-    assert digests_together(64, threads=2) == alone
+@pytest.mark.parametrize("threads", [2, 5])
+def test_several_threads_play_as_one(threads: int, alone: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wildscav_engine.simulation.batch.LEAST_AGENTS", 1)
+    assert digests_together(64, threads=threads) == alone
 
 
 def others() -> list[pytest.ParameterSet]:

@@ -22,10 +22,9 @@ def test_a_battle_is_the_same_with_kernels_as_plain_python() -> None:
         text=True,
         check=True,
     )
-    digests, readings, atomics = json.loads(done.stdout)
-    assert [digests, readings, atomics] == report()
+    digests, readings = json.loads(done.stdout)
+    assert [digests, readings] == report()
     assert len(set(digests)) == 8
-    assert atomics == [7, 7, 8, 8, 11]
 
 
 def test_without_a_compiler_short_calls_take_the_same_arguments() -> None:

@@ -11,9 +11,10 @@ from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import EVENTS, GROUPS, PARTS, STANDING, Part, parts_of
 from wildscav_engine.envs.spaces.flat import Flattener
 from wildscav_engine.envs.spaces.row_view import RowView
+from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
-from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, look_in_parts, some_of
+from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, some_of
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.tracks import TRACKS
 
@@ -106,6 +107,7 @@ class Sight:
             if isinstance(sensor, OpticalSensor) and _sees_map_only(sensor)
         }
         self._others = {name: sensor for name, sensor in sensors.items() if name not in self._still}
+        self._optical = [sensor for sensor in sensors.values() if isinstance(sensor, OpticalSensor)]
         self._lenses = {name: sensor.lens for name, sensor in self._still.items()}
         self._learners, self._threads = list(learners), threads
         self._maps: list[GameMap] = []  # of every learner
@@ -116,17 +118,31 @@ class Sight:
         self._maps = [game_map for game_map in maps for _ in self._learners]
         self._viewers = np.tile(np.array(self._learners, np.int32), len(maps))
         for game_map in maps:
-            for sensor in self._still.values():
-                sensor.prepare(game_map)
+            for sensor in self._optical:
+                sensor.prepare(game_map)  # here, not in several threads at once
 
     def read(self, batch: "Batch", view: Callable[[int], RowView], found: Readings) -> None:
         """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
         if self._still:
             self._read_still(batch, found)
         for name, sensor in self._others.items():
-            matches = range(len(batch.specs))
-            readings = [sensor.read(view(match), self._learners) for match in matches]
+            readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
+
+    def _read_each(self, sensor: Sensor, matches: Sequence[RowView]) -> list[NDArray[Any]]:
+        """Return the readings of a sensor in each match."""
+        readings: dict[int, NDArray[Any]] = {}
+
+        def read(part: slice) -> bool:
+            for match in range(part.start, part.stop):
+                readings[match] = sensor.read(matches[match], self._learners)
+            return True
+
+        least = len(matches)
+        if isinstance(sensor, OpticalSensor):
+            least = -(-sensor.least_images // len(self._learners))
+        share(read, len(matches), self._threads, least)
+        return [readings[match] for match in range(len(matches))]
 
     def _read_still(self, batch: "Batch", found: Readings) -> None:
         """Look at the maps alone, which needs no more of the matches than where the learners are."""
@@ -147,7 +163,7 @@ class Sight:
         def look_at(part: slice) -> bool:
             return sensor.look_at_maps(self._maps[part], some_of(cameras, part), images[part])
 
-        look_in_parts(look_at, len(images), sensor.rays, self._threads)
+        share(look_at, len(images), self._threads, sensor.least_images)
         return images
 
 

@@ -1,7 +1,7 @@
 """What all sensors share that look out of the eyes of agents, or from any other place."""
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
 
-WORTH_SHARING = 20_000  # rays; fewer are looked along before another thread is awake
-LEAST_PART = 8  # images, where threads share them
+LEAST_TIME = 250_000  # ns of work that a thread is given: less takes no longer than waking the thread
+IMAGE_TIME = 2_500  # ns that an image takes besides its rays
 ARRAY = np.ndarray
 FLOAT = np.dtype(np.float64)
 MOST_SEAT = 2**31 - 1
@@ -32,6 +32,7 @@ class OpticalSensor(Sensor):
     """A sensor that looks: out of agents' eyes, who never see their own bodies, or from any other place."""
 
     dtype: ClassVar[type[np.generic]]
+    ray_time: ClassVar[int] = 10  # ns that a ray takes, about; it decides which images threads share
 
     @property
     @abstractmethod
@@ -87,6 +88,11 @@ class OpticalSensor(Sensor):
         """How many rays one reading takes."""
         return self.shape[0] * self.shape[1]
 
+    @property
+    def least_images(self) -> int:
+        """How many images take so long that a thread is worth waking for them."""
+        return -(-LEAST_TIME // (IMAGE_TIME + self.rays * self.ray_time))
+
     def moving_in(self, match: "MatchView") -> Solids:  # noqa: ARG002
         """Return what is seen in a match besides the static world: nothing, unless a sensor says else."""
         return NOTHING_MOVES
@@ -128,7 +134,7 @@ class OpticalSensor(Sensor):
             pitches: (N,) degrees, positive looks down.
             moving: What is in the map besides; nothing if None.
             viewers: (N,) seats, whose own bodies are not seen; everything is seen if None.
-            threads: How many threads share the places. The images are the same, bit for bit.
+            threads: How many threads share the places at most. The images are the same, bit for bit.
 
         Returns:
             (N, *shape) of the sensor's dtype.
@@ -147,7 +153,7 @@ class OpticalSensor(Sensor):
         def look_at(part: slice) -> bool:
             return self.look(game_map, solids, some_of(cameras, part), images[part])
 
-        if not look_in_parts(look_at, len(images), self.rays, threads):
+        if not share(look_at, len(images), threads, self.least_images):
             _refuse_numbers(cameras.eyes, cameras.yaws, cameras.pitches)
         return images
 
@@ -197,13 +203,6 @@ class MovingOption(OpticalSensor):
     def moving_in(self, match: "MatchView") -> Solids:
         """Return the agents and supply boxes if they are asked for."""
         return dynamic_objects_of(match) if self.moving else NOTHING_MOVES
-
-
-def look_in_parts(look_at: Callable[[slice], bool], images: int, rays: int, threads: int) -> bool:
-    """Make some images of so many rays part by part, shared by threads, and return whether all were made."""
-    if threads == 1 or images * rays < WORTH_SHARING:
-        return look_at(slice(images))
-    return share(look_at, images, threads, LEAST_PART)
 
 
 def some_of(cameras: Cameras, part: "slice | list[int]") -> Cameras:

@@ -43,8 +43,7 @@ def test_what_cannot_be_looked_from_is_named_in_one_line(wrong: dict[str, Any], 
 def test_threads_and_batches_change_no_bit(
     sensor: OpticalSensor, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.WORTH_SHARING", 0)
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_PART", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_TIME", 1)
     eyes = COUNTRY.outdoor[:: len(COUNTRY.outdoor) // 9][:7] + np.array((0, 1.5, 0))
     yaws, pitches = np.linspace(-170, 170, 7), np.linspace(-40, 40, 7)
 
