@@ -41,7 +41,7 @@ test: .venv/.dev ## Run the tests (under 10 minutes).
 test-slow: .venv/.training ## Run what is too slow for every day.
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
 
-test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.63.*'.
+test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
 	$(PYTHON) -m venv --without-pip $(OTHER)
 	$(BIN)/python -m pip --python $(OTHER)/bin/python install --quiet --disable-pip-version-check -e '.[dev]' $(RELEASES)
