@@ -7,20 +7,15 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SHOWN = (
-    "index",
-    "environments/battle",
-    "reference/protocol",
-    "reference/commands",
-    "reference/sdk",
-)
 
 pytestmark = pytest.mark.slow
 
@@ -35,6 +30,21 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr
     return folder
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Debian's browser; without it, or without Playwright, the test is skipped."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("needs Debian's chromium: apt-get install chromium")
+    with playwright.sync_playwright() as tools:
+        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        try:
+            yield browser
+        finally:
+            browser.close()
 
 
 class Quiet(SimpleHTTPRequestHandler):
@@ -63,40 +73,29 @@ def test_no_page_names_a_script_or_style_of_another_host(site: Path) -> None:
             assert loads not in text, (page, loads)
 
 
-def test_a_browser_shows_the_pages_and_asks_nobody_else(address: str) -> None:
-    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("needs Debian's chromium: apt-get install chromium")
-    with playwright.sync_playwright() as tools:
-        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox"])
+def test_a_browser_shows_every_page_on_a_phone_and_asks_nobody_else(site: Path, address: str) -> None:
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": 390, "height": 800})
         asked: set[str] = set()
         errors: list[str] = []
         page.on("request", lambda request: asked.add(urlsplit(request.url).netloc))
         page.on("pageerror", lambda error: errors.append(str(error)))
-        for name in SHOWN:
-            answer = page.goto(f"{address}/{name}.html", wait_until="networkidle")
-            assert answer.status == 200
+        for path in sorted(site.rglob("*.html")):
+            name = path.relative_to(site).as_posix()
+            assert page.goto(f"{address}/{name}").status == 200
             assert page.locator("h1").count() == 1, name
             wider = page.evaluate("document.documentElement.scrollWidth > window.innerWidth")
             assert not wider, f"{name} is wider than a phone"
             assert page.evaluate("[...document.images].every(one => one.naturalWidth > 0)"), name
+        page.wait_for_load_state("networkidle")
         assert errors == []
         assert asked == {urlsplit(address).netloc}
-        browser.close()
 
 
-def test_the_search_finds_an_option_of_a_command(address: str) -> None:
-    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("needs Debian's chromium: apt-get install chromium")
-    with playwright.sync_playwright() as tools:
-        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox"])
+def test_the_search_finds_a_command(address: str) -> None:
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": 1400, "height": 900})
-        page.goto(f"{address}/index.html?q=replay-agent", wait_until="networkidle")
+        page.goto(f"{address}/index.html?q=replay-agent")
         page.wait_for_selector(".md-search-result__link", state="attached")
         links = page.eval_on_selector_all(".md-search-result__link", "links => links.map(link => link.href)")
         assert any("reference/commands.html" in link for link in links)
-        browser.close()

@@ -306,7 +306,7 @@ def _default(config: EnvConfig, name: str, told: str) -> str:
         return str(found[name])
     value = getattr(config, name, None)
     if value is None or name in {"rules", "preset"}:
-        return told
+        return "see [the guide](../environments.md#options)" if told in {"see below", "as above"} else told
     return code(repr(value))
 
 

@@ -11,21 +11,25 @@ import griffe
 
 
 class FieldComments(griffe.Extension):
-    """Gives every attribute without a docstring the comment of its line."""
+    """Gives every attribute without a docstring the comment at its end."""
 
     def on_attribute_instance(self, *, attr: griffe.Attribute, **_: Any) -> None:
         """Look beside an attribute that is read."""
-        if attr.docstring is None and (comment := _comment(attr)):
-            text = comment[:1].upper() + comment[1:]
-            attr.docstring = griffe.Docstring(text, lineno=attr.lineno, endlineno=attr.endlineno, parent=attr)
+        if attr.docstring is None and (comment := _comment(attr.source)):
+            attr.docstring = griffe.Docstring(
+                comment, lineno=attr.lineno, endlineno=attr.endlineno, parent=attr
+            )
 
 
-def _comment(attr: griffe.Attribute) -> str:
-    """Return the comment in the lines of an attribute, nothing if there is none."""
+def _comment(source: str) -> str:
+    """Return the comment in the last line of some source, nothing if there is none."""
+    last = len(source.splitlines())
     try:
-        tokens = list(tokenize.generate_tokens(io.StringIO(attr.source + "\n").readline))
-    except tokenize.TokenError:
+        tokens = list(tokenize.generate_tokens(io.StringIO(source + "\n").readline))
+    except tokenize.TokenError:  # it is no statement of its own
         return ""
-    comments = [token.string.lstrip("# ") for token in tokens if token.type == tokenize.COMMENT]
-    comments = [one for one in comments if not one.startswith(("noqa", "type:"))]
-    return " ".join(comments).partition("  # noqa")[0]
+    for token in tokens:
+        if token.type == tokenize.COMMENT and token.start[0] == last:
+            comment = token.string.lstrip("# ").partition("# noqa")[0].partition("# type:")[0]
+            return "" if comment.startswith(("noqa", "type:")) else comment.strip()
+    return ""
