@@ -81,7 +81,8 @@ time.sleep(300)
 UNWATCHED = """
 import asyncio, sys
 from pathlib import Path
-from wildscav_evaluator.sandbox import SANDBOXES, Launch, Limits, wall_clock
+from wildscav_evaluator.sandbox import SANDBOXES, Launch, Limits
+from wildscav_evaluator.sandbox.containers import wall_clock
 from wildscav.system import leftovers
 
 async def run():
