@@ -121,7 +121,7 @@ def test_another_process_goes_on_in_the_same_way(tmp_path: Path) -> None:
         "print(t.play(match, t.STEPS, 2 * t.STEPS).digests[-1])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "state"), str(Path(__file__).parents[1])],
+        [sys.executable, "-c", code, str(tmp_path / "state"), str(Path(__file__).parents[2])],
         cwd=Path(__file__).parent,
         capture_output=True,
         text=True,

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.engine.view.rotations import turned
 
 from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.view.entities.bodies import figure, looks_of, stances
 from wildscav_engine.view.recording import frame
-
-from .test_frame import turned
 
 
 @pytest.mark.parametrize("yaw", [0.0, 90.0, -35.0])

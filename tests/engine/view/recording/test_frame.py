@@ -1,16 +1,11 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.engine.view.rotations import turned
 
 from wildscav_engine.view.recording import frame
 
 EAST, NORTH, UP = np.eye(3)  # Rerun's axes in a replay
-
-
-def turned(quaternion: NDArray[np.float32], vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Turn a vector by a unit quaternion x, y, z, w."""
-    axis, w = quaternion[:3].astype(np.float64), float(quaternion[3])
-    return vector + 2 * np.cross(axis, np.cross(axis, vector) + w * vector)
 
 
 @pytest.mark.parametrize(
