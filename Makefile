@@ -69,7 +69,7 @@ docs: .venv/.dev ## Build the site; warnings are errors.
 
 docs-serve: export NO_MKDOCS_2_WARNING = 1
 docs-serve: .venv/.dev ## Show the site at http://127.0.0.1:8000/, and build it again after edits of pages.
-	$(BIN)/mkdocs serve --quiet
+	$(BIN)/mkdocs serve
 
 proto: .venv/.dev ## Generate the Python code of the protocol again.
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
