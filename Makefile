@@ -64,7 +64,7 @@ bench: .venv/.dev ## Run every benchmark; each prints a table.
 # The notice that Material prints is about the successor of MkDocs, which nothing here uses.
 docs: export NO_MKDOCS_2_WARNING = 1
 docs: .venv/.dev ## Build the site; warnings are errors.
-	$(BIN)/mkdocs build --quiet --strict
+	$(BIN)/mkdocs build --strict
 	@echo 'The site lies in out/site: open out/site/index.html, or serve it with: make docs-serve'
 
 docs-serve: export NO_MKDOCS_2_WARNING = 1

@@ -1,6 +1,8 @@
 """The pages of reference tell everything there is, and links of pages lead where they should on the site."""
 
 import re
+import subprocess
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -9,6 +11,8 @@ from wildscav.cli.main import app
 from wildscav.proto import match_pb2
 from wildscav_website import commands, protocol
 from wildscav_website.links import links_for_site
+
+ROOT = Path(__file__).parents[2]
 
 
 def every_command() -> dict[str, Any]:
@@ -55,3 +59,11 @@ def test_links_that_leave_the_pages_lead_to_where_their_targets_are_on_the_site(
     assert links_for_site("[a](docs/rules.md) [b](LICENSE)", "index.md", added.append) == (
         "[a](rules.md) [b](license.md)"
     )
+
+
+def test_make_builds_strictly_and_does_not_silence_the_warnings_that_are_counted() -> None:
+    # With --quiet, MkDocs counts no warnings, and --strict lets all of them pass.
+    done = subprocess.run(["make", "-n", "docs"], cwd=ROOT, capture_output=True, text=True)
+    (line,) = [line for line in done.stdout.splitlines() if "mkdocs build" in line]
+    assert "--strict" in line
+    assert not {"--quiet", "-q"} & set(line.split())
