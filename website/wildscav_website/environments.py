@@ -13,6 +13,7 @@ from wildscav_engine.envs.registry import env_id, zoo_id
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.single import single_config
 from wildscav_engine.envs.spaces.actions import ActionMode, action_mode
+from wildscav_engine.envs.spaces.global_state import global_state_space
 from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.tracks import TRACKS, Track
 from wildscav_engine.tracks.rewards import REWARD_TERMS
@@ -114,6 +115,10 @@ def _opening(one: Environment) -> str:
         ("Action space", f"{code(_written(mode.space))}, by default"),
         ("Observation space", code(_written(readings_space(single)))),
         ("Numbers of an observation", f"{observed[-1].indexes.stop} with `flat=True`"),
+        (
+            "State of the whole match",
+            f"{code(_written(global_state_space(several)))}: PettingZoo's `state()`",
+        ),
         ("Learners", f"1 with Gymnasium, {several.agents} with PettingZoo, by default"),
         ("Other seats", _others(single)),
         ("Episode", _length(single)),
