@@ -61,7 +61,7 @@ format: .venv/.dev ## Format the code and mend what can be mended by itself.
 bench: .venv/.dev ## Run every benchmark; each prints a table.
 	@for name in $(BENCHMARKS); do $(BIN)/python benchmarks/$$name.py || exit 1; done
 
-# The notice that Material prints is about the successor of MkDocs, which nothing here uses.
+# Silences a notice of Material for MkDocs at every build: its fixes end in May 2027, and Zensical is to succeed it.
 docs: export NO_MKDOCS_2_WARNING = 1
 docs: .venv/.dev ## Build the site; warnings are errors.
 	$(BIN)/mkdocs build --strict
