@@ -53,7 +53,7 @@ def _build(
     start = np.zeros(count + 1, np.int64)
     for row in range(count):
         levels, sides = stacks.levels[row], stacks.sides[row]
-        caps = (stacks.rings[row, 0, 1] > 0.0) + (stacks.rings[row, levels - 1, 1] > 0.0)
+        caps = int(stacks.rings[row, 0, 1] > 0.0) + int(stacks.rings[row, levels - 1, 1] > 0.0)
         start[row + 1] = start[row] + (levels - 1) * sides + caps
     planes = np.empty((start[count], 4))
     low, high = np.empty((count, 3)), np.empty((count, 3))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.builders import box, flat_world
 
-from builders import box, flat_world
 from wildscav_engine.geometry.rays import (
     NOTHING_HIT,
     TERRAIN_HIT,

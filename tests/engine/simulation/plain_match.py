@@ -1,4 +1,4 @@
-"""A short battle, printed step by step: the same with compiled kernels and with plain Python.
+"""A short battle, step by step, and a small map: the same with compiled kernels and with plain Python.
 
 Run as a script, with NUMBA_DISABLE_JIT=1, it prints what ``report`` returns otherwise.
 """
@@ -8,15 +8,17 @@ import sys
 import warnings
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
+sys.path.insert(0, str(Path(__file__).parents[3]))
 
 import numpy as np
+from tests.builders import box, flat_world, map_from
 
-from builders import box, flat_world, map_from
 from wildscav_engine.compilation.kernel import config
+from wildscav_engine.maps import generate_map
 from wildscav_engine.sensors import DepthCamera, Lidar
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
+from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
 
 
@@ -33,7 +35,8 @@ def report() -> list[object]:
         match.step(actions)
         digests.append(str(match.digest))
     readings = [sensor.read(match, [0]).astype(float).sum() for sensor in (DepthCamera(6, 4), Lidar())]
-    return [digests, readings]
+    generated = generate_map(MapConfig(size=40, houses=1, vegetation=0.5, water=0.2), 3)
+    return [digests, readings, generated.digest]
 
 
 if __name__ == "__main__":

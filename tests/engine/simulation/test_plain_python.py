@@ -13,7 +13,7 @@ from tests.engine.simulation.plain_match import report
 from wildscav_engine.compilation.kernel import _only_for, _sort
 
 
-def test_a_battle_is_the_same_with_kernels_as_plain_python() -> None:
+def test_a_battle_and_a_map_are_the_same_with_kernels_as_plain_python() -> None:
     script = Path(__file__).parent / "plain_match.py"
     done = subprocess.run(
         [sys.executable, str(script)],
@@ -22,8 +22,8 @@ def test_a_battle_is_the_same_with_kernels_as_plain_python() -> None:
         text=True,
         check=True,
     )
-    digests, readings = json.loads(done.stdout)
-    assert [digests, readings] == report()
+    digests, readings, generated = json.loads(done.stdout)
+    assert [digests, readings, generated] == report()
     assert len(set(digests)) == 8
 
 
