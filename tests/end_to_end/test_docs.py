@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from tests.end_to_end.pages import blocks
 
 from wildscav.cli.maps import map as map_commands
 from wildscav_engine.maps.catalogue import BENCHMARK, SIZES
@@ -23,10 +24,6 @@ HOMES = (
     "evaluator/wildscav_evaluator",
     "leaderboard/wildscav_leaderboard",
 )
-
-
-def blocks(page: Path, language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
 
 
 def test_the_researchers_lines_run_as_they_stand(tmp_path: Path) -> None:

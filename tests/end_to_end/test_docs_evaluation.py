@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from prometheus_client.core import CounterMetricFamily
-from tests.end_to_end.test_docs import blocks
+from tests.end_to_end.pages import blocks
 
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics

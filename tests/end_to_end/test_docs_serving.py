@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import socket
 import ssl
 import subprocess
 import sys
@@ -11,26 +10,14 @@ from pathlib import Path
 
 import pytest
 from prometheus_client.core import CounterMetricFamily
-from tests.end_to_end.test_docs import blocks
+from tests.end_to_end.pages import blocks
+from tests.end_to_end.ports import free_ports
 
 from wildscav.server.hosting.warm_up import warm
 from wildscav.server.server_metrics import ServerMetrics
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "serving.md"
-
-
-def free_ports(count: int) -> int:
-    """Return the first of some ports in a row that nobody has."""
-    while True:
-        with socket.create_server(("127.0.0.1", 0)) as first:
-            port: int = first.getsockname()[1]
-        try:
-            for number in range(count):
-                socket.create_server(("127.0.0.1", port + number)).close()
-        except (OSError, OverflowError):
-            continue
-        return port
 
 
 @pytest.mark.slow

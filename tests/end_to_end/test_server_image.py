@@ -10,7 +10,7 @@ from pathlib import Path
 
 import grpc
 import pytest
-from tests.end_to_end.test_docs_serving import free_ports
+from tests.end_to_end.ports import free_ports
 from tests.evaluator.sandbox.available import missing
 from tests.evaluator.submissions.python_image import python_image
 from tests.platform.helpers.seats import small_spec

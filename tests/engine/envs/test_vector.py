@@ -113,7 +113,7 @@ def test_threads_and_processes_do_not_matter(track: str, monkeypatch: pytest.Mon
     monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_TIME", 1)
     assert told_by(track, 4, threads=2) == alone
     code = (
-        "from hashlib import sha256; from tests.engine.envs.test_vector import told_by; "
+        f"from hashlib import sha256; from {__name__} import told_by; "
         f"print(sha256(repr(told_by({track!r}, 4)).encode()).hexdigest())"
     )
     from hashlib import sha256

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.builders import box, flat_world
-from wildscav_engine.specs.map_spec import MapConfig
 
 from wildscav_engine.geometry.fans import Fans, cast_fan, meet_solid_with_fan
 from wildscav_engine.geometry.rays import cast_ray, make_ray
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import generate_map
+from wildscav_engine.specs.map_spec import MapConfig
 
 FAR = 40.0  # m over ground
 SLOPES = np.array([1.0, 0.4, 0.1, 0.0, -0.1, -0.5, -2.0])

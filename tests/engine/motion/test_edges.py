@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from tests.builders import act, flat_world, make_match, place, position
 
-from builders import act, flat_world, make_match, place, position
 from wildscav_engine.geometry.shapes import box as solid_box
 from wildscav_engine.geometry.shapes import pose
 from wildscav_engine.geometry.terrain import ground_at

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.builders import act, box, flat_world, make_match, map_from, place, position
 
-from builders import act, box, flat_world, make_match, map_from, place, position
 from wildscav_engine.geometry.sweep import SKIN
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, World

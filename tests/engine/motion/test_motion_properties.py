@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from tests.builders import box, map_from, random_map_config
 from tests.engine.motion.random_walks import WORST, Worst, play
 
-from builders import box, map_from, random_map_config
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.geometry.shapes import box as solid_box
 from wildscav_engine.geometry.shapes import pose

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from tests.builders import act, flat_world, make_match, place, position
 
-from builders import act, flat_world, make_match, place, position
 from wildscav_engine.geometry.world import Kind, Solid, convex_solid
 from wildscav_engine.specs.body import JUMP_SPEED
 

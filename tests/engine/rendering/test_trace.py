@@ -7,6 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from tests.builders import box
 from tests.engine.rendering.brute_force import (
     NEAR_SURFACE,
     Met,
@@ -26,7 +27,6 @@ from tests.engine.rendering.views import (
     seen_by,
 )
 
-from builders import box
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import CELL, World

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.builders import box, flat_world
 from tests.engine.rendering.brute_force import (
     surface_of,
 )
@@ -17,7 +18,6 @@ from tests.engine.rendering.views import (
     seen_by,
 )
 
-from builders import box, flat_world
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.shapes import box as turned_box
 from wildscav_engine.geometry.shapes import pose

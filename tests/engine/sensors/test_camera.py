@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.builders import act, box, flat_world, make_match, map_from, place
 
-from builders import act, box, flat_world, make_match, map_from, place
 from wildscav_engine.geometry.world import Solid
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import ColorCamera

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.builders import make_match, place
 
-from builders import make_match, place
 from wildscav_engine.sensors import Compass
 from wildscav_engine.simulation.match import Match
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.builders import box, flat_world, make_match, place
 
-from builders import box, flat_world, make_match, place
 from wildscav_engine.geometry.world import World
 from wildscav_engine.sensors import DepthCamera, parse_sensor
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.builders import box, flat_world, make_match, map_from, place
 
-from builders import box, flat_world, make_match, map_from, place
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.world import World

@@ -152,7 +152,7 @@ def test_a_sensor_cannot_be_changed(name: str) -> None:
 
 def run_alone(code: str) -> str:
     """Run code in a process of its own, where nothing was compiled or imported; return what it prints."""
-    folder = Path(__file__).parents[2]
+    folder = Path(__file__).parents[3]
     done = subprocess.run([sys.executable, "-c", dedent(code)], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -163,7 +163,7 @@ def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
     code = f"""
         import gc
         from numba.core.dispatcher import Dispatcher
-        from builders import make_match
+        from tests.builders import make_match
         from wildscav.server.hosting.warm_up import warm
         from wildscav_engine.sensors import parse_sensor
 
@@ -187,7 +187,7 @@ def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
     """A match that is played without sensors never prepares the scene; only spaces need gymnasium."""
     code = """
         import sys
-        from builders import make_match
+        from tests.builders import make_match
         import wildscav.server
         from wildscav_engine.sensors import SENSORS
 

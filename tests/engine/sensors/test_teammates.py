@@ -1,8 +1,8 @@
 """Teammates know of each other, and of nobody else."""
 
 import numpy as np
+from tests.builders import flat_world, make_match, place
 
-from builders import flat_world, make_match, place
 from wildscav_engine.sensors import SafeZone, Teammates
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from tests.builders import act, lay_boxes, make_match
 
-from builders import act, lay_boxes, make_match
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import Agents
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave

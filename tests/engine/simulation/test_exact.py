@@ -108,7 +108,7 @@ def others() -> list[pytest.ParameterSet]:
 @pytest.mark.parametrize("environment", others())
 def test_other_processes_and_processors_play_the_same(alone: list[int], environment: dict[str, str]) -> None:
     code = (
-        "import test_exact as t; from wildscav_engine.maps import generate_map\n"
+        f"import {Path(__file__).stem} as t; from wildscav_engine.maps import generate_map\n"
         "print([generate_map(c, 5).digest for c in t.MAPS], t.digests_alone(4))"
     )
     done = subprocess.run(

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.builders import box, flat_world, map_from
 
-from builders import box, flat_world, map_from
 from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.builders import box, flat_world, map_from
 
-from builders import box, flat_world, map_from
 from wildscav_engine.record import record_of, verify_record
 from wildscav_engine.simulation import snapshot
 from wildscav_engine.simulation.batch import Batch
@@ -113,7 +113,8 @@ def test_another_process_goes_on_in_the_same_way(tmp_path: Path) -> None:
     match = play(Match(MatchSpec(track="battle", map=small, seats=SEATS)), 0, STEPS)
     (tmp_path / "state").write_bytes(match.get_state())
     code = (
-        "import sys; sys.path.append(sys.argv[2]); import test_snapshot as t; from pathlib import Path\n"
+        "import sys; from pathlib import Path; sys.path.append(sys.argv[2])\n"
+        f"import {Path(__file__).stem} as t\n"
         "from wildscav_engine.simulation.match import Match\n"
         "from wildscav_engine.simulation.snapshot import decode\n"
         "data = Path(sys.argv[1]).read_bytes()\n"
@@ -121,7 +122,7 @@ def test_another_process_goes_on_in_the_same_way(tmp_path: Path) -> None:
         "print(t.play(match, t.STEPS, 2 * t.STEPS).digests[-1])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "state"), str(Path(__file__).parents[2])],
+        [sys.executable, "-c", code, str(tmp_path / "state"), str(Path(__file__).parents[3])],
         cwd=Path(__file__).parent,
         capture_output=True,
         text=True,

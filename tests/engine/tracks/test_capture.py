@@ -1,8 +1,8 @@
 """Rulings on a hidden target: who knows it, and who has captured it."""
 
 import pytest
+from tests.builders import act, flat_world, make_match, place
 
-from builders import act, flat_world, make_match, place
 from wildscav_engine.sensors import Compass
 from wildscav_engine.simulation.match import Match
 

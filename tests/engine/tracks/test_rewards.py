@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.builders import act, make_match, place
 
-from builders import act, make_match, place
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import FACTS, REWARD_TERMS, RewardSum, read_facts

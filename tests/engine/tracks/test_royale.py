@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.builders import act, flat_world, make_match, place
 
-from builders import act, flat_world, make_match, place
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.zone import plan_zone, zone_at
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase

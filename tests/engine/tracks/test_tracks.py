@@ -1,8 +1,8 @@
 """Rulings on when a match ends and what counts."""
 
 import pytest
+from tests.builders import act, box, flat_world, make_match, place
 
-from builders import act, box, flat_world, make_match, place
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.tracks import TRACKS
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.builders import flat_world, make_match, place
 
-from builders import flat_world, make_match, place
 from wildscav_engine.view.overview import ASPECT, VIEW_ANGLE, WHOLE_MAP, Overview, overview
 from wildscav_engine.view.recording.history import collect
 

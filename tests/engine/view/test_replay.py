@@ -8,8 +8,9 @@ import pyarrow as pa
 import pytest
 from PIL import Image
 from rerun.chunk import RrdReader
+from tests.builders import make_match
+from tests.engine.view.conftest import robots_play
 
-from builders import make_match
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.sensors.display.colors import of_distances
 from wildscav_engine.view import ViewError, write_replay
@@ -17,8 +18,6 @@ from wildscav_engine.view.entities.agents import line_color
 from wildscav_engine.view.entities.depth import distances_of
 from wildscav_engine.view.recording.history import DEPTH_CAMERA, History, collect
 from wildscav_engine.view.verdict import verdict
-
-from .conftest import robots_play
 
 RERUN = (sys.executable, "-m", "rerun")
 BATTLE_ENTITIES = [

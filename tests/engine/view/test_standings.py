@@ -1,8 +1,8 @@
 """The table of standings, and the outcome in one sentence."""
 
 import pytest
+from tests.builders import make_match
 
-from builders import make_match
 from wildscav_engine.maps import GameMap
 from wildscav_engine.record import Record, record_of, resimulate
 from wildscav_engine.specs.result import MatchResult, SeatResult

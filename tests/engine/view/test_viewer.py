@@ -10,10 +10,9 @@ import pytest
 import rerun
 from PIL import Image
 from rerun.experimental import View, ViewerClient
+from tests.engine.view.conftest import ROBOTS, robots_play
 
 from wildscav_engine.view import write_replay
-
-from .conftest import ROBOTS, robots_play
 
 pytestmark = pytest.mark.slow
 PATIENCE = 90.0  # s

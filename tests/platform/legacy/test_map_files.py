@@ -14,9 +14,9 @@ import trimesh
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
+from tests.builders import place, seen_now
 from tests.platform.legacy.helpers.original import environment
 
-from builders import place, seen_now
 from wildscav.legacy.map_files import is_written, obj_of, paths_of, write_map
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.sensors import DepthCamera

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.builders import random_map_config
 
-from builders import random_map_config
 from wildscav_engine.maps import GameMap, House, MapError, generate_map
 from wildscav_engine.maps.ground.terrain import (
     LEVEL_MARGIN,

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.builders import box, flat_world
 
-from builders import box, flat_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
 from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path, is_reached, leads_out, node_near

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.builders import box, flat_world, random_map_config
 from tests.engine.maps.walk.walker import Walker
 
-from builders import box, flat_world, random_map_config
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.maps import GameMap, MapError, generate_map
 from wildscav_engine.maps.walk import build_graph, find_path

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.builders import box, flat_world, map_from
 
-from builders import box, flat_world, map_from
 from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import generate_map
@@ -212,9 +212,9 @@ def others() -> list[pytest.ParameterSet]:
 @pytest.mark.parametrize("environment", others())
 def test_other_processes_and_processors_take_the_same_pictures(environment: dict[str, str]) -> None:
     folder = Path(__file__).parent
-    paths = os.pathsep.join([str(folder), str(folder.parents[1])])
+    paths = os.pathsep.join([str(folder), str(folder.parents[3])])
     done = subprocess.run(
-        [sys.executable, "-c", "import test_shading; print(test_shading.digest())"],
+        [sys.executable, "-c", f"import {Path(__file__).stem} as here; print(here.digest())"],
         env={**os.environ, "PYTHONPATH": paths, **environment},
         capture_output=True,
         text=True,

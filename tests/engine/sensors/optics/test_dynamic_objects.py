@@ -4,8 +4,8 @@ import pickle
 
 import numpy as np
 import pytest
+from tests.builders import act, box, make_match, place
 
-from builders import act, box, make_match, place
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects

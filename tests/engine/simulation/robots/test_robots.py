@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.builders import flat_world, map_from
 
-from builders import flat_world, map_from
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.batch import Batch

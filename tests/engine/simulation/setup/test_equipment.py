@@ -2,8 +2,8 @@
 
 import pytest
 from pydantic import ValidationError
+from tests.builders import act, make_match, place
 
-from builders import act, make_match, place
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.equipment import Equipment
 from wildscav_engine.specs.match_spec import MatchSpec

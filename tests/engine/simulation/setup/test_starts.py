@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from tests.builders import box, flat_world, map_from
 
-from builders import box, flat_world, map_from
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from tests.builders import act, box, flat_world, make_match, seen_now
 
-from builders import act, box, flat_world, make_match, seen_now
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.squares import squares_over

@@ -1,8 +1,8 @@
 """Rulings on death and what comes after."""
 
 import pytest
+from tests.builders import act, make_match, place
 
-from builders import act, make_match, place
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.rules import Rules
 

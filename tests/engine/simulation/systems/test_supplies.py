@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.builders import RICH, WILD, act, flat_world, lay_boxes, make_match, place, seen_now
 
-from builders import RICH, WILD, act, flat_world, lay_boxes, make_match, place, seen_now
 from wildscav_engine.maps import map_of
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.builders import RICH, WILD, act, flat_world, make_match, map_from, place
 
-from builders import RICH, WILD, act, flat_world, make_match, map_from, place
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.maps import GameMap, generate_map, map_of, map_spec
 from wildscav_engine.simulation.match import Match

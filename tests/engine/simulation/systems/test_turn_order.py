@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.builders import act, flat_world, lay_boxes, make_match, place
 
-from builders import act, flat_world, lay_boxes, make_match, place
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.simulation.systems.turn_order import draw_turns
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.builders import act, box, flat_world, make_match, place
 
-from builders import act, box, flat_world, make_match, place
 from wildscav_engine.geometry.world import Kind, Solid, World
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.rules import Rules

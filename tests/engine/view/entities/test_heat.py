@@ -1,8 +1,8 @@
 """The heat map on the ground: where supplies lie, and nowhere else."""
 
 import numpy as np
+from tests.builders import flat_world
 
-from builders import flat_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.specs.map_spec import MapConfig

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 from rerun.chunk import RrdReader
+from tests.builders import act, flat_world, make_match
 from tests.engine.view.conftest import robots_play
 
-from builders import act, flat_world, make_match
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_engine.view import write_replay
 from wildscav_engine.view.entities.zone import CORNERS, LIFT, ring, static_zone
