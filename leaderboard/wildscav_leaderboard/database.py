@@ -1,15 +1,15 @@
 """Opening the database, and the one line that says why it cannot be opened."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from sqlalchemy import URL, Connection, Engine, create_engine, inspect
 from sqlalchemy.exc import DatabaseError, OperationalError
 from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError
+from wildscav.system import leftovers
 from wildscav_leaderboard.schema import bring_up_to_date, is_current, is_newer, is_ours
 
 
@@ -26,11 +26,12 @@ def check_writable(path: Path) -> None:
         with _opened_to_write(path):
             return
     there = next(folder for folder in path.absolute().parents if folder.exists())
-    try:
-        trial = TemporaryDirectory(prefix=".wildscav-", dir=there)
-    except OSError as error:
-        raise UserError(f"cannot make the database {path} in {there}: {error.strerror}") from error
-    with trial as folder, _opened_to_write(Path(folder) / path.name, path) as connection:
+    with ExitStack() as stack:
+        try:
+            folder = stack.enter_context(leftovers.temporary_folder_in(there, ".wildscav-"))
+        except OSError as error:
+            raise UserError(f"cannot make the database {path} in {there}: {error.strerror}") from error
+        connection = stack.enter_context(_opened_to_write(folder / path.name, path))
         connection.commit()  # shows a full disk
 
 

@@ -16,6 +16,7 @@ import fcntl
 import functools
 import json
 import os
+import secrets
 import shutil
 import tempfile
 import threading
@@ -25,6 +26,7 @@ from pathlib import Path
 
 PREFIX = "wildscav-"  # of owners' folders
 NEW = ".wildscav-new-"  # of folders whose lock is not taken yet
+FOLDER = "folder"  # the kind of a temporary folder that lies elsewhere
 LOCK, LIST = "owner.lock", "list.jsonl"
 SHORT_PLACE = Path("/tmp")  # noqa: S108 - where temporary files are in a path too long for sockets
 LONGEST_PLACE = 40  # bytes of that path: systems allow 104 for a socket's
@@ -68,6 +70,29 @@ def temporary_folder(prefix: str) -> Iterator[Path]:
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def temporary_folder_in(place: Path, prefix: str) -> Iterator[Path]:
+    """Make a folder anywhere else, and remove it at the end; a later process does if this one was killed.
+
+    Raises:
+        OSError: It cannot be made.
+    """
+    folder = place.absolute() / f"{prefix}{owner()}-{secrets.token_hex(4)}"
+    enter(FOLDER, str(folder))
+    try:
+        folder.mkdir()
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        if not folder.exists():
+            cross_out(FOLDER, str(folder))
+
+
+def _remove_folder(folder: str) -> None:
+    with contextlib.suppress(FileNotFoundError):
+        shutil.rmtree(folder)
 
 
 def enter(kind: str, what: str) -> None:
@@ -198,3 +223,6 @@ def _entries(path: Path) -> list[tuple[str, str]]:
                 kind, what, there = json.loads(line)
                 entries[kind, what] = there
     return [entry for entry, there in entries.items() if there]
+
+
+register(FOLDER, _remove_folder)

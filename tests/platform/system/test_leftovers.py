@@ -69,6 +69,38 @@ def test_what_a_killed_process_left_is_removed_by_the_next_sweep(place: Path, la
     assert list(place.iterdir()) == []
 
 
+ELSEWHERE = """
+import sys
+from pathlib import Path
+from wildscav.system import leftovers
+with leftovers.temporary_folder_in(Path(sys.argv[1]), ".trial-") as folder:
+    (folder / "file").write_text("x")
+    print(folder, flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("killed", [True, False])
+def test_a_temporary_folder_elsewhere_goes_with_its_process(
+    place: Path, tmp_path: Path, killed: bool
+) -> None:
+    owner = subprocess.Popen(
+        [sys.executable, "-c", ELSEWHERE, str(tmp_path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert owner.stdout is not None
+    folder = Path(owner.stdout.readline().strip())
+    assert folder.parent == tmp_path
+    assert (folder / "file").exists()
+    kill(owner) if killed else owner.communicate()
+    assert folder.exists() == killed
+    leftovers.sweep()
+    assert list(tmp_path.iterdir()) == []
+    assert list(place.iterdir()) == []
+
+
 def test_a_process_that_ends_by_itself_leaves_no_folder(place: Path) -> None:
     owner, folder = start_owner()
     (folder / leftovers.LIST).unlink()  # what it would have removed itself
