@@ -96,8 +96,8 @@ class Play:
         self.batch.step(self.actions[number % 8])
         for row in np.flatnonzero(self.batch.state.matches.over).tolist():
             self.maps[row] = pool()[self.begun % POOL]
-            spec = self.specs[row].unchecked_copy(
-                seed=self.begun, map=self.maps[row].spec, time_limit=self.limit
+            spec = self.specs[row].model_copy(
+                update={"seed": self.begun, "map": self.maps[row].spec, "time_limit": self.limit}
             )
             self.batch.restart([row], [spec], [self.maps[row]])
             self.begun += 1
@@ -196,7 +196,10 @@ def vector_env(envs: int, options: dict[str, Any]) -> Any:
 def reset_figure() -> Figure:
     """Measure how long it takes to begin a match anew, on a map of the pool."""
     play = Play(1, resets=True)
-    specs = [play.specs[0].unchecked_copy(seed=seed, map=pool()[seed % POOL].spec) for seed in range(200)]
+    specs = [
+        play.specs[0].model_copy(update={"seed": seed, "map": pool()[seed % POOL].spec})
+        for seed in range(200)
+    ]
     started = time.perf_counter()
     for seed, fresh in enumerate(specs):
         play.batch.restart([0], [fresh], [pool()[seed % POOL]])

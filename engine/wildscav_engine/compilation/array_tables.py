@@ -3,7 +3,7 @@
 A call from Python unpacks every array that it hands over, which takes longer than playing a step of many
 matches: the arrays of a batch and its maps are about a hundred. So they are unpacked in the kernel instead,
 from a table with a row of ``COLUMNS`` numbers for each array: its address, the size of an item in bytes, and
-its shape. Whoever calls has to keep the arrays alive meanwhile; a ``Handle`` does.
+its shape. Whoever calls has to keep the arrays alive meanwhile; a ``ArrayTable`` does.
 """
 
 import ctypes
@@ -36,27 +36,49 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 Arrays = Any  # a NamedTuple of arrays
 
 
-class Handle:
-    """The arrays of a NamedTuple, kept alive, and their addresses."""
+# Of each sort of NamedTuple that kernels read from tables, one whose arrays have the right dtypes and axes.
+_layouts: dict[type, Arrays] = {}
+
+
+class ArrayTable:
+    """The arrays of a NamedTuple, kept alive, and the table of them."""
 
     def __init__(self, arrays: Arrays) -> None:
-        """Note where some contiguous arrays of at most four axes lie."""
+        """Note where some arrays lie.
+
+        Raises:
+            TypeError: One has another dtype or number of axes than kernels read from such a table.
+            ValueError: One is not contiguous.
+        """
         self.arrays = arrays
         self.addresses = addresses_of(arrays)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are of the arrays, which then lie elsewhere."""
-        return Handle, (self.arrays,)
+        return ArrayTable, (self.arrays,)
+
+
+def expect(like: Arrays) -> None:
+    """Refuse tables of a sort of NamedTuple from now on if the dtypes or axes of its arrays are others."""
+    _layouts[type(like)] = like
 
 
 def addresses_of(arrays: Arrays) -> Addresses:
     """Return (F, 6) the table of some contiguous arrays of at most four axes.
 
     Raises:
+        TypeError: One has another dtype or number of axes than kernels read from such a table.
         ValueError: One is not contiguous.
     """
+    kind = type(arrays)
+    layout: Arrays = _layouts.get(kind, arrays)
     rows = []
-    for name, array in zip(arrays._fields, arrays, strict=True):
+    for name, array, expected in zip(arrays._fields, arrays, layout, strict=True):
+        if array.dtype != expected.dtype or array.ndim != expected.ndim:
+            raise TypeError(
+                f"{kind.__name__}.{name} is {array.dtype} with {array.ndim} axes, "
+                f"must be {expected.dtype} with {expected.ndim}"
+            )
         if not array.flags.c_contiguous:
             raise ValueError(f"{name} is not contiguous")
         shape = (*array.shape, *(1,) * (AXES - array.ndim))
@@ -76,6 +98,7 @@ def reader(like: Arrays) -> Callable[[Addresses], Arrays]:
     Args:
         like: A NamedTuple of arrays with the types and numbers of axes of those that will be read.
     """
+    expect(like)
     kind = typeof(like)
 
     def whole(table: Addresses) -> Arrays:
@@ -104,6 +127,7 @@ def row_reader(like: Arrays) -> Callable[[Addresses, int, int], Arrays]:
     Args:
         like: A NamedTuple of arrays with the types and numbers of axes of those that will be read.
     """
+    expect(like)
     arrays = [types.Array(array.dtype, array.ndim - 1, "C") for array in typeof(like)]
     kind = named_tuple(arrays, type(like))
 

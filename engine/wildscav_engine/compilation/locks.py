@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 try:
@@ -32,8 +32,11 @@ class Lock:
             return True
         return True
 
-    def release(self) -> None:
-        """Let others have it."""
+    def release(self, *, removing: bool = False) -> None:
+        """Let others have it; remove the file first if it is of no more use."""
+        if removing:
+            with suppress(OSError):
+                self._file.unlink()
         if self._descriptor is not None:
             os.close(self._descriptor)
             self._descriptor = None

@@ -118,7 +118,7 @@ class _Words:
         if progress.is_done:
             if self._said_at is not None:
                 _print(f"compiled, after {progress.seconds:.0f} s")
-                self._lock.release()
+                self._lock.release(removing=True)
         elif self._said_at is None:
             if progress.seconds >= MOMENT:
                 self._begin(progress)

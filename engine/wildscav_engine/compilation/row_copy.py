@@ -17,8 +17,17 @@ def fills_of(like: Any) -> NDArray[np.uint8]:
 
     Args:
         like: A NamedTuple of new arrays, none of them empty.
+
+    Raises:
+        ValueError: An array is not full of one byte.
     """
-    return np.array([array.reshape(-1)[:1].view(np.uint8)[0] for array in like])
+    fills = []
+    for name, array in zip(like._fields, like, strict=True):
+        found = np.unique(array.reshape(-1).view(np.uint8))
+        if len(found) != 1:
+            raise ValueError(f"{type(like).__name__}.{name} is not full of one byte, but of {found.tolist()}")
+        fills.append(found[0])
+    return np.array(fills, np.uint8)
 
 
 @kernel

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Handle
+from wildscav_engine.compilation.array_tables import ArrayTable
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.episodes import Episode, Episodes, pool_of
 from wildscav_engine.envs.spaces.actions import action_mode
@@ -60,10 +60,10 @@ class Arena:
         self.done, self._fresh = desk.done, desk.fresh  # (B, L), and (B,), both change with every step
         # What is after one step is before the next: the two take turns.
         self._desk, self._next_desk = (
-            Handle(desk),
-            Handle(desk._replace(before=desk.after, after=desk.before)),
+            ArrayTable(desk),
+            ArrayTable(desk._replace(before=desk.after, after=desk.before)),
         )
-        self._tables: tuple[Handle, ...] = ()
+        self._tables: tuple[ArrayTable, ...] = ()
         first = self.layout.first
         self._standing, self._events, self._paid = first(Part.STANDING), first(Part.EVENTS), first(Part.TERMS)
 
@@ -95,7 +95,7 @@ class Arena:
         else:
             self._state, self._views = batch.state, {}
             parts = (batch.state.agents, batch.state.matches, batch.seen)
-            self._tables = tuple(Handle(part) for part in parts)
+            self._tables = tuple(ArrayTable(part) for part in parts)
         self.done[list(rows)] = False
         self._fresh[list(rows)] = True
 

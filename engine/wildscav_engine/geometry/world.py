@@ -61,6 +61,28 @@ class World(NamedTuple):
     ceiling: NDArray[np.float64]  # (R, C) m, lowest point of what a body in a cell may touch, inf if nothing
 
 
+def empty_world() -> World:
+    """Return a world of no cells and no solids: of each array, its dtype and its axes."""
+    nothing, numbers = np.zeros((0, 0)), np.zeros(0, np.int64)
+    return World(
+        corner=np.zeros(2),
+        heights=np.zeros((1, 1)),
+        water=nothing,
+        cell_top=nothing,
+        block_top=nothing,
+        cell_start=np.zeros(1, np.int64),
+        cell_solids=numbers,
+        solid_low=np.zeros((0, 3)),
+        solid_high=np.zeros((0, 3)),
+        solid_start=np.zeros(1, np.int64),
+        faces=np.zeros((0, 4)),
+        face_reach=np.zeros(0),
+        solid_kind=np.zeros(0, np.int8),
+        spawns=np.zeros((0, 3)),
+        ceiling=nothing,
+    )
+
+
 @dataclass(frozen=True)
 class Solid:
     """One convex polyhedron."""

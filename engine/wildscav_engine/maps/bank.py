@@ -1,30 +1,17 @@
 """The map bank: where the worlds of several maps lie, so that matches on different maps share a batch."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from wildscav_engine.compilation.array_tables import Handle, reader
-from wildscav_engine.geometry.world import World
+from wildscav_engine.compilation.array_tables import ArrayTable, reader
+from wildscav_engine.geometry.world import empty_world
 from wildscav_engine.maps.game_map import GameMap
 
 LIMIT = 128  # maps in a bank before those that no match is played on are dropped
 
-_WHOLE = ("cell_start", "cell_solids", "solid_start")
-_AXES = {"corner": 1, "face_reach": 1, "solid_kind": 1, **dict.fromkeys(_WHOLE, 1)}
-# The types and axes of a world's arrays, made by hand: to build a world would compile at every import.
-_EXAMPLE = World(
-    **{
-        name: np.zeros(
-            (0,) * _AXES.get(name, 2),
-            np.int8 if name == "solid_kind" else np.int64 if name in _WHOLE else np.float64,
-        )
-        for name in World._fields
-    }
-)
 # A kernel: takes a world out of its table, without copying.
-world_at = reader(_EXAMPLE)
+world_at = reader(empty_world())
 
 
 class MapBank:
@@ -38,7 +25,7 @@ class MapBank:
         """Take some maps in."""
         self._limit = limit
         self._maps: dict[int, GameMap] = {}
-        self._worlds: dict[int, Handle] = {}
+        self._worlds: dict[int, ArrayTable] = {}
         self.add(maps, in_use=maps)
 
     def add(self, maps: Sequence[GameMap], in_use: Sequence[GameMap]) -> bool:
@@ -51,7 +38,7 @@ class MapBank:
         if not new:
             return False
         self._maps.update(new)
-        self._worlds.update((key, _handle_of(game_map)) for key, game_map in new.items())
+        self._worlds.update((key, ArrayTable(game_map.world)) for key, game_map in new.items())
         used = {id(game_map) for game_map in in_use}
         for key in [key for key in self._maps if key not in used][: max(0, len(self._maps) - self._limit)]:
             del self._maps[key], self._worlds[key]
@@ -73,9 +60,3 @@ class MapBank:
     def _number(self) -> None:
         self._numbers = {key: number for number, key in enumerate(self._maps)}
         self.addresses = np.array([world.addresses for world in self._worlds.values()], np.int64)
-
-
-def _handle_of(game_map: GameMap) -> Handle:
-    arrays: list[Any] = list(game_map.world)
-    dtypes = [array.dtype for array in list[Any](_EXAMPLE)]
-    return Handle(World(*(np.ascontiguousarray(*pair) for pair in zip(arrays, dtypes, strict=True))))

@@ -132,8 +132,8 @@ def trace_depths_of_maps(
     return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
 
 
-# What stays the same between calls comes to these kernels as a handle, what does not, array by array: from
-# Python, a tuple of arrays takes several times longer.
+# What stays the same between calls comes to these kernels as a table of arrays; what does not, one by one:
+# from Python, a tuple of arrays takes several times longer.
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, Handle
+from wildscav_engine.compilation.array_tables import Addresses, ArrayTable
 from wildscav_engine.compilation.row_copy import clear_rows, fills_of
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
@@ -235,12 +235,12 @@ class Batch:
     def _keep(self, state: State) -> None:
         """Make a state the batch's own."""
         self.state = state
-        self.handles = tuple(Handle(part) for part in (*state, self._seen))
+        self._array_tables = tuple(ArrayTable(part) for part in (*state, self._seen))
 
     @property
     def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
         """The same without looking: what is seen may be that of an earlier step."""
-        agents, supplies, matches, seen = self.handles
+        agents, supplies, matches, seen = self._array_tables
         return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
 
 

@@ -17,8 +17,8 @@ from pydantic import ValidationError
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.row_copy import ITEM, LENGTH, copy_row
 from wildscav_engine.maps import GENERATOR_VERSION, GameMap, MapError, map_of
-from wildscav_engine.simulation.state import allocate_state
-from wildscav_engine.simulation.systems.visibility import allocate_seen
+from wildscav_engine.simulation.state import Agents, Matches, Supplies
+from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.validation import one_line
@@ -60,34 +60,21 @@ class Length(IntEnum):
     NOTHING = 4  # it follows from the rest: an index that is made anew
 
 
-def _lengths() -> list[NDArray[np.int64]]:
-    """Return (F,) for each part of a batch: a Length for each array, as two batches of other sizes tell."""
-    small = (*allocate_state(1, 50, 60, 70), allocate_seen(1, 50))
-    large = (*allocate_state(1, 200, 210, 220), allocate_seen(1, 200))
-    of_pair = {
-        (50, 200): Length.SEATS,
-        (60, 210): Length.SLOTS,
-        (70, 220): Length.PHASES,
-    }
-    found = []
-    for parts in zip(small, large, strict=True):
-        kinds = []
-        for one, other in zip(*parts, strict=True):
-            pair = one.shape[1:2] + other.shape[1:2]
-            fixed = Length.WHOLE if len(set(pair)) < 2 else Length.NOTHING
-            kinds.append(of_pair.get(pair, fixed))
-        found.append(np.array(kinds, np.int64))
-    found[-1][:] = Length.NOTHING  # what is seen is found out anew
-    return found
-
-
-_LENGTHS = _lengths()
+# Of the arrays of ``Matches``; those not named are whole.
+_OF_MATCHES = {"members_left": Length.SEATS, "zone": Length.PHASES, "crowd": Length.NOTHING}
+# Of each part of a batch, (F,) a Length for each array. What is seen is found out anew.
+LENGTHS = (
+    np.full(len(Agents._fields), Length.SEATS),
+    np.full(len(Supplies._fields), Length.SLOTS),
+    np.array([_OF_MATCHES.get(name, Length.WHOLE) for name in Matches._fields]),
+    np.full(len(Seen._fields), Length.NOTHING),
+)
 
 
 def sizes_of(tables: Sequence[Addresses], counts: tuple[int, int, int]) -> list[NDArray[np.int64]]:
     """Return (F,) for each part of a batch: how many bytes of a row of each array belong to a match."""
     sizes = []
-    for table, kinds in zip(tables, _LENGTHS, strict=True):
+    for table, kinds in zip(tables, LENGTHS, strict=True):
         lengths = np.choose(kinds, [*counts, table[:, LENGTH], 0])
         sizes.append(table[:, ITEM] * table[:, LENGTH + 1 :].prod(axis=1) * lengths)
     return sizes

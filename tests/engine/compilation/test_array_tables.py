@@ -1,4 +1,4 @@
-"""Handles: kernels find the very arrays that a table tells of."""
+"""Tables of arrays: kernels find the very arrays that a table tells of."""
 
 import copy
 from typing import NamedTuple
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import (
     Addresses,
-    Handle,
+    ArrayTable,
     addresses_of,
     number_reader,
     reader,
@@ -66,7 +66,7 @@ def _add(values: NDArray[np.float64], answer: NDArray[np.float64]) -> None:
 
 def test_a_kernel_writes_into_the_arrays_of_a_table() -> None:
     arrays = things()
-    _mark_last(Handle(arrays).addresses)
+    _mark_last(ArrayTable(arrays).addresses)
     assert arrays.flag.sum() == 1
     assert arrays.flag[2, 3]
     assert arrays.count[2, 3] == 343
@@ -87,15 +87,27 @@ def test_numbers_keep_their_kinds() -> None:
     assert answer[0] == 7.25
 
 
-def test_a_copy_of_a_handle_is_of_a_copy_of_its_arrays() -> None:
-    handle = Handle(things())
-    other = copy.deepcopy(handle)
+def test_a_copy_of_a_table_is_of_a_copy_of_its_arrays() -> None:
+    table = ArrayTable(things())
+    other = copy.deepcopy(table)
     _mark_row(other.addresses, 0, 1)
     assert other.arrays.flag[0, 0]
-    assert not handle.arrays.flag.any()
+    assert not table.arrays.flag.any()
 
 
 def test_arrays_that_are_not_contiguous_are_refused() -> None:
     arrays = things()
     with pytest.raises(ValueError, match="place is not contiguous"):
         addresses_of(arrays._replace(place=arrays.place[:, ::2]))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"count": np.zeros((3, 4))}, r"Things\.count is float64 with 2 axes, must be int32 with 2"),
+        ({"flag": np.zeros(3, np.bool_)}, r"Things\.flag is bool with 1 axes, must be bool with 2"),
+    ],
+)
+def test_arrays_that_kernels_would_misread_are_refused(wrong: dict[str, np.ndarray], said: str) -> None:
+    with pytest.raises(TypeError, match=said):
+        ArrayTable(things()._replace(**wrong))

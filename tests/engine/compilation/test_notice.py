@@ -55,6 +55,7 @@ def test_one_line_says_that_something_is_compiled_and_one_that_it_is_done(tmp_pa
     assert begins == BEGINS
     assert ends.startswith("wildscav: compiled, after ")
     assert said_by(start(USE, tmp_path)) == []  # it is kept
+    assert not list(tmp_path.rglob("telling-*.lock"))
 
 
 def test_of_processes_that_compile_at_once_one_speaks(tmp_path: Path) -> None:

@@ -14,7 +14,9 @@ from wildscav_engine.simulation import snapshot
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError
-from wildscav_engine.simulation.snapshot import StateError
+from wildscav_engine.simulation.snapshot import LENGTHS, Length, StateError
+from wildscav_engine.simulation.state import allocate_state
+from wildscav_engine.simulation.systems.visibility import allocate_seen
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -102,7 +104,7 @@ def test_a_restored_match_has_a_record_that_verifies() -> None:
     small = MapSpec(config=MapConfig(size=40, houses=0, vegetation=0.1), seed=3)
     match = play(Match(MatchSpec(track="battle", map=small, seats=SEATS, time_limit=5)), 0, 10)
     data = match.get_state()
-    other = Match(match.spec.unchecked_copy(seed=5))
+    other = Match(match.spec.model_copy(update={"seed": 5}))
     other.set_state(data)
     other.play_out()
     verify_record(record_of(other, SEATS))
@@ -178,3 +180,14 @@ def test_a_state_on_a_map_that_is_not_made_here_is_refused() -> None:
     # Both maps were made by hand, so nobody can make them from their spec.
     with pytest.raises(StateError, match="its spec makes"):
         match_of("battle").set_state(match_of("battle", game_map=YARD).get_state())
+
+
+def test_what_a_state_keeps_of_each_array_is_what_grows_with_the_match() -> None:
+    sizes = {(50, 200): Length.SEATS, (60, 210): Length.SLOTS, (70, 220): Length.PHASES}
+    small, large = allocate_state(1, 50, 60, 70), allocate_state(1, 200, 210, 220)
+    for parts in zip(small, large, LENGTHS, strict=False):
+        for one, other, length in zip(*parts, strict=True):
+            before, after = one.shape[1:2], other.shape[1:2]
+            fixed = Length.WHOLE if before == after else Length.NOTHING
+            assert length == sizes.get(before + after, fixed)
+    assert len(LENGTHS[-1]) == len(allocate_seen(1, 1))

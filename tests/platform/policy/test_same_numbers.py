@@ -107,7 +107,9 @@ def test_an_environment_that_holds_actions_longer_than_the_match(tmp_path: Path)
         **options("gathering", sensors={}, frames_per_action=15, action_mode="baseline", time_limit=6.0),
     )
     played = play_env(env, seed=4, choose=lambda _: env.action_space.sample() | 1)  # odd ones pick up
-    told = observed(tmp_path, describe(env.config), played, played.spec.unchecked_copy(frames_per_action=5))
+    told = observed(
+        tmp_path, describe(env.config), played, played.spec.model_copy(update={"frames_per_action": 5})
+    )
     assert len(told) == len(played.observations) == 20
     for ours, theirs in zip(told, played.observations, strict=True):
         assert_same(ours, theirs)

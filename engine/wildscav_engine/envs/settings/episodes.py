@@ -82,7 +82,7 @@ class Episodes:
         self.number += 1
         seed = int(first) // 2 * 2 + PARITY[self._split]
         game_map = self._pool.draw(int(second))
-        spec = self._template.unchecked_copy(seed=seed, map=game_map.spec)
+        spec = self._template.model_copy(update={"seed": seed, "map": game_map.spec})
         if options and not options.keys().isdisjoint({"start", "target", "map"}):
             spec = _changed(spec, options)
             game_map = map_of(spec.map) if "map" in options else game_map

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Handle, addresses_of, reader
+from wildscav_engine.compilation.array_tables import ArrayTable, addresses_of, expect, reader
 from wildscav_engine.rendering.tracing.canvas import allocate_rays, allocate_strips
 from wildscav_engine.rendering.tracing.image import allocate_desk
 from wildscav_engine.rendering.tracing.packing import Packed, pack_nothing
@@ -73,9 +73,10 @@ class Moving(NamedTuple):
 
 NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), 0, 0, 0)
 read_room = reader(allocate_room(NOWHERE, Size(1, 1, 1.0)))
+expect(Moving(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int32)))
 
 
-class PlacedRoom(Handle):
+class PlacedRoom(ArrayTable):
     """A room, and where it lies."""
 
     def __init__(self, room: Room) -> None:

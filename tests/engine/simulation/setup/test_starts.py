@@ -6,7 +6,6 @@ from pydantic import ValidationError
 from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.maps import GameMap, load_map
-from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.setup.starts import (
     START_DISTANCE,
@@ -167,13 +166,3 @@ def test_seats_that_race_in_a_narrow_place_do_not_start_in_each_other(seed: int)
     lane = meadow_with([(float(x), 0.0) for x in range(-18, 19)], walls)
     starts = starts_of(spec(seed, 20, target=(0.0, 0.0, 0.0), start_range=0.3), lane)
     assert least_distance(starts) >= 2 * BODY_RADIUS
-
-
-def test_an_unchecked_copy_equals_a_spec_made_anew() -> None:
-    made = spec(5, start_range=1.0)
-    copy = made.unchecked_copy(seed=9, target=(1.0, 0.0, 2.0))
-    assert copy == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0))
-    assert copy.model_dump_json() == spec(9, start_range=1.0, target=(1.0, 0.0, 2.0)).model_dump_json()
-    assert hash(copy) != hash(made)
-    assert made.seed == 5
-    assert Batch([copy], [MEADOW]).state.matches.seed[0] == 9
