@@ -1,9 +1,12 @@
 """The Wildscav engine: maps, motion, combat, sensors, tracks, robots, records and replays."""
 
-from wildscav_engine.envs.registry import register
+import sys
+
 from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION
 
 __all__ = ["ENGINE_VERSION", "SIMULATION_VERSION"]
 
-# ``gymnasium.make("wildscav_engine:WildScav/Navigation-v0")`` imports this module, then expects the ids.
-register()
+# ``gymnasium.make("wildscav_engine:WildScav/Navigation-v0")`` imports this package, then expects the ids.
+# Where nobody has imported Gymnasium or PettingZoo, as in match servers, nothing needs the ids.
+if sys.modules.get("gymnasium") or sys.modules.get("pettingzoo"):
+    import wildscav_engine.envs  # noqa: F401

@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
 TEXT = (Path(__file__).parents[2] / "docs" / "training.md").read_text("utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
-NAVIGATION = "wildscav_engine:WildScav/Navigation-v0"
+NAVIGATION = "wildscav_engine.envs:WildScav/Navigation-v0"
 TINY = MapSpec(config=MapConfig(size=40, relief=0, water=0, houses=0, vegetation=0), seed=1)
 SHORT = {"map": TINY, "time_limit": 4.0}
 MODES = ("box", "baseline", "multidiscrete")

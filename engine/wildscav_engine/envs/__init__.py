@@ -1,8 +1,11 @@
 """Environments for learners: Gymnasium for one, PettingZoo and batched arrays for several."""
 
+import sys
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
+
+from wildscav_engine.envs.registry import register, register_several
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.batched import BatchedArena
@@ -49,9 +52,14 @@ if find_spec("pettingzoo"):
 if find_spec("stable_baselines3"):
     __all__ += ["StableVector"]
 
+# Importing this package makes the ids known: PettingZoo's if it is imported already, else with ``parallel``.
+register()
+if sys.modules.get("pettingzoo"):
+    register_several()
+
 
 def __getattr__(name: str) -> Any:
-    """Import what is asked for: the registry alone costs nothing."""
+    """Import what is asked for: to make the ids known costs little."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

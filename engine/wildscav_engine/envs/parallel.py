@@ -12,6 +12,7 @@ from pettingzoo.utils.conversions import parallel_to_aec
 from wildscav_engine.envs.arena import Arena, Reading
 from wildscav_engine.envs.batched import several_config
 from wildscav_engine.envs.infos import info_of
+from wildscav_engine.envs.registry import register_several
 from wildscav_engine.envs.rendering.render import Picture
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.episodes import Episodes
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from pettingzoo import AECEnv
 
 VERSION = 0
+register_several()
 
 
 class ParallelArena(ParallelEnv[str, Observation, Any]):

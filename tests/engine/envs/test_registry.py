@@ -5,27 +5,33 @@ import sys
 
 import pytest
 
-LATER = "import wildscav_engine, sys; assert 'gymnasium' not in sys.modules; "
-# TorchRL and others look whether a library is there before they import it.
-LOOK = "from importlib.util import find_spec; assert find_spec('gymnasium') and find_spec('pettingzoo'); "
-KNOWN = (
-    "import gymnasium, pettingzoo; assert 'WildScav/Battle-v0' in gymnasium.registry; "
-    "assert 'wildscav/battle-v0' in pettingzoo.parallel_registry"
-)
+KNOWN = "gymnasium.spec('WildScav/Battle-v0'); pettingzoo.parallel_registry['wildscav/battle-v0']"
+
+
+def run(code: str) -> None:
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(
     "code",
     [
-        LATER + KNOWN,
-        LATER + LOOK + LOOK + KNOWN,
-        "import gymnasium, pettingzoo, wildscav_engine; " + KNOWN,
+        f"import gymnasium, pettingzoo, wildscav_engine; {KNOWN}",
+        f"import wildscav_engine, gymnasium, wildscav_engine.envs.parallel, pettingzoo; {KNOWN}",
+        "import gymnasium; gymnasium.make('wildscav_engine:WildScav/Battle-v0')",
+        "import wildscav_engine, gymnasium; gymnasium.make('wildscav_engine.envs:WildScav/Battle-v0')",
     ],
-    ids=["imported before", "looked for", "imported after"],
 )
-def test_the_ids_are_known_whatever_is_imported_first(code: str) -> None:
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+def test_ids_are_known_once_the_engine_or_its_environments_are_imported(code: str) -> None:
+    run(code)
+
+
+def test_the_engine_imports_no_library_of_environments_and_watches_no_imports() -> None:
+    run(
+        "import sys, wildscav_engine.simulation.match, wildscav_engine.sensors\n"
+        "assert not {'gymnasium', 'pettingzoo'} & set(sys.modules)\n"
+        "assert not [one for one in sys.meta_path if type(one).__module__.startswith('wildscav')]"
+    )
 
 
 @pytest.mark.parametrize(
