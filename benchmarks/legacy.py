@@ -15,7 +15,7 @@ import typer
 from report import Figure, JsonFile, publish
 
 from wildscav.legacy.install import PROGRAM, install_engine, install_maps, missing_maps
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.compilation.cache_folders import cache_root
 
 HERE = Path(__file__).parent
@@ -84,7 +84,7 @@ def main(
     if unknown := set(titles) - set(MODES):
         raise typer.BadParameter(f"{', '.join(unknown)}: must be of {', '.join(MODES)}")
     python = client_environment(cache_root().parent / "inspirai-fps-0.0.3")
-    warm(())
+    precompile(())
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         ours, idle = install_engine(folder / "engine").parent, idle_engine(folder / "idle")

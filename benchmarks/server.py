@@ -26,7 +26,7 @@ from wildscav.proto.match_pb2 import GetMatchRequest, HostMatchRequest, ServerMe
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server import Clock, HostedMatch, MatchServer
 from wildscav.server.hosting.observations import SeatObservations
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav.server.workers.shared_server import SharedServer
 from wildscav.wire.matches import decode_seat_address
 from wildscav.wire.observations import encode_observation
@@ -188,7 +188,7 @@ def _processor_time() -> float:
 
 def main(json: JsonFile = None) -> None:
     """Measure the match server."""
-    warm()
+    precompile()
     figures = []
     with tempfile.TemporaryDirectory() as name:
         for seats in STEPS:

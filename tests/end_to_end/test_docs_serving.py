@@ -13,7 +13,7 @@ from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.pages import blocks
 from tests.end_to_end.ports import free_ports
 
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav.server.server_metrics import ServerMetrics
 
 ROOT = Path(__file__).parents[2]
@@ -22,7 +22,7 @@ PAGE = ROOT / "docs" / "serving.md"
 
 @pytest.mark.slow
 def test_the_commands_and_the_code_of_the_page_play_a_match(tmp_path: Path) -> None:
-    warm()
+    precompile()
     port = str(free_ports(3))
     (console,), (code,) = (
         [block.replace("50051", port) for block in blocks(PAGE, kind)] for kind in ("console", "python")

@@ -11,7 +11,7 @@ import pytest
 from tests.evaluator.docker_daemon import docker_daemon
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
 
-from wildscav_evaluator.matches.warm import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 
 HEAD = """
@@ -32,7 +32,7 @@ tracks = {tracks}
 @pytest.fixture(scope="session")
 def compiled() -> None:
     """Compile what matches need before anybody's time runs."""
-    warm()
+    precompile(())
 
 
 @pytest.fixture(scope="session")

@@ -20,7 +20,7 @@ NAMES = ("random", "homing", "hunter")
 @pytest.fixture(scope="module")
 def workers() -> Iterator[Workers]:
     with Workers(2) as pool:
-        pool.warm()
+        pool.precompile()
         yield pool
 
 

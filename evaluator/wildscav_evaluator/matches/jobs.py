@@ -3,20 +3,20 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from wildscav_engine.record import SUFFIX
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import (
     Seating,
 )
-from wildscav_evaluator.matches.warm import Wanted
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS, stem_of
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 
+Wanted = dict[str, dict[str, Any]]  # sensors by name, with their options
 REPLAYED: Wanted = {"camera": {}, "depth": {}}  # what a replay shows of the agent that it follows
 
 

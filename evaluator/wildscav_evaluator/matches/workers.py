@@ -19,11 +19,11 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
+from wildscav.server.hosting.precompile import precompile_for
 from wildscav.system import leftovers
 from wildscav.system.worker_processes import become_worker, starting_workers
-from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult
+from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, Wanted
 from wildscav_evaluator.matches.run_job import after_worker_death, run_job
-from wildscav_evaluator.matches.warm import Wanted, warm
 from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
@@ -34,7 +34,7 @@ REPLAYS_PER_WORKER = 40  # Rerun keeps some idle threads of every recording unti
 
 
 @dataclass(frozen=True)
-class Warming:
+class Precompiling:
     """The message that asks a worker to compile all that matches need, and its answer when that is done."""
 
     sensors: tuple[Wanted, ...]
@@ -142,7 +142,7 @@ class Workers:
         for worker in self._workers:
             worker.end(max(0.0, until - time.monotonic()))
 
-    def warm(self, sensors: Iterable[Wanted] = ()) -> None:
+    def precompile(self, sensors: Iterable[Wanted] = ()) -> None:
         """Compile the engine once, in the first worker, so that the others find it done.
 
         Args:
@@ -153,7 +153,7 @@ class Workers:
         """
         worker = self._start()
         try:
-            worker.connection.send(Warming(tuple(sensors)))
+            worker.connection.send(Precompiling(tuple(sensors)))
             if not worker.connection.poll(COMPILE_TIME):
                 raise WorkerDiedError(f"the engine was not compiled within {COMPILE_TIME / 60:g} minutes")
             worker.connection.recv()
@@ -243,8 +243,8 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
         while True:
             message = connection.recv()
-            if isinstance(message, Warming):
-                warm(message.sensors)
+            if isinstance(message, Precompiling):
+                precompile_for(message.sensors)
                 connection.send(message)
             else:
                 # Only a match has agents to be stopped; elsewhere a worker may end on the spot.

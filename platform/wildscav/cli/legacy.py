@@ -39,7 +39,7 @@ def install(
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from wildscav.legacy.install import install_engine, install_maps, missing_maps
-    from wildscav.server.hosting.warm_up import warm
+    from wildscav.server.hosting.precompile import precompile
     from wildscav.terminal.console import console, counted, error_console
     from wildscav.terminal.engine_progress import preparing
     from wildscav_engine.parallel.threads import cores
@@ -47,7 +47,7 @@ def install(
     ids = read_ids(maps)
     program = install_engine(folder / "engine")
     with preparing(error_console):
-        warm(())
+        precompile(())
     missing = missing_maps(ids, folder / "maps")
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=error_console, disable=not missing) as progress:

@@ -128,7 +128,7 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     from wildscav.monitoring.logs import open_log
     from wildscav.monitoring.metrics import serving_metrics
     from wildscav.server import EndpointSettings, MatchServer
-    from wildscav.server.hosting.warm_up import warm
+    from wildscav.server.hosting.precompile import precompile
     from wildscav.terminal.console import console
     from wildscav.terminal.engine_progress import preparing
 
@@ -143,7 +143,7 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     )
     taken = await server.start(how.addresses)
     with preparing(console, is_said=how.log_format == "json"):
-        await asyncio.to_thread(warm)
+        await asyncio.to_thread(precompile)
     _say_listening(taken)
     with serving_metrics(server.metrics, how.metrics_port) as metrics:
         if metrics is not None:

@@ -104,8 +104,8 @@ def end(status: int, why: str = "", waiting: int | None = None) -> NoReturn:
 
 
 def _load_engine() -> None:
-    from wildscav.server.hosting.warm_up import warm
+    from wildscav.server.hosting.precompile import precompile
 
     began = time.perf_counter()
-    warm(())
+    precompile(())
     log.info("the engine is ready after %.1f s", time.perf_counter() - began)

@@ -82,10 +82,10 @@ class Session:
 
     def _match_of(self, episode: Episode) -> "Match":
         """Return the match of an episode, and everything ready for it: that may take long."""
-        from wildscav.server.hosting.warm_up import warm
+        from wildscav.server.hosting.precompile import precompile
 
         with self._client.watched():
-            warm(())
+            precompile(())
             return match_of(episode)
 
     def _actions(self, reply: Reply, episode: Episode) -> "NDArray[np.float32]":

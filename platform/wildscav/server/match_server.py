@@ -15,11 +15,11 @@ from wildscav.server.endpoints.organizer import Organizer
 from wildscav.server.endpoints.routes import arena_routes
 from wildscav.server.event_log import EventLog
 from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
+from wildscav.server.hosting.precompile import precompile
 from wildscav.server.hosting.reports import SeatStatus
 from wildscav.server.hosting.seat import Seat, parse_sensors
 from wildscav.server.hosting.seat_clock import SeatClock
 from wildscav.server.hosting.time_limits import Clock, TimeBank
-from wildscav.server.hosting.warm_up import warm
 from wildscav.server.server_metrics import ServerMetrics
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
@@ -218,7 +218,7 @@ def _set_up(
     from wildscav_engine.simulation.match import Match
 
     wanted = [sensor for of_seat in sensors for sensor in of_seat.values()]
-    warm(wanted)
+    precompile(wanted)
     match = (make or Match)(spec)
     for sensor in wanted:
         sensor.prepare(match.game_map)

@@ -164,14 +164,14 @@ def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
         import gc
         from numba.core.dispatcher import Dispatcher
         from tests.builders import make_match
-        from wildscav.server.hosting.warm_up import warm
+        from wildscav.server.hosting.precompile import precompile
         from wildscav_engine.sensors import parse_sensor
 
         def kernels():
             found = [item for item in gc.get_objects() if isinstance(item, Dispatcher)]
             return {{(item.py_func.__name__, str(types)) for item in found for types in item.signatures}}
 
-        warm()
+        precompile()
         match = make_match("battle", seats=3)
         match.step()
         before = kernels()

@@ -81,7 +81,7 @@ def run(
 ) -> dict[tuple[str, int], JobResult]:
     watch = watch or Monitor(jobs, count, "suite", MonitorOptions("json", None))
     with Workers(count, patience=patience) as workers:
-        workers.warm()
+        workers.precompile()
         for result in workers.run(jobs, watch.start, watch.handle):
             watch.add(result)
     return {(result.job.submission.name, result.job.index): result for result in watch.tally.done.values()}

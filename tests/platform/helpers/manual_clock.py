@@ -13,7 +13,7 @@ from tests.platform.helpers.seats import Result
 
 from wildscav.server import HostedMatch, MatchServer
 from wildscav.server.hosting.lockstep import LAG
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 
 # s; a power of two, so that times are exact. The server takes longer hops for its own delay.
 HOP = 2.0**-8
@@ -54,7 +54,7 @@ def serving_by_hand(
         finally:
             await server.stop()
 
-    warm()  # compiling is not what is tested
+    precompile()  # compiling is not what is tested
     loop = HandSetLoop()
     with asyncio.Runner(loop_factory=lambda: loop) as runner:
         runner.get_loop()

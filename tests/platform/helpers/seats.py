@@ -13,7 +13,7 @@ import grpc
 from wildscav.proto import PROTOCOL_VERSION
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join, ServerMessage
 from wildscav.server import HostedMatch, MatchServer
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 
@@ -52,7 +52,7 @@ def serving(
         finally:
             await server.stop()
 
-    warm()  # compiling is not what is tested
+    precompile()  # compiling is not what is tested
     return asyncio.run(run())
 
 

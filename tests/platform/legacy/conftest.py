@@ -8,13 +8,13 @@ from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.legacy.channel import Client
 from wildscav.legacy.session import Session
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled() -> None:
     """Compile what plays matches, so that no client waits for that."""
-    warm([])
+    precompile([])
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,7 @@ from tests.platform.helpers.seats import connected, ended, host, serving, small_
 
 from wildscav.proto.match_pb2 import ClientMessage, Join
 from wildscav.server import Clock, EndpointSettings, MatchServer
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 
 FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB
@@ -27,7 +27,7 @@ GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests ke
 
 def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
     """Attack a server again and again, and see that it stays as it was."""
-    warm()
+    precompile()
     siege = Siege(tmp_path)
     memories: list[int] = []
     try:

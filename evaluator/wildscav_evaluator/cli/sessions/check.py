@@ -6,12 +6,12 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav.errors import UserError
+from wildscav.server.hosting.precompile import precompile_for
 from wildscav.terminal.console import console, counted, print_json
 from wildscav.terminal.engine_progress import preparing
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import run_checks
 from wildscav_evaluator.cli.result_tables.ranking import plain_table
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -26,7 +26,7 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: 
         UserError: Something failed that a judge would not pass over.
     """
     with preparing(console):
-        warm([submission.manifest.sensors])
+        precompile_for([submission.manifest.sensors])
     findings = []
     with console.status("playing") as status:
         for finding in run_checks(submission, sandbox, logs):

@@ -102,7 +102,7 @@ def _play(
     if waiting:
         with Workers(min(plan.jobs, len(waiting)), lock) as workers:
             with preparing(console):
-                workers.warm(sensors_read(waiting))
+                workers.precompile(sensors_read(waiting))
             with monitor.shown():
                 for result in workers.run(waiting, *_listeners(ledger, monitor)):
                     ledger.end(result)

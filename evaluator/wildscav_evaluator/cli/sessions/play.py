@@ -14,6 +14,7 @@ from rich.text import Text
 
 from wildscav.errors import UserError, describe
 from wildscav.server import HostedMatch
+from wildscav.server.hosting.precompile import precompile_for
 from wildscav.system import leftovers
 from wildscav.terminal.console import command, console, print_json
 from wildscav.terminal.engine_progress import preparing
@@ -30,7 +31,6 @@ from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, p
 from wildscav_evaluator.cli.sessions.errors import raise_errors
 from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
@@ -143,7 +143,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
 def _play(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
     try:
         with preparing(console):
-            warm([submission.manifest.sensors for submission in seating.submissions])
+            precompile_for([submission.manifest.sensors for submission in seating.submissions])
         return asyncio.run(_play_with_progress(seating, sandbox))
     except KeyboardInterrupt:
         raise UserError("interrupted: the match was not played to its end", INTERRUPTED) from None

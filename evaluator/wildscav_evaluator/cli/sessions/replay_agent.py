@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.text import Text
 
 from wildscav.errors import UserError
+from wildscav.server.hosting.precompile import precompile_for
 from wildscav.terminal.console import console, counted, printable
 from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
@@ -17,7 +18,6 @@ from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
 from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.matches.recorded_match import Agreement, RecordedMatch
-from wildscav_evaluator.matches.warm import warm
 from wildscav_evaluator.output.layout import RECORDS
 from wildscav_evaluator.output.results import FINISHED
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
@@ -130,7 +130,7 @@ def _warn(text: str) -> None:
 def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: str) -> PlayedMatch:
     try:
         with preparing(console):
-            warm([submission.manifest.sensors for submission in seating.submissions])
+            precompile_for([submission.manifest.sensors for submission in seating.submissions])
         with console.status(f"asking the agent again, {counted(record.steps, 'step')}"):
             return asyncio.run(
                 play_match(

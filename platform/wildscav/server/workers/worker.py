@@ -17,7 +17,7 @@ from wildscav.monitoring.logs import open_log
 from wildscav.monitoring.metrics import serving_metrics
 from wildscav.server.endpoints.endpoint import EndpointSettings
 from wildscav.server.endpoints.tls import Certificate
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav.server.match_server import MatchServer
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ async def _work(config: WorkerConfig) -> None:
     try:
         taken = await server.start(config.seats, arena=False)
         await server.start([config.arena])
-        await asyncio.to_thread(warm)
+        await asyncio.to_thread(precompile)
         with serving_metrics(server.metrics, config.metrics_port) as metrics:
             _answer(WorkerReady(taken, metrics))
             await stopped.wait()

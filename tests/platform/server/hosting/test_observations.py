@@ -12,7 +12,7 @@ from tests.platform.helpers.seats import small_spec
 from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
 from wildscav.server.hosting.observation_encoding import ROOM, put_observations
 from wildscav.server.hosting.observations import SeatObservations
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, SUPPLY_LIMIT
 from wildscav_engine.specs.actions import FIELDS
@@ -154,7 +154,7 @@ def test_whatever_the_arrays_hold_is_written_as_protobuf_would(seed: int, larges
 def test_a_time_bank_of_whole_seconds_is_as_any_other() -> None:
     match = Match(small_spec())
     observations = SeatObservations(match, [0])
-    warm(())
+    precompile(())
     observations.encode([30])
     assert Observation.FromString(observations.of(0)).time_bank == 30.0
     kernel: Any = put_observations

@@ -15,7 +15,7 @@ from tests.platform.helpers.seats import connected, ended, small_spec, start_age
 from wildscav.errors import UserError
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.server.hosting.warm_up import warm
+from wildscav.server.hosting.precompile import precompile
 from wildscav.server.workers.shared_server import SharedServer
 from wildscav.system.leftovers import own_folder
 from wildscav.wire.errors import reason_of
@@ -36,7 +36,7 @@ def shared(listen: str, test: Callable[[SharedServer, str, ArenaStub], Awaitable
         finally:
             await server.stop()
 
-    warm()  # compiling is not what is tested
+    precompile()  # compiling is not what is tested
     asyncio.run(run())
 
 

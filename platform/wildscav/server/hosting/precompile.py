@@ -1,0 +1,78 @@
+"""Compiling all that a match runs, or loading what was compiled, before anybody waits for it."""
+
+import functools
+import threading
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from wildscav.server.hosting.observations import SeatObservations
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps import GameMap
+    from wildscav_engine.sensors import Sensor
+    from wildscav_engine.simulation.match import Match
+
+_lock = threading.Lock()
+_read: set["Sensor"] = set()
+
+
+def precompile(sensors: "Iterable[Sensor] | None" = None) -> None:
+    """Play a tiny match of every track, once a process, and read sensors in one of them, each once.
+
+    Kernels compile (or load from their cache) when they first run. In the event loop that would hold up every
+    other match, and its agents would pay for it from their time.
+
+    Args:
+        sensors: Which ones; by default every kind with every choice that it offers.
+    """
+    with _lock:
+        match = _tiny_match()
+        for sensor in every_sensor() if sensors is None else sensors:
+            if sensor not in _read:
+                sensor.read(match, [0])
+                _read.add(sensor)
+
+
+def precompile_for(wanted: "Iterable[Mapping[str, Any]]") -> None:
+    """Do what ``precompile`` does, with the sensors that submissions ask for: by name, with their options."""
+    from wildscav_engine.sensors import parse_sensors
+
+    precompile([sensor for sensors in wanted for sensor in parse_sensors(sensors).values()])
+
+
+def every_sensor() -> "list[Sensor]":
+    """Return sensors that between them run all kernels of all kinds."""
+    from wildscav_engine.sensors import SENSORS
+
+    return [sensor for kind in SENSORS.values() for sensor in kind.warmers()]
+
+
+@functools.cache
+def _tiny_match() -> "Match":
+    """Return a match that was played to its end, after one of each track."""
+    import numpy as np
+
+    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.specs.actions import Field, no_actions
+    from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+    from wildscav_engine.tracks import TRACKS
+
+    # Made anew: a map that was kept on disk would compile nothing.
+    game_map = small_map()
+    for name, track in TRACKS.items():
+        seats = (SUBMISSION, "fighter") if Field.SHOOT in track.fields else (SUBMISSION,)
+        match = Match(MatchSpec(track=name, map=game_map.spec, seats=seats, time_limit=0.5), game_map)
+        match.start_info(0)
+        SeatObservations(match, [0]).encode([0.0])
+        while not match.over:
+            match.step(no_actions(match.seats) + np.float32(1.0))
+        match.result()
+    return match
+
+
+def small_map() -> "GameMap":
+    """Return a small map with a little of everything, made anew."""
+    from wildscav_engine.maps import generate_map
+    from wildscav_engine.specs.map_spec import MapConfig
+
+    return generate_map(MapConfig(size=60, houses=3, density="high", ruggedness=1.0, water=0.1), seed=5)
