@@ -15,7 +15,7 @@ from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.compilation.kernel import config
 from wildscav_engine.maps import generate_map
-from wildscav_engine.sensors import DepthCamera, Lidar
+from wildscav_engine.sensors import ColorCamera, DepthCamera, Lidar, NormalCamera, SegmentationCamera
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.map_spec import MapConfig
@@ -34,7 +34,12 @@ def report() -> list[object]:
     for _ in range(8):
         match.step(actions)
         digests.append(str(match.digest))
-    readings = [sensor.read(match, [0]).astype(float).sum() for sensor in (DepthCamera(6, 4), Lidar())]
+    sensors = (DepthCamera(6, 4), Lidar(), ColorCamera(6, 4), NormalCamera(6, 4), SegmentationCamera(6, 4))
+    readings = [float(sensor.read(match, [0]).astype(float).sum()) for sensor in sensors]
+    royale = Match(MatchSpec(track="royale", map=game_map.spec, seed=5, seats=("fighter",) * 4), game_map)
+    for _ in range(8):
+        royale.step(np.zeros((4, FIELDS), np.float32))
+    digests.append(str(royale.digest))
     generated = generate_map(MapConfig(size=40, houses=1, vegetation=0.5, water=0.2), 3)
     return [digests, readings, generated.digest]
 

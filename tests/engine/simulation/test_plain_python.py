@@ -24,7 +24,7 @@ def test_a_battle_and_a_map_are_the_same_with_kernels_as_plain_python() -> None:
     )
     digests, readings, generated = json.loads(done.stdout)
     assert [digests, readings, generated] == report()
-    assert len(set(digests)) == 8
+    assert len(set(digests)) == 9
 
 
 def test_without_a_compiler_short_calls_take_the_same_arguments() -> None:
