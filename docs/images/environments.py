@@ -1,10 +1,10 @@
 # ruff: noqa: INP001 - a script, not part of a package
-"""Make the pictures of the environments' pages: what a learner sees, and beside it the match from above.
+"""Make the pictures on the environments' pages: what a learner sees, and beside it the match from above.
 
     python docs/images/environments.py
 
-needs ``pip install 'wildscav[maps]'``. The generator's version decides what the maps look like, and the
-simulation's how the robots play: run it again whenever one of them changes.
+needs ``pip install 'wildscav[maps]'``. Run it again whenever the version of the map generator or of the
+simulation rises.
 """
 
 import sys
@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 FOLDER = Path(__file__).parent / "environments"
-HEIGHT = 450  # pixels, of both pictures
+HEIGHT = 450  # pixels of both pictures
 EYES, TOP = (800, HEIGHT), (HEIGHT, HEIGHT)
-GAP, QUALITY = 8, 86  # pixels between them; of JPEG
+GAP, QUALITY = 8, 86  # pixels between the two pictures; quality of the JPEG
 COUNTRY: dict[str, Any] = {"size": 120, "relief": 1.2, "ruggedness": 0.5, "water": 0.16, "houses": 5}
 COUNTRY |= {"storeys": (2, 3), "vegetation": 0.55}
 OPTIONS: dict[str, dict[str, Any]] = {
@@ -31,15 +31,15 @@ OPTIONS: dict[str, dict[str, Any]] = {
 }
 for _options in OPTIONS.values():
     _options["map"] = {"config": COUNTRY, "seed": 5}
-# Episodes to choose from, so that no two pictures show the same; steps of each.
+# Episodes to choose the moments from, so that no two pictures show the same place.
 SEEDS = {"Navigation": (1, 2, 3), "Gathering": (4,), "Capture": (9,), "Battle": (16,), "Royale": (19,)}
-STEPS = 300
-NEAR, FAR = 4.0, 18.0  # m: what is worth a picture is so far away
-ANGLE = 30.0  # degrees from the middle of the view, at most
+STEPS = 300  # of an episode, at most
+NEAR, FAR = 4.0, 18.0  # m, the distances at which agents and boxes make a good picture
+ANGLE = 30.0  # degrees that they are off the middle of the view, at most
 
 
 def main() -> None:
-    """Make all of them, and say how much they weigh."""
+    """Make all pictures and print their sizes."""
     FOLDER.mkdir(exist_ok=True)
     for name, options in OPTIONS.items():
         seed, step = best_moment(name, options)
@@ -53,15 +53,15 @@ def main() -> None:
 
 
 def best_moment(name: str, options: dict[str, Any]) -> tuple[int, int]:
-    """Return the seed and the step with most to see."""
+    """Return the seed and the step with the highest score for a picture."""
     best, moment = -1.0, (1, 0)
     env = gymnasium.make(f"wildscav_engine:WildScav/{name}-v0", **options)
     for seed in SEEDS[name]:
         observation, _ = env.reset(seed=seed)
         for step in range(STEPS):
-            seen = worth(observation)
-            if seen > best:
-                best, moment = seen, (seed, step)
+            score = picture_score(observation)
+            if score > best:
+                best, moment = score, (seed, step)
             observation, _, terminated, truncated, _ = env.step(choose(observation))
             if terminated or truncated:
                 break
@@ -69,8 +69,8 @@ def best_moment(name: str, options: dict[str, Any]) -> tuple[int, int]:
     return moment
 
 
-def worth(observation: dict[str, NDArray[Any]]) -> float:
-    """Return how much there is to see: agents and boxes ahead, and else open country."""
+def picture_score(observation: dict[str, NDArray[Any]]) -> float:
+    """Return the score of an observation for a picture: for agents and boxes ahead, and for open country."""
     found = 0.0
     for name, first, value in (
         ("visible_agents", 3, 6.0),
@@ -88,18 +88,18 @@ def worth(observation: dict[str, NDArray[Any]]) -> float:
 
 
 def choose(observation: dict[str, NDArray[Any]]) -> dict[str, Any]:
-    """Walk to the target, or else in a wide curve, and look that way."""
+    """Walk towards the target, an agent or a box, or else in a wide curve, and turn in that direction."""
     yaw = float(observation["view"][0])
-    way = yaw + 10.0
+    direction = yaw + 10.0
     if "target" in observation and observation["target"][0] > 0:
         x, _, z = observation["target"][4:7]
-        way = float(np.degrees(np.arctan2(x, z)))
+        direction = float(np.degrees(np.arctan2(x, z)))
     for name, first in (("visible_agents", 3), ("nearby_supplies", 2)):
         rows = observation.get(name)
         if rows is not None and rows[0, 0] > 0:
-            way = float(np.degrees(np.arctan2(rows[0, first], rows[0, first + 2])))
-    turn = float(np.clip(_angle(way - yaw) / 5, -9, 9))
-    action = {"walk_direction": np.float32(way % 360), "walk_speed": 4, "turn": np.float32(turn)}
+            direction = float(np.degrees(np.arctan2(rows[0, first], rows[0, first + 2])))
+    turn = float(np.clip(_angle(direction - yaw) / 5, -9, 9))
+    action = {"walk_direction": np.float32(direction % 360), "walk_speed": 4, "turn": np.float32(turn)}
     action |= {"look": np.float32(0.0), "jump": 0}
     if "supplies" in observation:
         action["pick_up"] = 0
@@ -109,9 +109,9 @@ def choose(observation: dict[str, NDArray[Any]]) -> dict[str, Any]:
 
 
 def picture(name: str, options: dict[str, Any], view: str, seed: int, step: int) -> Image.Image:
-    """Play to a moment of an episode, and return what is shown there."""
+    """Play an episode up to a step and return its rendered picture."""
     size = EYES if view == "eyes" else TOP
-    larger = 2  # scaled down for smooth edges
+    larger = 2  # rendered larger and scaled down, for smooth edges
     env = gymnasium.make(
         f"wildscav_engine:WildScav/{name}-v0",
         render_mode="rgb_array",

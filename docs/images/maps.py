@@ -3,8 +3,7 @@
 
     python docs/images/maps.py
 
-needs ``pip install 'wildscav[maps]'``. The generator's version decides what the maps look like: run it again
-whenever that is raised.
+needs ``pip install 'wildscav[maps]'``. Run it again whenever the version of the map generator rises.
 """
 
 import sys
@@ -16,7 +15,7 @@ from wildscav_engine.specs.map_spec import MapConfig
 
 FOLDER = Path(__file__).parent / "maps"
 WIDTH, HOUSE_WIDTH = 900, 500  # pixels
-QUALITY = 84  # of JPEG: a picture takes about 200 kB
+QUALITY = 84  # of the JPEGs, which have about 200 kB each
 
 BENCHMARK = (8, 14, 101, 102, 103, 104)
 VARIETY = {
@@ -34,11 +33,11 @@ VARIETY = {
     "wide": (MapConfig(size=1000, houses=60, storeys=(1, 3), relief=1.3), 2),
 }
 CUT_HOUSE, CUT_STOREYS = (MapConfig(size=80, houses=3, storeys=(3, 3), relief=0.4, water=0.0), 6), 3
-SPAN = 20.0  # m around that house
+SPAN = 20.0  # m, the width of the picture of that house
 
 
 def main() -> None:
-    """Draw all of them, and say how much they weigh."""
+    """Draw all pictures and print their total size."""
     FOLDER.mkdir(exist_ok=True)
     for number in BENCHMARK:
         _draw(f"{number:03}", _load(number), f"Map {number:03}")

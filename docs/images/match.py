@@ -3,7 +3,7 @@
 
     python docs/images/match.py
 
-needs ``pip install 'wildscav[view]'`` and something to draw with: a graphics card, or without one
+needs ``pip install 'wildscav[view]'`` and a graphics card, or a software renderer such as that of
 ``apt-get install mesa-vulkan-drivers``.
 """
 
@@ -41,12 +41,12 @@ SPEC = MatchSpec(
 )
 NAMES = tuple(f"fighter {seat + 1}" for seat in range(6))
 FOLLOWED, MOMENT = 1, 6.4  # seat; s
-TITLE_BAR = 37  # pixels at the top that say what the machine draws with
+TITLE_BAR = 37  # pixels at the top, where the viewer names the renderer
 SIZE = (1280, 720)
 
 
 def picture(replay: Path) -> Image.Image:
-    """Open a replay without a display, go to the moment and return what the viewer shows."""
+    """Open a replay without a display, go to the moment and return a screenshot of the viewer."""
     binary = Path(rerun.__path__[0]).parent / "rerun_cli" / "rerun"
     with ViewerClient.spawn(headless=True, hide_welcome_screen=True, executable_path=str(binary)) as viewer:
         viewer.open(str(replay))
@@ -57,7 +57,7 @@ def picture(replay: Path) -> Image.Image:
 
 
 def main() -> None:
-    """Play, render, look, and save the picture beside this file."""
+    """Play the match, render its replay, and save the screenshot beside this file."""
     match = Match(SPEC)
     match.play_out()
     with TemporaryDirectory() as folder:

@@ -47,13 +47,13 @@ class Rectangle(NamedTuple):
     height: float
 
     def drawn(self, kind: str) -> str:
-        """Return it as an element of a class of the style sheet."""
+        """Return an SVG element of the rectangle, with a class of the style sheet."""
         x, y, width, height = (f"{number:g}" for number in self)
         return f'<rect class="{kind}" x="{x}" y="{y}" width="{width}" height="{height}" rx="6"/>'
 
 
 def layers_of(package: str) -> list[list[str]]:
-    """Return the rooms of a package, a list for each of the layers in its contract."""
+    """Return the rooms of a package: one list for each layer of its import contract."""
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"][
         "contracts"
     ]
@@ -62,7 +62,7 @@ def layers_of(package: str) -> list[list[str]]:
 
 
 def described(package: str, room: str) -> str:
-    """Return the first sentence of what a room says of itself."""
+    """Return the first paragraph of a room's docstring."""
     home = next(ROOT.glob(f"*/{package}")) / room
     file = home / "__init__.py" if home.is_dir() else home.with_suffix(".py")
     said = ast.get_docstring(ast.parse(file.read_text("utf-8"))) or ""
@@ -70,7 +70,7 @@ def described(package: str, room: str) -> str:
 
 
 def label(package: str, room: str, box: Rectangle) -> str:
-    """Return a room's name, with what it is where there is space for it."""
+    """Return a room's name, with its description if there is space for it."""
     name, what = escape(room), described(package, room)
     start = f'x="{box.x + 10:g}" y="{box.y + 20:g}"'
     if (len(room) + len(what) + 4) * LETTER > box.width:
@@ -79,7 +79,7 @@ def label(package: str, room: str, box: Rectangle) -> str:
 
 
 def drawn_package(package: str, caption: str, top: float) -> tuple[list[str], float]:
-    """Return a package's elements and where it ends, in px."""
+    """Return a package's elements and its lower edge, in px."""
     layers = layers_of(package)
     height = TITLE + len(layers) * (ROOM + GAP) + GAP
     parts = [

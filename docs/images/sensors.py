@@ -3,8 +3,7 @@
 
     python docs/images/sensors.py
 
-needs ``pip install 'wildscav[maps]'``. The generator's version decides what the map looks like, and the
-camera how it is shown: run it again whenever one of them changes.
+needs ``pip install 'wildscav[maps]'``. Run it again whenever the map generator or the camera changes.
 """
 
 import sys
@@ -16,6 +15,7 @@ from PIL import Image
 
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.viewpoints import standing_height
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.sensors import (
     ColorCamera,
     DepthCamera,
@@ -24,9 +24,8 @@ from wildscav_engine.sensors import (
     SegmentationCamera,
 )
 from wildscav_engine.sensors.display.legend import draw_reading
-from wildscav_engine.sensors.optics.dynamic_objects import Things
 from wildscav_engine.sensors.optics.optical import OpticalSensor
-from wildscav_engine.sensors.optics.placed_objects import placed_things
+from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -41,24 +40,24 @@ SHORE = (-10.0, 38.0, 104.0, 1.5)  # x, z in m, yaw and pitch in degrees
 GARDEN = (23.0, -33.0, 357.0, 1.0)
 ROOM = (-35.0, -35.5, 279.8, 3.0)
 
-HERO, QUALITY = (1280, 720), 86  # pixels; of JPEG: it takes about 200 kB
-SIZE = (448, 252)  # pixels, of the others; PNG takes less than 150 kB
+HERO, QUALITY = (1280, 720), 86  # pixels, and quality of the JPEG, which has about 200 kB
+SIZE = (448, 252)  # pixels of the other pictures; as PNG they have less than 150 kB
 FAR, ANGLE = 100.0, 72.0  # m, degrees
 
 
 def main() -> None:
-    """Take all of them, and say how much they weigh."""
+    """Make all pictures and print their sizes."""
     game_map = generate_map(CONFIG, SEED)
-    things = placed_things(
+    objects = placed_objects(
         [(_ground(game_map, x, z), yaw) for x, z, yaw in AGENTS],
         [_ground(game_map, x, z) for x, z in BOXES],
     )
-    hero = _photograph(game_map, things, SHORE, HERO)
+    hero = _photograph(game_map, objects, SHORE, HERO)
     hero.save(FOLDER / "camera.jpg", quality=QUALITY, optimize=True)
     folder = FOLDER / "sensors"
     folder.mkdir(exist_ok=True)
     for name, place in (("camera", GARDEN), ("inside", ROOM)):
-        picture = _photograph(game_map, things, place, SIZE)
+        picture = _photograph(game_map, objects, place, SIZE)
         picture.save(folder / f"{name}.png", optimize=True)
     for sensor in (
         DepthCamera(*SIZE, FAR, ANGLE, moving=True),
@@ -66,29 +65,35 @@ def main() -> None:
         SegmentationCamera(*SIZE, FAR, ANGLE),
         Lidar(64, 900, lowest=-20.0, highest=20.0, moving=True),
     ):
-        reading = _look(sensor, game_map, things, GARDEN)
+        reading = _look(sensor, game_map, objects, GARDEN)
         draw_reading(sensor, reading).save(folder / f"{sensor.name}.png", optimize=True)
     for path in (FOLDER / "camera.jpg", *sorted(folder.glob("*.png"))):
         sys.stdout.write(f"{path.relative_to(FOLDER)}: {path.stat().st_size / 1e3:.0f} kB\n")
 
 
 def _photograph(
-    game_map: GameMap, things: Things, place: tuple[float, float, float, float], size: tuple[int, int]
+    game_map: GameMap,
+    objects: DynamicObjects,
+    place: tuple[float, float, float, float],
+    size: tuple[int, int],
 ) -> Image.Image:
-    """Take a colour picture larger than it is wanted, and scale it down for smooth edges."""
+    """Take a colour picture at a larger size and scale it down for smooth edges."""
     larger = min(3, 1920 / size[0])
     camera = ColorCamera(round(size[0] * larger), round(size[1] * larger), field_of_view=ANGLE)
-    picture = Image.fromarray(_look(camera, game_map, things, place))
+    picture = Image.fromarray(_look(camera, game_map, objects, place))
     return picture.resize(size, Image.Resampling.LANCZOS)
 
 
 def _look(
-    sensor: OpticalSensor, game_map: GameMap, things: Things, place: tuple[float, float, float, float]
+    sensor: OpticalSensor,
+    game_map: GameMap,
+    objects: DynamicObjects,
+    place: tuple[float, float, float, float],
 ) -> NDArray[Any]:
-    """Return what a sensor reads at the eyes of somebody who stands at a place."""
+    """Return the reading of a sensor at the eyes of an agent that stands at a place."""
     x, z, yaw, pitch = place
     _, y, _ = _ground(game_map, x, z)
-    return sensor.render(game_map, [(x, y + EYE_HEIGHT, z)], [yaw], [pitch], moving=things)[0]
+    return sensor.render(game_map, [(x, y + EYE_HEIGHT, z)], [yaw], [pitch], moving=objects)[0]
 
 
 def _ground(game_map: GameMap, x: float, z: float) -> tuple[float, float, float]:

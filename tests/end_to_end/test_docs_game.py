@@ -33,14 +33,14 @@ CONSTANTS = {
     "height of the body": BODY_HEIGHT,
     "radius of the body": BODY_RADIUS,
     "height of the eye": EYE_HEIGHT,
-    "distance kept from the living at a return": RESPAWN_DISTANCE,
-    "distance of places indoors": SUPPLY_SPACING,
+    "distance from living agents at a respawn": RESPAWN_DISTANCE,
+    "distance between places indoors": SUPPLY_SPACING,
     "frames in a second of game time": FRAMES_PER_SECOND,
     "least distance between two starts, where there is room": START_DISTANCE,
     "least distance from start to target, where there is room": TARGET_DISTANCE,
-    "its height, of its width": ASPECT,
-    "agents listed at most, nearest first": AGENT_LIMIT,
-    "boxes listed at most, nearest first": SUPPLY_LIMIT,
+    "height of that view, as a share of its width": ASPECT,
+    "most agents listed, nearest first": AGENT_LIMIT,
+    "most boxes listed, nearest first": SUPPLY_LIMIT,
 }
 
 
