@@ -8,7 +8,7 @@ PART ?= tests/engine tests/platform
 BENCHMARKS := compile legacy maps processes rays server steps
 .DEFAULT_GOAL := help
 
-.PHONY: help demo test test-slow test-with coverage check format bench docs docs-serve proto clean
+.PHONY: help demo test test-slow test-with check format bench docs docs-serve proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -35,18 +35,18 @@ help: ## Show this list.
 demo: .venv/.run ## Evaluate the three baselines on the three tracks (under 5 minutes).
 	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first
 
-test: .venv/.dev ## Run the tests (under 10 minutes).
-	$(BIN)/python -m pytest -n 2 --dist worksteal
-
-test-slow: .venv/.training ## Run what is too slow for every day.
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
-
-# Kernels are compiled, which no tool can trace: they count where a test runs them as plain Python.
-coverage: .venv/.dev ## Run the tests and print which lines and branches they reach.
+test: .venv/.dev ## Run the tests (under 10 minutes); with COVERAGE=1, print which lines and branches they reach.
+ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
 	$(BIN)/python -m coverage run -m pytest -n 2 --dist worksteal
 	$(BIN)/python -m coverage combine --quiet
 	$(BIN)/python -m coverage report
+else
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+endif
+
+test-slow: .venv/.training ## Run what is too slow for every day.
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
