@@ -1,4 +1,4 @@
-"""Trigonometry, exponential and logarithm from + − × ÷ √ alone: the same bits on every machine.
+"""Trigonometry, exponential and logarithm computed only with + − × ÷ √: the same bits on every machine.
 
 The C library's versions differ between machines in the last bit, which would break exact replay. These
 are accurate to about 1e-15 (the tests compare them with the C library), and every operation in them is
@@ -21,7 +21,7 @@ TAN_15 = 0.2679491924311227  # tangent of 15°
 
 @kernel
 def within_turn(angle: float) -> float:
-    """Return any finite angle less whole turns, in (-360, 360) degrees with its sign; exact."""
+    """Return any finite angle without its full turns, in (-360, 360) degrees with its sign; exact."""
     return float(np.fmod(angle, 360.0))
 
 
@@ -38,7 +38,7 @@ def wrap(angle: float) -> float:
 
 @kernel
 def _sine_of_small(radians: float) -> float:
-    """Taylor series; the error is below 1e-17 for up to 45°."""
+    """Return the sine by its Taylor series; the error is below 1e-17 up to 45°."""
     x2 = radians * radians
     tail = 1.0 / 6227020800.0 - x2 / 1307674368000.0
     tail = -1.0 / 39916800.0 + x2 * tail
@@ -51,7 +51,7 @@ def _sine_of_small(radians: float) -> float:
 
 @kernel
 def _cosine_of_small(radians: float) -> float:
-    """Taylor series; the error is below 1e-17 for up to 45°."""
+    """Return the cosine by its Taylor series; the error is below 1e-17 up to 45°."""
     x2 = radians * radians
     tail = -1.0 / 87178291200.0 + x2 / 20922789888000.0
     tail = 1.0 / 479001600.0 + x2 * tail
@@ -91,7 +91,7 @@ def cosine(angle: float) -> float:
 
 @kernel
 def _arctangent_of_small(x: float) -> float:
-    """Taylor series for |x| <= tan 15°, in radians; the error is below 1e-16."""
+    """Return the arctangent in radians by its Taylor series, for |x| <= tan 15°; the error is below 1e-16."""
     x2 = x * x
     total = 0.0
     for power in range(27, 0, -2):
@@ -124,7 +124,7 @@ def arctangent(y: float, x: float) -> float:
 
 @kernel
 def exponential(x: float) -> float:
-    """Return e to the power x; 0 below -700, meant for x up to 700."""
+    """Return e to the power of x, for x up to 700; 0 below -700."""
     if x < -700.0:
         return 0.0
     halvings = math.floor(x / (LN2_HIGH + LN2_LOW) + 0.5)
@@ -137,7 +137,7 @@ def exponential(x: float) -> float:
 
 @kernel
 def power_of_two(exponent: int) -> float:
-    """Return two to a whole power, exactly."""
+    """Return two to the power of an integer, exactly."""
     factor = 2.0 if exponent > 0 else 0.5
     result = 1.0
     for _ in range(abs(exponent)):

@@ -1,8 +1,8 @@
-"""Random numbers that are functions, not state: Philox4x32-10, keyed by what they are for.
+"""Counter-based random numbers without state: Philox4x32-10, keyed by the purpose of each number.
 
 Salmon, Moraes, Dror & Shaw, "Parallel Random Numbers: As Easy as 1, 2, 3", SC 2011. The key is the seed;
-the counter is (stream, frame, agent, draw). So no draw depends on how many came before it elsewhere, on
-the order of agents, on threads or on batches.
+the counter is (stream, frame, agent, draw). So a draw depends neither on the number of draws made elsewhere
+nor on the order of agents, threads or batches.
 """
 
 import math
@@ -23,7 +23,7 @@ Word = np.uint64 | int  # 64 bits; in kernels always np.uint64
 
 
 class Stream(IntEnum):
-    """What a random number is for. Numbers are never reused: old records depend on them."""
+    """The purpose of a random number. Values are never reused, because old records depend on them."""
 
     TERRAIN = 1
     HOUSES = 2
@@ -47,7 +47,7 @@ class Stream(IntEnum):
 
 @kernel
 def philox(seed: Word, stream: int, frame: int, agent: int, draw: int) -> tuple[Word, Word]:
-    """Return 128 random bits as two unsigned 64-bit words. Only the low 32 bits of each counter count."""
+    """Return 128 random bits as two unsigned 64-bit words. Only the low 32 bits of each counter are used."""
     key = np.uint64(seed)
     k0, k1 = key & LOW_32, key >> SHIFT_32
     c0, c1 = np.uint64(stream) & LOW_32, np.uint64(frame) & LOW_32
@@ -84,7 +84,7 @@ def uniform_in(low: float, high: float, seed: Word, stream: int, frame: int, age
 
 @kernel
 def integer_in(low: int, high: int, seed: Word, stream: int, frame: int, agent: int, draw: int) -> int:
-    """Return a random whole number from low to high, both included."""
+    """Return a random integer from low to high, both included."""
     span = high - low + 1
     return low + min(span - 1, int(uniform(seed, stream, frame, agent, draw) * span))
 
@@ -99,7 +99,7 @@ def normal(seed: Word, stream: int, frame: int, agent: int, draw: int) -> float:
 
 
 class Dice:
-    """A row of draws from one stream, for code that runs once (maps, set-up), not every frame."""
+    """A sequence of draws from one stream, for code that runs once (maps, set-up), not every frame."""
 
     def __init__(self, seed: int, stream: Stream, agent: int = 0) -> None:
         self._seed, self._stream, self._agent = np.uint64(seed), int(stream), agent
@@ -111,11 +111,11 @@ class Dice:
         return float(uniform_in(low, high, self._seed, self._stream, 0, self._agent, self._draws))
 
     def integer(self, low: int, high: int) -> int:
-        """Return a random whole number from low to high, both included."""
+        """Return a random integer from low to high, both included."""
         self._draws += 1
         return int(integer_in(low, high, self._seed, self._stream, 0, self._agent, self._draws))
 
     def word(self) -> int:
-        """Return 64 random bits as a whole number, for a seed of something else."""
+        """Return 64 random bits as an integer, to seed something else."""
         self._draws += 1
         return int(philox(self._seed, self._stream, 0, self._agent, self._draws)[0])

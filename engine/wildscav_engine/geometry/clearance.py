@@ -1,4 +1,4 @@
-"""Whether a body fits at a place."""
+"""Tests of whether a body fits at a place."""
 
 import numpy as np
 
@@ -11,21 +11,21 @@ CLEARANCE = 0.05  # m kept free around a body that stands somewhere, and below a
 
 @kernel
 def is_clear(world: World, x: float, y: float, z: float) -> bool:
-    """Return whether a body that stands at a place in m touches no solid (the terrain is not looked at)."""
-    return has_room(world, x, y, z, CLEARANCE)
+    """Return whether a body that stands at a place in m touches no solid; the terrain is not tested."""
+    return has_clearance(world, x, y, z, CLEARANCE)
 
 
 @kernel
-def has_room(world: World, x: float, y: float, z: float, room: float) -> bool:
-    """Return whether a body at a place in m keeps ``room`` m away from every solid beside it."""
-    return is_free(world, x, y + CLEARANCE, y + BODY_HEIGHT + CLEARANCE, z, room)
+def has_clearance(world: World, x: float, y: float, z: float, margin: float) -> bool:
+    """Return whether a body at a place in m stays at least ``margin`` m away from every solid beside it."""
+    return is_free(world, x, y + CLEARANCE, y + BODY_HEIGHT + CLEARANCE, z, margin)
 
 
 @kernel
-def is_free(world: World, x: float, low: float, high: float, z: float, room: float) -> bool:
-    """Return whether an upright cylinder, ``room`` m wider than a body, touches no solid."""
+def is_free(world: World, x: float, low: float, high: float, z: float, margin: float) -> bool:
+    """Return whether an upright cylinder, ``margin`` m wider than a body, touches no solid."""
     rows, columns = world.water.shape
-    radius = BODY_RADIUS + room
+    radius = BODY_RADIUS + margin
     for row in range(
         cell_of(world.corner[1], z - radius, rows), cell_of(world.corner[1], z + radius, rows) + 1
     ):
@@ -36,7 +36,7 @@ def is_free(world: World, x: float, low: float, high: float, z: float, room: flo
             for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
                 solid = world.cell_solids[item]
                 if world.solid_low[solid, 1] >= high:
-                    break  # so does all that follows
+                    break  # all solids after it begin higher still
                 if low < world.solid_high[solid, 1] and _touches(world, solid, x, z, radius, low, high):
                     return False
     return True
@@ -44,9 +44,9 @@ def is_free(world: World, x: float, low: float, high: float, z: float, room: flo
 
 @kernel
 def _touches(world: World, solid: int, x: float, z: float, radius: float, low: float, high: float) -> bool:
-    """Return whether an upright cylinder reaches behind all faces of a solid and into its box.
+    """Return whether an upright cylinder overlaps a solid: all its faces and its bounding box.
 
-    That it does so in height is known already.
+    The caller has already checked that they overlap in height.
     """
     least, most = world.solid_low[solid], world.solid_high[solid]
     if x - radius >= most[0] or x + radius <= least[0] or z - radius >= most[2] or z + radius <= least[2]:

@@ -1,4 +1,4 @@
-"""The surface of a convex body that is given by planes: its corners and triangles."""
+"""The surface of a convex polyhedron given by planes: its corners and triangles."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,29 +10,29 @@ TOUCH = 1e-6  # m, how far from a plane a corner still lies on it
 
 
 def polyhedron(planes: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the surface of the convex body under some planes.
+    """Return the surface of the convex polyhedron bounded by some planes.
 
-    Every face is a loop over the same corners, so the surface is closed whatever the rounding.
+    Every face is a loop over the same corners, so the surface is closed regardless of rounding.
 
     Args:
-        planes: (F, 4) outward unit normals and offsets in m; one that touches the body at a corner or an
-            edge only gives no triangle.
+        planes: (F, 4) outward unit normals and offsets in m. A plane that touches the polyhedron only at a
+            corner or an edge gives no triangle.
 
     Returns:
-        Corners (V, 3) in m, and triangles (T, 3), outwards as ``Mesh`` has them. Both are empty if the
-        planes enclose nothing.
+        Corners (V, 3) in m, and triangles (T, 3), wound as in ``Mesh``. Both are empty if the planes enclose
+        nothing.
     """
     faces = len(planes)
     corners = np.empty((faces * (faces - 1) * (faces - 2) // 6, 3))
     corners = corners[: _find_corners(planes, corners)]
     triangles = np.empty((faces * len(corners), 3), np.int64)
-    room = np.empty(len(corners), np.int64), np.empty(len(corners))
-    return corners, triangles[: _find_triangles(planes, corners, *room, triangles)]
+    scratch = np.empty(len(corners), np.int64), np.empty(len(corners))
+    return corners, triangles[: _find_triangles(planes, corners, *scratch, triangles)]
 
 
 @kernel
 def _find_corners(planes: NDArray[np.float64], corners: NDArray[np.float64]) -> int:
-    """Write the points where three planes meet and no other cuts them off, each once; return how many."""
+    """Write each corner once (where three planes meet and no other cuts it off); return how many."""
     faces = planes.shape[0]
     count = 0
     for a in range(faces):
@@ -47,7 +47,7 @@ def _find_corners(planes: NDArray[np.float64], corners: NDArray[np.float64]) -> 
 
 @kernel
 def _meeting_point(planes: NDArray[np.float64], a: int, b: int, c: int) -> tuple[bool, float, float, float]:
-    """Solve three plane equations by Cramer's rule; False first if two planes are parallel."""
+    """Solve three plane equations by Cramer's rule; the first value is False without a single solution."""
     ax, ay, az, a_offset = planes[a, 0], planes[a, 1], planes[a, 2], planes[a, 3]
     bx, by, bz, b_offset = planes[b, 0], planes[b, 1], planes[b, 2], planes[b, 3]
     cx, cy, cz, c_offset = planes[c, 0], planes[c, 1], planes[c, 2], planes[c, 3]
@@ -88,7 +88,7 @@ def _find_triangles(
     turn: NDArray[np.float64],
     triangles: NDArray[np.int64],
 ) -> int:
-    """Write a fan of triangles for every face; return how many. For loop and turn see ``_face_loop``."""
+    """Write a fan of triangles for every face and return how many; for loop and turn see ``_face_loop``."""
     count = 0
     for face in range(planes.shape[0]):
         size = _face_loop(planes, face, corners, loop, turn)
@@ -114,8 +114,8 @@ def _face_loop(
         planes: (F, 4) outward unit normals and offsets in m.
         face: The plane of the face.
         corners: (V, 3) m.
-        loop: (V,) written: corners on the face, the rest is left as it was.
-        turn: (V,) room for their angles.
+        loop: (V,) written: the corners on the face; the rest is left unchanged.
+        turn: (V,) scratch buffer for their angles.
     """
     nx, ny, nz, offset = planes[face, 0], planes[face, 1], planes[face, 2], planes[face, 3]
     size = 0
@@ -153,7 +153,7 @@ def _turn(along: float, across: float) -> float:
 def _insert(
     count: int, corner: int, angle: float, loop: NDArray[np.int64], turn: NDArray[np.float64]
 ) -> None:
-    """Put one more corner where it belongs among the first ``count``, which are in order."""
+    """Insert one more corner among the first ``count``, which are in order."""
     place = count
     while place > 0 and turn[place - 1] > angle:
         loop[place], turn[place] = loop[place - 1], turn[place - 1]

@@ -1,7 +1,10 @@
-"""The one ray kernel: what a ray meets first in the static world.
+"""Casting single rays: what a ray meets first in the static world.
 
-A ray walks the grid cell by cell (Amanatides & Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
+A ray traverses the grid cell by cell (Amanatides & Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
 Eurographics 1987) and skips blocks and cells that it passes above.
+
+Bullets, lines of sight, heights under a roof and pictures of maps use this. Two other ways to cast many rays
+at once give the same answers: ``geometry.ray_fans`` (LIDAR) and ``rendering.trace`` (cameras).
 """
 
 from typing import NamedTuple
@@ -26,7 +29,7 @@ class Hit(NamedTuple):
 
 
 class Ray(NamedTuple):
-    """A ray in the world, and the same in units of cells from the map's corner."""
+    """A ray in the world, in m and in units of cells from the map's corner."""
 
     x: float  # m, where it starts; so y and z
     y: float
@@ -36,15 +39,15 @@ class Ray(NamedTuple):
     dz: float
     east: float  # cells from the corner, where it starts
     north: float
-    d_east: float  # cells a metre of its way
+    d_east: float  # cells per metre along the ray
     d_north: float
-    per_east: float  # metres of its way a cell, inf if it never crosses one
+    per_east: float  # metres along the ray per cell, inf if it never crosses one
     per_north: float
 
 
 @kernel
 def make_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Ray:
-    """Return a ray from where it starts, m, and the unit vector of its direction."""
+    """Return the ray from a start in m along a unit vector."""
     east, north = (x - world.corner[0]) / CELL, (z - world.corner[1]) / CELL
     per_east = CELL / dx if dx != 0.0 else np.inf
     per_north = CELL / dz if dz != 0.0 else np.inf
@@ -52,7 +55,7 @@ def make_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
 
 
 class Step(NamedTuple):
-    """Where a ray is on its way through the grid."""
+    """The position of a ray in its traversal of the grid."""
 
     at: float  # m along the ray
     row: int
@@ -71,7 +74,7 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
         dx: Unit vector of the ray's direction; so dy and dz.
         dy: See dx.
         dz: See dx.
-        far: m, hits beyond are ignored.
+        far: m, hits beyond it are ignored.
 
     Returns:
         The hit; at distance 0 if the ray starts inside a solid or below the ground.
@@ -87,7 +90,7 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
             step = over
             continue
         step, best = _cross_block(world, ray, step, block_row, block_column, far, best)
-        # A solid may be met beyond where the ray is: then nearer things may still lie before it.
+        # The hit may lie beyond the cells visited so far; then later cells may still hold a nearer one.
         if best.distance <= step.at:
             break
     return best if best.distance <= far else Hit(np.inf, NOTHING_HIT, 0)
@@ -95,11 +98,11 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
 
 @kernel
 def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: float) -> Step:
-    """Return the first step of a ray beyond a square of cells that it is in.
+    """Return the first step of a ray beyond the square of cells that it is in.
 
     Args:
         ray: The ray.
-        step: Where it is.
+        step: Its current position.
         row: Least row of the square.
         column: Least column.
         side: Cells along each side.
@@ -110,7 +113,7 @@ def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: fl
     out_east = (edge_column - ray.east) * ray.per_east if ray.d_east != 0.0 else np.inf
     out_north = (edge_row - ray.north) * ray.per_north if ray.d_north != 0.0 else np.inf
     at = min(out_east, out_north, far)
-    # The coordinate that crosses the edge is exact; the other stays inside the square, whatever is rounded.
+    # The coordinate that crosses the edge is exact; the other is clamped to the square against rounding.
     if out_east <= out_north:
         beyond = edge_column if ray.d_east > 0.0 else edge_column - 1
         along = step.row if side == 1 else int(np.floor(ray.north + ray.d_north * at))
@@ -124,7 +127,7 @@ def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: fl
 def _cross_block(
     world: World, ray: Ray, step: Step, block_row: int, block_column: int, far: float, best: Hit
 ) -> tuple[Step, Hit]:
-    """Walk a ray through the cells of a block until it leaves the block, hits something or ends."""
+    """Move a ray through the cells of a block until it leaves the block, hits something or ends."""
     rows, columns = world.water.shape
     while (
         step.at < far
@@ -159,7 +162,7 @@ def _nearer_in_cell(world: World, ray: Ray, step: Step, leave: float, best: Hit)
 
 @kernel
 def meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[float, int]:
-    """Return where a ray goes below the two triangles of a cell, and which; inf if it does not."""
+    """Return where a ray hits one of a cell's two triangles, and which one; inf if it hits neither."""
     h00, h01 = world.heights[step.row, step.column], world.heights[step.row, step.column + 1]
     h10, h11 = world.heights[step.row + 1, step.column], world.heights[step.row + 1, step.column + 1]
     if min(ray.y + ray.dy * step.at, ray.y + ray.dy * leave) > max(h00, h01, h10, h11):
@@ -191,7 +194,7 @@ def meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[floa
 
 @kernel
 def meet_solid(world: World, solid: int, ray: Ray, nearest: float) -> tuple[float, int]:
-    """Return where a ray enters a solid and by which face; inf if it does not before ``nearest``."""
+    """Return where a ray enters a solid and through which face; inf if it does not before ``nearest``."""
     return meet_faces(world.faces, world.solid_start[solid], world.solid_start[solid + 1], ray, nearest)
 
 
@@ -199,9 +202,10 @@ def meet_solid(world: World, solid: int, ray: Ray, nearest: float) -> tuple[floa
 def meet_faces(
     faces: NDArray[np.float64], start: int, end: int, ray: Ray, nearest: float
 ) -> tuple[float, int]:
-    """Return where a ray enters the solid of some rows of faces, and by which; inf if not before ``nearest``.
+    """Return where a ray enters the solid with rows ``start`` to ``end`` of faces, and through which face.
 
-    Clips the ray by each face: Cyrus & Beck, "Generalized Two- and Three-Dimensional Clipping", 1978.
+    The distance is inf if the ray does not enter before ``nearest``. The ray is clipped by each face: Cyrus &
+    Beck, "Generalized Two- and Three-Dimensional Clipping", 1978.
     """
     enter, leave, entered_by = 0.0, nearest, 0
     for face in range(start, end):
@@ -223,7 +227,7 @@ def meet_faces(
 
 @kernel
 def sight_is_clear(world: World, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float) -> bool:
-    """Return whether nothing of the static world stands between two points."""
+    """Return whether the static world leaves the line of sight between two points free."""
     dx, dy, dz = to_x - x, to_y - y, to_z - z
     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
     if distance == 0.0:

@@ -35,22 +35,22 @@ class Rectangle(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Where a thing stands and how it is turned: its own axes are *across* (to its right) and *along*."""
+    """A position and a yaw; the axes of a pose are *across* (to its right) and *along* (ahead)."""
 
     x: float  # m
     z: float  # m
-    sine: float  # of its yaw
+    sine: float  # of the yaw
     cosine: float
 
     def outside(self, across: float, along: float) -> tuple[float, float]:
-        """Return x and z of a point given in the thing's own axes."""
+        """Return x and z of a point given in the axes of the pose."""
         return (
             self.x + across * self.cosine + along * self.sine,
             self.z - across * self.sine + along * self.cosine,
         )
 
     def inside(self, x: float, z: float) -> tuple[float, float]:
-        """Return a point of the map in the thing's own axes."""
+        """Return a point of the map in the axes of the pose."""
         east, north = x - self.x, z - self.z
         return east * self.cosine - north * self.sine, east * self.sine + north * self.cosine
 
@@ -69,7 +69,7 @@ def boxes(kinds: Sequence[Kind], where: Pose, corners: Sequence[tuple[float, ...
     """Make many boxes at once, each from its least and its greatest corner in the axes of a pose.
 
     Args:
-        kinds: (N,) what they are.
+        kinds: (N,) the kind of each box.
         where: The pose of all of them.
         corners: (N, 6) m, the least corner and the greatest of each box; up is the height on the map.
 
@@ -115,13 +115,13 @@ def pitched_roof(
     """Make a pitched roof whose ridge runs along the pose.
 
     Args:
-        kind: What it is.
-        where: Where it stands.
+        kind: The kind of the solid.
+        where: The pose of the roof.
         low: Its least corner, in the axes of the pose.
-        high: Its greatest; the ridge is at this height.
-        eaves: m, height of the upright band at the eaves. A body that is pushed off the faces would be
-            kept far away from a roof that ends in a sharp edge.
-        hips: m, how far the ridge ends before the back and before the front end; 0 is a gable.
+        high: Its greatest corner; the ridge is at this height.
+        eaves: m, height of the vertical band at the eaves. Without it, collision against the pushed-out faces
+            would keep bodies far away from the sharp edge.
+        hips: m, distance of the ridge's ends from the back and the front end; 0 is a gable.
     """
     corners = np.empty((10, 3))
     corners[:8] = _box_corners(where, low, (high[0], low[1] + eaves, high[2]))
@@ -138,11 +138,11 @@ def lean_to(kind: Kind, where: Pose, low: Corner, high: Corner, eaves: float) ->
     """Make a roof of one slope, highest along its back.
 
     Args:
-        kind: What it is.
-        where: Where it stands.
+        kind: The kind of the solid.
+        where: The pose of the roof.
         low: Its least corner, in the axes of the pose.
-        high: Its greatest; its back is as high.
-        eaves: m, how high its front is.
+        high: Its greatest corner, the height of its back.
+        eaves: m, height of its front above ``low``.
     """
     corners = _box_corners(where, low, high)
     corners[[6, 7], 1] = low[1] + eaves
@@ -174,16 +174,16 @@ def stack(
     outline: NDArray[np.float64],
     rings: Sequence[tuple[float, float]],
 ) -> Solid:
-    """Make a solid of rings of one outline above each other: a prism, frustum, pyramid or spindle.
+    """Make a solid from scaled copies of one outline above each other: a prism, frustum, pyramid or spindle.
 
     Args:
-        kind: What it is.
+        kind: The kind of the solid.
         x: m, of its axis.
         z: m.
         outline: (N, 2) corners of a convex polygon around (0, 0).
-        rings: Height in m and scale of the outline for each ring, upwards. The scales must bulge outwards
-            (each at least as wide as the straight line between its neighbours); the first and the last
-            may be 0, a tip.
+        rings: Height in m and scale of the outline for each ring, upwards. The profile must be convex
+            (each scale at least that of the straight line between its neighbours); the first and the last
+            scale may be 0, a tip.
     """
     sides, levels = len(outline), np.array(rings)
     corners = np.empty((len(rings), sides, 3))

@@ -1,9 +1,9 @@
-"""Moving a body through the world: where a swept body first touches something.
+"""Swept collision: where a body that moves first touches something.
 
-The body is an upright cylinder. Sweeping it against a convex solid is sweeping a point (the middle of its
-soles) against the solid with its faces pushed out by the body. So no speed is too great: a path is cut
-where it enters, never sampled. At sharp edges the pushed-out faces meet beyond the true outline; the
-pushed-out bounding box of the solid cuts that short.
+The body is an upright cylinder. Sweeping it against a convex solid equals sweeping a point (the middle of its
+soles) against the solid with its faces pushed out by the body. Paths are clipped exactly, never sampled, so
+no speed is too great. At sharp edges the pushed-out faces meet beyond the true outline; the pushed-out
+bounding box of the solid limits this.
 """
 
 from typing import NamedTuple
@@ -16,14 +16,14 @@ from wildscav_engine.geometry.world import World, cell_of
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
 
 SKIN = 1e-3  # m, kept between a body and what it touches
-NEAR_HEIGHT = 2.0 * BODY_HEIGHT  # m, no body moves so far up or down in a frame that it touches one farther
+NEAR_HEIGHT = 2.0 * BODY_HEIGHT  # m; in one frame a body cannot touch another that is farther above or below
 
 
 class Contact(NamedTuple):
-    """How far a body can go."""
+    """How far a body can move before something stops it."""
 
-    fraction: float  # of the way that is free, 0–1
-    n_x: float  # unit normal of what stops it; zero where nothing does
+    fraction: float  # of the displacement that is free, 0–1
+    n_x: float  # unit normal of the surface that stops it; zero if none does
     n_y: float
     n_z: float
 
@@ -32,7 +32,7 @@ FREE = Contact(1.0, 0.0, 0.0, 0.0)
 
 
 class Cut(NamedTuple):
-    """The part of a way (as fractions) that lies inside all faces looked at so far."""
+    """The part of a displacement (as fractions) that lies inside all faces tested so far."""
 
     enter: float
     leave: float
@@ -40,7 +40,7 @@ class Cut(NamedTuple):
     n_y: float
     n_z: float
     outside: bool  # whether the start is outside
-    missed: bool  # whether the way never comes inside
+    missed: bool  # whether the displacement never comes inside
 
 
 class Box(NamedTuple):
@@ -56,7 +56,7 @@ class Box(NamedTuple):
 
 @kernel
 def box_of_sweep(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Box:
-    """Return the box that a body sweeps, with more than enough room around it; see ``sweep_world``."""
+    """Return a box that safely contains the volume a body sweeps; see ``sweep_world`` for the arguments."""
     reach = BODY_RADIUS + 2.0 * SKIN
     return Box(
         min(x, x + dx) - reach,
@@ -70,7 +70,7 @@ def box_of_sweep(x: float, y: float, z: float, dx: float, dy: float, dz: float) 
 
 @kernel
 def is_apart(world: World, solid: int, box: Box) -> bool:
-    """Return whether the box around a solid does not reach another: most solids go here, at little cost."""
+    """Return whether a solid's bounding box is apart from a box: a cheap test that rejects most solids."""
     return bool(
         world.solid_high[solid, 1] < box.bottom
         or world.solid_low[solid, 1] > box.top
@@ -83,7 +83,7 @@ def is_apart(world: World, solid: int, box: Box) -> bool:
 
 @kernel
 def _cut_by_face(cut: Cut, n_x: float, n_y: float, n_z: float, start: float, end: float) -> Cut:
-    """Cut a way by one face, given the distances of its start and end from the face's plane."""
+    """Clip a displacement by one face, given the distances of its start and end from the face's plane."""
     if start > 0.0 and (end >= SKIN or end >= start):
         return Cut(cut.enter, cut.leave, cut.n_x, cut.n_y, cut.n_z, True, True)
     outside = cut.outside or start > 0.0
@@ -102,10 +102,10 @@ def _cut_by_face(cut: Cut, n_x: float, n_y: float, n_z: float, start: float, end
 def sweep_solid(
     world: World, solid: int, x: float, y: float, z: float, dx: float, dy: float, dz: float
 ) -> Contact:
-    """Return how far a body can go before it touches one solid. A body inside it is not held back."""
+    """Return how far a body can move before it touches one solid. A solid does not stop a body inside it."""
     low, high = world.solid_low[solid], world.solid_high[solid]
     cut = Cut(-1.0, 1.0, 0.0, 0.0, 0.0, False, False)
-    # The bounding box first: beyond it, the faces that were pushed out are no part of the solid.
+    # The bounding box comes first: beyond it, the pushed-out faces do not belong to the solid.
     over = y - high[1]
     cut = _cut_by_face(cut, 0.0, 1.0, 0.0, over, over + dy)
     if cut.missed:
@@ -143,14 +143,14 @@ def sweep_solid(
 
 @kernel
 def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Contact:
-    """Return how far a body can go before it touches a solid. The terrain is left to the caller.
+    """Return how far a body can move before it touches a solid. The caller handles the terrain.
 
     Args:
         world: The static world.
         x: m, the middle of the soles; so y and z.
         y: m.
         z: m.
-        dx: m, the way to go; so dy and dz.
+        dx: m, the displacement; so dy and dz.
         dy: m.
         dz: m.
 
@@ -174,7 +174,7 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
             for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
                 solid = world.cell_solids[item]
                 if world.solid_low[solid, 1] > swept.top:
-                    break  # so does all that follows
+                    break  # all solids after it begin higher still
                 if is_apart(world, solid, swept):
                     continue
                 contact = sweep_solid(world, solid, x, y, z, dx, dy, dz)
@@ -195,21 +195,21 @@ def sweep_bodies(
     dy: float,
     dz: float,
 ) -> Contact:
-    """Return how far a body can go before it touches another body.
+    """Return how far a body can move before it touches another body.
 
     Args:
         bodies: (A, 3) m, the soles of all bodies.
-        others: (N,) which of them can be met; the mover may be among them.
-        mover: Which of them moves; it does not touch itself.
+        others: (N,) indices of the bodies that it can touch; the mover may be among them.
+        mover: Index of the body that moves; it does not touch itself.
         x: m, the middle of its soles; so y and z.
         y: m.
         z: m.
-        dx: m, the way to go; so dy and dz.
+        dx: m, the displacement; so dy and dz.
         dy: m.
         dz: m.
 
     Returns:
-        The first contact. Bodies that overlap already do not hold each other.
+        The first contact. Bodies that already overlap do not stop each other.
     """
     first = FREE
     near = 2.0 * BODY_RADIUS
@@ -239,7 +239,7 @@ def sweep_bodies(
 
 @kernel
 def _cut_by_circle(cut: Cut, x: float, z: float, dx: float, dz: float, radius: float) -> Cut:
-    """Cut a way by an upright cylinder about the origin."""
+    """Clip a displacement by an upright cylinder about the origin."""
     missed = Cut(cut.enter, cut.leave, cut.n_x, cut.n_y, cut.n_z, True, True)
     distance = np.sqrt(x * x + z * z)
     if distance <= radius:
@@ -275,12 +275,12 @@ def is_body_near(
     z: float,
     reach: float,
 ) -> bool:
-    """Return whether another body can be touched on a way of up to ``reach`` m sideways.
+    """Return whether a body may touch another one when it moves up to ``reach`` m sideways.
 
     Args:
         bodies: (A, 3) m, the soles of all bodies.
-        others: (N,) which of them can be met; the mover may be among them.
-        mover: Which of them moves.
+        others: (N,) indices of the bodies that it can touch; the mover may be among them.
+        mover: Index of the body that moves.
         x: m, the middle of its soles; so y and z.
         y: m.
         z: m.

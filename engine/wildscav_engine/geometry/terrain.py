@@ -20,7 +20,7 @@ class Ground(NamedTuple):
 
 @inlined_kernel
 def ground_at(world: World, x: float, z: float) -> Ground:
-    """Return the terrain triangle's height and slopes at (x, z); outside the map, its edge is continued."""
+    """Return the terrain at (x, z); outside the map, the outermost triangles extend."""
     row = cell_of(world.corner[1], z, world.water.shape[0])
     column = cell_of(world.corner[0], x, world.water.shape[1])
     east = (x - world.corner[0]) / CELL - column

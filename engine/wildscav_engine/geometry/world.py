@@ -14,11 +14,11 @@ from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
 Corner = tuple[float, float, float] | NDArray[np.float64]  # m: x, y, z
 CELL = 2.0  # m, side of a grid cell and of a terrain quad
 BLOCK = 8  # cells along a side of a block, the coarser level of the grid
-ARM = BODY_RADIUS + 0.25  # m, farther than a body whose middle is in a cell reaches beyond it in a frame
+ARM = BODY_RADIUS + 0.25  # m; a body whose middle is in a cell reaches less far beyond it in one frame
 
 
 class Kind(IntEnum):
-    """What a thing in the world is."""
+    """The kind of a surface or solid."""
 
     NOTHING = 0
     TERRAIN = 1
@@ -32,7 +32,7 @@ class Kind(IntEnum):
     ROCK = 9
     FURNITURE = 10
     BUSH = 11
-    # What moves: no world has these, only images do.
+    # Moving objects: they appear in images, but in no world.
     AGENT = 12
     SUPPLY_BOX = 13
 
@@ -40,8 +40,9 @@ class Kind(IntEnum):
 class World(NamedTuple):
     """The static world of one map: R rows of cells northwards, C columns eastwards, S solids with F faces.
 
-    The quad of cell (row, column) is split along its diagonal from the south-west to the north-east corner
-    into two triangles. A solid is all points p with ``faces[:, :3] · p <= faces[:, 3]`` for its faces.
+    The quad of cell (row, column) is split into two triangles along its diagonal from the south-west to the
+    north-east corner. A solid is the set of points p with ``faces[:, :3] · p <= faces[:, 3]`` for all its
+    faces.
     """
 
     corner: NDArray[np.float64]  # (2,) m, x and z of the south-west corner
@@ -50,15 +51,17 @@ class World(NamedTuple):
     cell_top: NDArray[np.float64]  # (R, C) m, highest point of terrain and solids in a cell
     block_top: NDArray[np.float64]  # (ceil(R / 8), ceil(C / 8)) m, the same for blocks of 8 × 8 cells
     cell_start: NDArray[np.int64]  # (R * C + 1,) where each cell's solids start in cell_solids
-    cell_solids: NDArray[np.int64]  # indices of solids, cell after cell, in a cell from the lowest upwards
+    # indices of solids, cell after cell; within a cell from the lowest upwards
+    cell_solids: NDArray[np.int64]
     solid_low: NDArray[np.float64]  # (S, 3) m, least corner of the box around a solid
     solid_high: NDArray[np.float64]  # (S, 3) m, greatest corner
     solid_start: NDArray[np.int64]  # (S + 1,) where each solid's faces start in faces
     faces: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m
-    face_reach: NDArray[np.float64]  # (F,) m, how far a body's position must keep from each face
+    face_reach: NDArray[np.float64]  # (F,) m, least distance of a body's position from each face
     solid_kind: NDArray[np.int8]  # (S,) a Kind
-    spawns: NDArray[np.float64]  # (N, 3) m, where an agent may start or come back
-    ceiling: NDArray[np.float64]  # (R, C) m, lowest point of what a body in a cell may touch, inf if nothing
+    spawns: NDArray[np.float64]  # (N, 3) m, where an agent may start or respawn
+    # (R, C) m, lowest point of the solids that a body in a cell may touch, inf without any
+    ceiling: NDArray[np.float64]
 
 
 def empty_world() -> World:
@@ -96,10 +99,10 @@ class Solid:
 def convex_solid(
     kind: Kind, vertices: NDArray[np.float64], faces: Sequence[Sequence[int]] | NDArray[np.int64]
 ) -> Solid:
-    """Make a solid from its corners and, for each flat face, at least three of its corners' indices.
+    """Make a solid from its corners and, for each flat face, the indices of at least three of its corners.
 
-    Faces may run either way round; normals are turned outwards by the middle of the corners. The first
-    three corners of a face must not lie on one line.
+    The corners of a face may be given in either direction: normals are made to point away from the mean of
+    all corners. The first three corners of a face must not lie on one line.
     """
     triples = faces if isinstance(faces, np.ndarray) else np.array([face[:3] for face in faces], np.int64)
     planes = _planes_of(vertices, triples)
@@ -125,16 +128,17 @@ def _planes_of(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArr
 
 @kernel
 def set_plane(plane: NDArray[np.float64], x: float, y: float, z: float, offset: float) -> None:
-    """Write (4,) a plane: its normal and its offset in m.
+    """Write a plane (4,): its normal and its offset in m.
 
-    To assign a tuple would compile much of Numba's own: what checks its length and words the error.
+    Assigning a tuple instead would compile much of Numba's own code, which checks the length and formats
+    errors.
     """
     plane[0], plane[1], plane[2], plane[3] = x, y, z, offset
 
 
 @kernel
 def write_plane(a: Corner, b: Corner, c: Corner, behind: Corner, plane: NDArray[np.float64]) -> None:
-    """Write the unit normal and the offset in m of the plane through three corners, a point behind it."""
+    """Write the unit normal and the offset in m of the plane through a, b and c, given a point behind it."""
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
@@ -152,14 +156,14 @@ def build_world(
     solids: Sequence[Solid],
     spawns: NDArray[np.float64],
 ) -> World:
-    """Put terrain and solids into one grid.
+    """Index terrain and solids in one grid.
 
     Args:
         corner: x and z in m of the south-west corner.
         heights: (R + 1, C + 1) m.
         water: (R, C) m, -inf where dry.
-        solids: All solids; they may reach beyond the grid, where nothing is found.
-        spawns: (N, 3) m, where an agent may start or come back.
+        solids: All solids; the parts of them beyond the grid are not indexed.
+        spawns: (N, 3) m, where an agent may start or respawn.
 
     Returns:
         The world.
@@ -195,7 +199,7 @@ def build_world(
 def _reach_of_body(faces: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the distance from each face's plane at which an upright cylinder just touches it.
 
-    The position of a body is the middle of its soles, so a face that looks down is met by the head.
+    The position of a body is the middle of its soles, so its head touches a face that looks down.
     """
     across = np.sqrt(faces[:, 0] * faces[:, 0] + faces[:, 2] * faces[:, 2])
     return BODY_RADIUS * across + BODY_HEIGHT * np.maximum(0.0, -faces[:, 1])
@@ -218,8 +222,8 @@ def _index_solids(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """List, for each cell, the solids whose boxes touch it (a counting sort).
 
-    In a cell they come as in ``upwards``, by their lowest points: who looks for what is in the way of a body
-    need not look past its head.
+    Within a cell they are in the order of ``upwards``, by their lowest points, so that a search for obstacles
+    can stop at the first solid above a body's head.
     """
     start = np.zeros(rows * columns + 1, np.int64)
     for fill in range(2):
@@ -276,7 +280,7 @@ def _ceiling_of_cells(
     low: NDArray[np.float64],
     high: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return (R, C) m, how high the lowest solid begins that is less than ARM away from each cell."""
+    """Return (R, C) m, the lowest point of all solids less than ARM away from each cell."""
     ceiling = np.full((rows, columns), np.inf)
     for solid in range(low.shape[0]):
         south, north = low[solid, 2] - ARM, high[solid, 2] + ARM

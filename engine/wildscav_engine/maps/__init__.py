@@ -1,4 +1,4 @@
-"""Maps: made from a config and a seed, or by their number."""
+"""Maps: generated from a config and a seed, or loaded by number."""
 
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.catalogue import load_map, map_spec

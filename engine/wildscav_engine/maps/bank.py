@@ -1,4 +1,4 @@
-"""The map bank: where the worlds of several maps lie, so that matches on different maps share a batch."""
+"""The map bank: the addresses of several maps' worlds, so that matches on different maps share a batch."""
 
 from collections.abc import Sequence
 
@@ -10,29 +10,29 @@ from wildscav_engine.maps.game_map import GameMap
 
 LIMIT = 128  # maps in a bank before those that no match is played on are dropped
 
-# A kernel: takes a world out of its table, without copying.
+# A kernel that reads a world from its table without copying.
 world_at = reader(empty_world())
 
 
 class MapBank:
-    """Maps by their numbers in a batch. It takes more in as they are needed; nothing of them is copied.
+    """Maps by their numbers in a batch. Maps are added as they are needed; their arrays are not copied.
 
     Attributes:
-        addresses: (M, F, 6) the table of the world of each map, for ``world_at``.
+        addresses: (M, F, 6) the table of each map's world, for ``world_at``.
     """
 
     def __init__(self, maps: Sequence[GameMap] = (), limit: int = LIMIT) -> None:
-        """Take some maps in."""
+        """Start with some maps, and keep up to ``limit`` maps that are not in use."""
         self._limit = limit
         self._maps: dict[int, GameMap] = {}
         self._worlds: dict[int, ArrayTable] = {}
         self.add(maps, in_use=maps)
 
     def add(self, maps: Sequence[GameMap], in_use: Sequence[GameMap]) -> bool:
-        """Take in those of some maps that are not here; drop the oldest not in use if there are too many.
+        """Add the maps that are not in the bank; drop the oldest ones not in use if there are too many.
 
         Returns:
-            Whether any map was new; then the numbers of all maps may have changed.
+            Whether any map was new. If so, the numbers of all maps may have changed.
         """
         new = {id(game_map): game_map for game_map in maps if id(game_map) not in self._maps}
         if not new:
@@ -46,15 +46,15 @@ class MapBank:
         return True
 
     def index_of(self, game_map: GameMap) -> int:
-        """Return the number of a map that is here."""
+        """Return the number of a map in the bank."""
         return self._numbers[id(game_map)]
 
     def fork(self) -> "MapBank":
-        """Return a bank with the same maps under the same numbers, that takes in others on its own."""
+        """Return an independent bank with the same maps under the same numbers."""
         return MapBank(list(self._maps.values()), self._limit)
 
     def __reduce__(self) -> tuple[type["MapBank"], tuple[list[GameMap], int]]:
-        """Copies and pickles are of the maps, which then lie elsewhere."""
+        """Copy and pickle the maps; addresses are taken anew."""
         return MapBank, (list(self._maps.values()), self._limit)
 
     def _number(self) -> None:

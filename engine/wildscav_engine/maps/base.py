@@ -1,9 +1,9 @@
-"""Bases: ground and solids that were brought in from elsewhere, to make maps on.
+"""Bases: imported ground and solids that maps are generated on.
 
-A base is a file named after the digest of its content, by which a ``MapConfig`` asks for it. Its layout is
-that of ``container``, with this payload, compressed, all float64: the heights, (R + 1, C + 1), unless the
-ground is flat; the planes of all solids, (F, 4); their least and greatest corners, (S, 3) each. A base may
-come from anyone, so all of it is checked before any of it is used.
+A base is stored in a file named after the digest of its content, by which a ``MapConfig`` refers to it. The
+file has the layout of ``storage.binary_format``, with this compressed payload, all float64: the heights, (R +
+1, C + 1), unless the ground is flat; the planes of all solids, (F, 4); their least and greatest corners, (S,
+3) each. Base files are untrusted, so everything in them is checked before anything is used.
 """
 
 import os
@@ -24,15 +24,16 @@ from wildscav_engine.storage.files import read_limited, write_whole
 SUFFIX = ".wsb"
 LAYOUT = Layout(b"WILDBASE", 1, "an imported map")
 HEADER_KEYS = {"name", "size", "water_level", "ground", "kinds", "faces"}
-KINDS = tuple(kind for kind in Kind if Kind.WALL <= kind <= Kind.BUSH)  # that a solid can be
+KINDS = tuple(kind for kind in Kind if Kind.WALL <= kind <= Kind.BUSH)  # allowed kinds of solids
 
 SMALLEST, LARGEST = 40, 2000  # m, of each side
-LOWEST, HIGHEST = -1000.0, 1000.0  # m, of everything
+LOWEST, HIGHEST = -1000.0, 1000.0  # m, range of all heights
 OVERHANG = 20.0  # m that a solid may reach beyond the border
 MOST_SOLIDS = 20_000
-MOST_FACES = 100  # of a solid; to draw one takes the fourth power of them
-MOST_CELLS = 20_000_000  # of the grid that solids may touch, counted for each: what indexing them takes
-FILE_LIMIT = 80 << 20  # bytes: more than the most solids with the most faces take
+MOST_FACES = 100  # of a solid; the time to draw one grows with the fourth power of this
+# Of the grid that solids may touch, counted for each solid: the cost of indexing them
+MOST_CELLS = 20_000_000
+FILE_LIMIT = 80 << 20  # bytes: more than the most solids with the most faces need
 NAME_LIMIT = 80  # characters
 UNIT = 1e-6  # how far the length of a normal may be from 1
 
@@ -42,7 +43,7 @@ class BaseError(MapError):
 
 
 class Base(NamedTuple):
-    """What a map is made on."""
+    """The ground and the solids that a map is generated on."""
 
     heights: NDArray[np.float64] | None  # (R + 1, C + 1) m, row after row northwards; None: flat, at height 0
     water_level: float  # m, -inf without water
@@ -52,17 +53,17 @@ class Base(NamedTuple):
 
 
 def folders() -> list[Path]:
-    """Return where bases are: in the folders of WILDSCAV_MAPS, else in one of the user's."""
+    """Return the folders that hold bases: those in WILDSCAV_MAPS, else one in the user's data folder."""
     named = [Path(folder) for folder in os.environ.get("WILDSCAV_MAPS", "").split(os.pathsep) if folder]
     home = os.environ.get("XDG_DATA_HOME") or str(Path("~/.local/share").expanduser())
     return named or [Path(home) / "wildscav" / "maps"]
 
 
 def load_base(digest: str) -> Base:
-    """Return the base of a digest.
+    """Return the base with a digest.
 
     Raises:
-        MapError: It is not there, damaged, or not what its name says.
+        MapError: It is missing or damaged, or its content does not have this digest.
     """
     for folder in folders():
         path = folder / f"{digest}{SUFFIX}"
@@ -82,10 +83,10 @@ def load_base(digest: str) -> Base:
 
 
 def save_base(base: Base) -> tuple[str, Path]:
-    """Write a base into the first of the folders; return its digest and its file.
+    """Write a base into the first of the folders; return its digest and its path.
 
     Raises:
-        BaseError: It is more than a map can hold.
+        BaseError: No map can be generated on it.
         OSError: It cannot be written.
     """
     check_base(base)
@@ -97,7 +98,7 @@ def save_base(base: Base) -> tuple[str, Path]:
 
 
 def digest_of(base: Base) -> str:
-    """Return the digest of all that a base holds, 32 hexadecimal digits."""
+    """Return the digest of a base's whole content, 32 hexadecimal digits."""
     digest = blake2b(canonical(_header(base)), digest_size=16)
     digest.update(_arrays(base))
     return digest.hexdigest()
@@ -125,10 +126,10 @@ def read_base(path: Path) -> Base:
 
 
 def decode(data: bytes) -> Base:
-    """Return the base in some bytes.
+    """Decode a base from bytes.
 
     Raises:
-        BaseError: What is wrong with them.
+        BaseError: The bytes are not a valid base.
     """
     if len(data) > FILE_LIMIT:
         raise BaseError(f"more than {FILE_LIMIT} bytes")
@@ -143,10 +144,10 @@ def decode(data: bytes) -> Base:
 
 
 def check_base(base: Base) -> None:
-    """Find out whether a base is one that maps can be made on.
+    """Check that maps can be generated on a base.
 
     Raises:
-        BaseError: Why it is not.
+        BaseError: They cannot; the message says why.
     """
     size, level = base.size, base.water_level
     if not (SMALLEST <= size <= LARGEST and size % 2 == 0):
@@ -209,7 +210,7 @@ def _arrays(base: Base) -> bytes:
 
 
 def _assemble(header: dict[str, Any], packed: memoryview) -> Base:
-    """Build a base from its parts, never larger than ``check_base`` allows."""
+    """Build a base from its header and arrays, never larger than ``check_base`` allows."""
     if set(header) != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     size, kinds = int(header["size"]), [Kind(kind) for kind in header["kinds"]]

@@ -1,11 +1,12 @@
-"""Maps that were made before, kept on disk.
+"""The cache of generated maps on disk.
 
-A file is named after all that its map is a function of: the spec, the generator's version and a digest of the
-generator's sources, so that an edited generator never gives the maps of the one before. What is damaged,
-cannot be read or cannot be written is no error: the map is made again.
+The name of a file is a digest of everything that its map depends on: the spec, the generator's version and
+the generator's sources, so an edited generator never returns maps of an earlier one. A file that is damaged
+or cannot be read or written is no error: the map is generated again.
 
-It holds the fields of ``GameMap`` as their types say, so a new field needs no change here: arrays as they
-are, everything else as JSON. Uncompressed, because to inflate a map takes longer than to make it.
+A file holds the fields of ``GameMap`` according to their types, so a new field needs no change here: arrays
+in binary, everything else as JSON. It is not compressed, because decompressing a map takes longer than
+generating it.
 """
 
 import contextlib
@@ -34,13 +35,13 @@ from wildscav_engine.storage.binary_format import ContainerError, Layout, canoni
 from wildscav_engine.storage.files import write_whole
 
 LAYOUT = Layout(b"WILDSMAP", 1, "a cached map")
-ROOM = 1_000_000_000  # bytes that all kept maps may take; the longest unused go first
-WORTH_KEEPING = 0.05  # s; a map that takes less to make is soon made again
+SIZE_LIMIT = 1_000_000_000  # bytes of all cached maps; the least recently used are removed first
+CACHE_THRESHOLD = 0.05  # s; maps that are generated faster than this are not cached
 
 
 @functools.lru_cache(maxsize=8)
 def map_of(spec: MapSpec) -> GameMap:
-    """Return the map of a spec; the last few are remembered, and many more are kept on disk.
+    """Return the map of a spec; the last few are cached in memory, and many more on disk.
 
     Raises:
         MapError: As ``generate_map``.
@@ -49,20 +50,20 @@ def map_of(spec: MapSpec) -> GameMap:
     if game_map is None:
         began = time.perf_counter()
         game_map = generate_map(spec.config, spec.seed)
-        if time.perf_counter() - began > WORTH_KEEPING:
+        if time.perf_counter() - began > CACHE_THRESHOLD:
             store(game_map)
     return game_map
 
 
 def load_cached(spec: MapSpec) -> GameMap | None:
-    """Return the map of a spec if it was kept and is whole."""
+    """Return the map of a spec if an intact copy is cached, else None."""
     path = path_of(spec)
     try:
         header, payload = unpack(LAYOUT, path.read_bytes())
     except (OSError, ContainerError):
         return None
     with contextlib.suppress(OSError):
-        os.utime(path)  # used just now; a cache that cannot be written is read all the same
+        os.utime(path)  # marks it as just used; a read-only cache still works
     try:
         arrays = _read_arrays(header["arrays"], payload)
         game_map: GameMap = _value(GameMap, header["map"], arrays)
@@ -70,14 +71,14 @@ def load_cached(spec: MapSpec) -> GameMap | None:
         return None
     if game_map.spec != spec:
         return None
-    # Worked out when the map was kept, and whole as the rest of the file is: to do it again takes as long as
-    # all of the reading.
+    # Computed when the map was stored, and covered by the file's checksum: computing it again would take as
+    # long as reading the file.
     vars(game_map)["digest"] = header["digest"]
     return game_map
 
 
 def store(game_map: GameMap) -> None:
-    """Keep a map, if it can be kept, and give up the longest unused ones if they take too much room."""
+    """Cache a map on disk if possible, and remove the least recently used ones beyond the size limit."""
     arrays: dict[int, NDArray[Any]] = {}
     fields = _stored(game_map, arrays)
     header = {
@@ -90,11 +91,11 @@ def store(game_map: GameMap) -> None:
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, content)
-        _make_room(path.parent)
+        _evict(path.parent)
 
 
 def path_of(spec: MapSpec) -> Path:
-    """Return where the map of a spec is kept."""
+    """Return the path of a spec's map in the cache."""
     made_from = {
         "spec": spec.model_dump(mode="json"),
         "generator_version": GENERATOR_VERSION,
@@ -104,7 +105,7 @@ def path_of(spec: MapSpec) -> Path:
 
 
 def folder() -> Path:
-    """Return the folder of all kept maps, beside that of the compiled code."""
+    """Return the folder of the cached maps, next to that of the compiled code."""
     return cache_root().parent / "maps"
 
 
@@ -113,8 +114,8 @@ def _sources() -> str:
     return sources_digest(Path(generate.__file__))
 
 
-def _make_room(kept: Path) -> None:
-    """Remove the longest unused files until the others fit; other processes may do the same meanwhile."""
+def _evict(kept: Path) -> None:
+    """Remove the least recently used files until the others fit; other processes may do so concurrently."""
     files = []
     for path in kept.iterdir():
         with contextlib.suppress(OSError):
@@ -122,7 +123,7 @@ def _make_room(kept: Path) -> None:
             files.append((status.st_mtime, path, status.st_size))
     taken = sum(size for _, _, size in files)
     for _, path, size in sorted(files):
-        if taken <= ROOM:
+        if taken <= SIZE_LIMIT:
             return
         with contextlib.suppress(OSError):
             path.unlink()
@@ -134,7 +135,7 @@ def _bytes_of(array: NDArray[Any]) -> memoryview:
 
 
 def _read_arrays(table: Sequence[tuple[str, list[int]]], payload: memoryview) -> list[NDArray[Any]]:
-    """Return the arrays one after the other in a payload, each with memory of its own."""
+    """Return copies of the consecutive arrays in a payload."""
     arrays, start = [], 0
     for name, shape in table:
         dtype = np.dtype(name)
@@ -146,7 +147,7 @@ def _read_arrays(table: Sequence[tuple[str, list[int]]], payload: memoryview) ->
 
 
 def _stored(value: Any, arrays: dict[int, NDArray[Any]]) -> Any:
-    """Return a value as JSON has it; its arrays are put aside, each once, for their numbers."""
+    """Return a value as JSON; each array in it is added to ``arrays`` once and replaced by its number."""
     if isinstance(value, np.ndarray):
         arrays.setdefault(id(value), value)
         return list(arrays).index(id(value))
@@ -161,7 +162,7 @@ def _stored(value: Any, arrays: dict[int, NDArray[Any]]) -> Any:
 
 
 def _value(kind: Any, stored: Any, arrays: list[NDArray[Any]]) -> Any:
-    """Return the value of a type that ``_stored`` gave."""
+    """Return the value of a type from the output of ``_stored``."""
     origin, arguments = get_origin(kind), get_args(kind)
     if origin is np.ndarray:
         return arrays[stored]

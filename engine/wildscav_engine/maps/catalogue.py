@@ -1,11 +1,11 @@
-"""The numbered maps 1 to 999: the six of the paper's benchmark, and one of its own kind for every other id.
+"""The numbered maps 1 to 999: the six of the paper's benchmark, and a distinct one for every other id.
 
-The paper's table gives size, number of houses, density and storeys of maps 008, 014 and 101 to 104; all else
-about them is the generator's default. What the paper played on 101, the cooperative tasks, had supplies
+The paper's table gives size, number of houses, density and storeys of maps 008, 014 and 101 to 104;
+everything else is the generator's default. The paper's cooperative tasks, played on 101, had supplies
 "distributed denser near the center of the map and sparser far away from the center".
 
-Any other id gives its map so: the hundreds say the size, an odd id has scattered houses and an even one
-houses close together, the seed is the id (but for those in ``SEEDS``), and the rest is drawn from the id.
+For any other id, the hundreds select the size, odd ids have scattered houses and even ones houses close
+together, the seed is the id (except for those in ``SEEDS``), and the rest is drawn from the id.
 """
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
@@ -23,8 +23,8 @@ NEAR_CENTER = SupplyConfig(
     spacing=5.0,
 )
 
-# The examples of the original's client walk from the middle of map 1 to (5, 0, 5), at 1 m/s for 10 s: of the
-# seed 1 there is a lake.
+# The examples of the original client walk from the middle of map 1 to (5, 0, 5), at 1 m/s for 10 s; with seed
+# 1 there would be a lake.
 SEEDS = {1: 3001}
 # The table of the paper's appendix, "Generation configurations of the benchmark maps".
 BENCHMARK = {
@@ -53,7 +53,7 @@ def map_spec(map_id: int) -> MapSpec:
 
 
 def load_map(map_id: int) -> GameMap:
-    """Return a numbered map: remembered, from the disk, or made.
+    """Return a numbered map, from memory or disk if it is cached there.
 
     Args:
         map_id: 1 to 999.
@@ -65,7 +65,7 @@ def load_map(map_id: int) -> GameMap:
 
 
 def _config_of(map_id: int) -> MapConfig:
-    """Return what kind of map an id that is not of the benchmark has."""
+    """Return the config of an id that is not in the benchmark."""
     dice = Dice(map_id, Stream.CATALOGUE)
     size = SIZES[map_id // 100]
     return MapConfig(

@@ -1,5 +1,5 @@
-"""What can be wrong with a map."""
+"""The error for maps that cannot be made."""
 
 
 class MapError(ValueError):
-    """No map can be made from a config and a seed; the message names the field and what is possible."""
+    """No map can be made from a config and a seed; the message names the field and its possible values."""

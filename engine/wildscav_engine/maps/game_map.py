@@ -1,4 +1,4 @@
-"""A map as everything else sees it."""
+"""The map that matches are played on."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from wildscav_engine.rendering.shading.materials import Materials
     from wildscav_engine.rendering.trace import Scene
 
-# Raised by every change that makes another map of the same config and seed.
+# Incremented by every change that produces a different map from the same config and seed.
 GENERATOR_VERSION = 7
-SUPPLY_SPACING = 5.0  # m at least between the indoor points of supplies
+SUPPLY_SPACING = 5.0  # m, least distance between indoor places of supplies
 
 
 @dataclass(frozen=True, eq=False)
 class GameMap:
-    """The static world of matches, made from a config and a seed.
+    """The static world of matches, generated from a config and a seed.
 
-    From each of its places, indoor and outdoor, every other can be reached.
+    Every one of its indoor and outdoor places can be reached from every other.
     """
 
     spec: MapSpec
@@ -35,44 +35,44 @@ class GameMap:
     indoor: NDArray[np.float64]  # (I, 3) m, standing places inside houses
     outdoor: NDArray[np.float64]  # (O, 3) m, standing places on open ground, then on roofs and rocks
     solid_house: NDArray[np.int16]  # (S,) the house that a solid belongs to, -1 for none
-    reachable_share: float = 1.0  # of the ground, 0–1: from any of it one gets to all of it, and back
+    reachable_share: float = 1.0  # of the ground, 0–1, that is mutually reachable
 
     @property
     def config(self) -> MapConfig:
-        """The kind of map this is."""
+        """The config of the map."""
         return self.spec.config
 
     @cached_property
     def graph(self) -> "WalkGraph":
-        """Where a body can go on this map, for paths; it takes about as long as making the map."""
+        """Where a body can go on this map; computing it takes about as long as generating the map."""
         from wildscav_engine.maps.walk import build_graph
 
         return build_graph(self.world)
 
     @cached_property
     def supply_points(self) -> NDArray[np.float64]:
-        """(N, 3) m, the indoor places where supplies may lie: a few of all."""
+        """(N, 3) m, the indoor places where supplies may lie: a subset of all indoor places."""
         from wildscav_engine.maps.locations import keep_apart
 
         return keep_apart(self.indoor, SUPPLY_SPACING)
 
     @cached_property
     def ground_points(self) -> NDArray[np.float64]:
-        """(N, 3) m, where supplies of a fine grid may lie outdoors: the places, then all open ground."""
+        """(N, 3) m, where supplies on a fine grid may lie: the outdoor places, then all open ground."""
         from wildscav_engine.maps.locations import open_ground
 
         return np.concatenate([self.outdoor, open_ground(self.graph, self.solid_house)])
 
     @cached_property
     def scene(self) -> "Scene":
-        """What images of this map are made from; made when somebody first looks."""
+        """The scene for images of this map, created on first use."""
         from wildscav_engine.rendering.trace import scene_of
 
         return scene_of(self.world)
 
     @cached_property
     def materials(self) -> "Materials":
-        """What the surfaces of this map look like; made for the first picture."""
+        """The appearance of this map's surfaces, created on first use."""
         from wildscav_engine.rendering.shading.materials import materials_of
 
         return materials_of(self.world, self.solid_house)
@@ -81,7 +81,7 @@ class GameMap:
     def digest(self) -> str:
         """A digest of everything in the map, 16 hexadecimal digits."""
         digest = blake2b(digest_size=8)
-        # The ceiling follows from the solids; digests of before there was one still hold.
+        # The ceiling follows from the solids, and older digests were computed without it.
         world = self.world._asdict()
         del world["ceiling"]
         for array in (*world.values(), self.indoor, self.outdoor, self.solid_house):

@@ -1,4 +1,4 @@
-"""From a config and a seed to a map: laid out, indexed, explored, and its places chosen."""
+"""Generating a map from a config and a seed: lay it out, index it, explore it and choose its places."""
 
 import numpy as np
 
@@ -13,21 +13,21 @@ from wildscav_engine.maps.settlements.sites import Site
 from wildscav_engine.maps.walk import WalkGraph, build_graph
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
-LAYOUTS = 8  # tries to put houses where one gets into all of their rooms
+LAYOUTS = 8  # attempts to place the houses so that all of their rooms can be entered
 
 
 def generate_map(config: MapConfig, seed: int) -> GameMap:
     """Make a map. The same config and seed give the same bytes on any machine.
 
     Args:
-        config: What kind of map.
-        seed: Which of them, 0 to 2⁶⁴ - 1.
+        config: The kind of map.
+        seed: Which map of this kind, 0 to 2⁶⁴ - 1.
 
     Returns:
         The map.
 
     Raises:
-        MapError: The config asks for more than this map has room for, or leaves no place to stand.
+        MapError: The config asks for more than fits on this map, or leaves no place to stand.
     """
     spec = MapSpec(config=config, seed=seed)
     compile_ahead()
@@ -52,12 +52,12 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
 
 
 def _with_open_houses(config: MapConfig, seed: int) -> tuple[Layout, World, WalkGraph, Places]:
-    """Lay out and explore a map; where no way leads into a room, lay it out again with its house elsewhere.
+    """Lay out and explore a map; if a room cannot be entered, lay it out again with that house elsewhere.
 
-    Only exploring tells. It hardly ever happens: a cliff around a house has to be steep and close.
+    Only exploring the map shows this. It is very rare: a cliff around a house has to be steep and close.
 
     Raises:
-        MapError: A house is cut off wherever it stands.
+        MapError: A house is cut off in every layout.
     """
     by_hand = sum(placed.kind == "house" for placed in config.placements)
     avoided: list[Site] = []

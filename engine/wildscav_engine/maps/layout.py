@@ -1,4 +1,4 @@
-"""Laying a map out: the ground, and everything that stands on it."""
+"""Laying out a map: the ground and everything that stands on it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -18,7 +18,7 @@ from wildscav_engine.maps.vegetation.planting import plant
 from wildscav_engine.specs.map_spec import MapConfig
 
 NO_HOUSE = -1
-DOORSTEP = 1.5  # m before an outer doorway, where one stands before going in
+DOORSTEP = 1.5  # m in front of an outer doorway
 
 
 class Layout(NamedTuple):
@@ -32,15 +32,15 @@ class Layout(NamedTuple):
 
 
 def lay_out(config: MapConfig, seed: int, avoided: Sequence[Site] = ()) -> Layout:
-    """Lay out a map: ground, houses by hand and at random, then what grows and lies about.
+    """Lay out a map: ground, placed and random houses, then plants and rocks.
 
     Args:
         config: Of the map.
         seed: Of the map.
-        avoided: Where none of the houses at random shall stand.
+        avoided: Sites where no random house may stand.
 
     Raises:
-        MapError: The config asks for what cannot be; the message names the field.
+        MapError: The config asks for something impossible; the message names the field.
     """
     base = load_base(config.base) if config.base else None
     terrain = _ground(config, seed, base)
@@ -81,19 +81,19 @@ def _ground(config: MapConfig, seed: int, base: Base | None) -> Terrain:
 def settle_houses(
     config: MapConfig, seed: int, terrain: Terrain, avoided: Sequence[Site] = ()
 ) -> tuple[list[HousePlan], Settlement]:
-    """Draw the houses and find their places, those by hand first; where there is no room, draw smaller ones.
+    """Draw the houses and find their sites, placed ones first; if they do not fit, draw smaller ones.
 
     Args:
         config: Of the map.
         seed: Of the map.
         terrain: Before any ground is levelled.
-        avoided: Where no house at random shall stand.
+        avoided: Sites where no random house may stand.
 
     Returns:
-        The plan of each house, and where all stand.
+        The plan of each house, and all sites.
 
     Raises:
-        MapError: There is no room for so many, or not where they are wanted.
+        MapError: Not all houses fit on the map, or a placed one does not fit at its location.
     """
     fixed_plans, fixed_sites = fixed_houses(config, seed, terrain)
     for small in (False, True):
@@ -110,7 +110,7 @@ def settle_houses(
 
 
 def _build(plans: Sequence[HousePlan], sites: Sequence[Site]) -> tuple[list[Solid], list[int]]:
-    """Return the solids of all houses, and the house of each."""
+    """Return the solids of all houses, and the number of each solid's house."""
     solids: list[Solid] = []
     solid_house: list[int] = []
     for number, (plan, site) in enumerate(zip(plans, sites, strict=True)):

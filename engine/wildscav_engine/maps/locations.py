@@ -1,4 +1,4 @@
-"""Where agents and supplies may be: nodes of the walkable graph from which one gets everywhere, and back."""
+"""The places where agents and supplies may be: nodes of the walkable graph that are mutually reachable."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -20,12 +20,12 @@ STREAM = int(Stream.LOCATIONS)
 OUTDOOR_SPACING = 4.0  # m, of the jittered grid of places on the ground
 STEEPEST_PLACE = 0.7002075382097097  # m up per m: 35°
 AREA_OF_PLACE = 5.0  # m² of a room for each place in it
-INDOOR_SPACING = 1.5  # m at least between places in a room
-HIGH_SPACING = 4.0  # m at least between places on roofs and rocks
-ON_GROUND = 0.05  # m above the terrain that is still on it
-ON_FLOOR = 0.1  # m above or below a floor that is still on it
+INDOOR_SPACING = 1.5  # m, least distance between places in a room
+HIGH_SPACING = 4.0  # m, least distance between places on roofs and rocks
+ON_GROUND = 0.05  # m above the terrain that still count as on it
+ON_FLOOR = 0.1  # m above or below a floor that still count as on it
 TRUNK, CROWN, BUSH = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
-CEILING = 8.0  # m above a place; what has something there is indoors
+CEILING = 8.0  # m above a place; a solid within this makes the place indoor
 
 
 class Places(NamedTuple):
@@ -39,7 +39,7 @@ class Places(NamedTuple):
 def choose_places(
     graph: WalkGraph, houses: Sequence[House], solid_house: NDArray[np.int16], seed: int
 ) -> Places:
-    """Choose the places of a map among the nodes of its graph's largest strongly connected part.
+    """Choose the places of a map among the nodes of its graph's largest strongly connected component.
 
     Args:
         graph: Of the map.
@@ -63,7 +63,7 @@ def choose_places(
 
 
 def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.float64]:
-    """Return (N, 3) m every whole metre of a map's dry, fairly level, open ground that is one of its places.
+    """Return (N, 3) m all reachable whole-metre points on dry, fairly level, open ground.
 
     Args:
         graph: Of the map.
@@ -78,12 +78,12 @@ def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.
 def _on_open_ground(
     graph: WalkGraph, nodes: NDArray[np.int64], positions: NDArray[np.float64], solid_house: NDArray[np.int16]
 ) -> NDArray[np.bool_]:
-    """Return (N,) whether each node is on the terrain and has no roof but a house's eaves over it."""
+    """Return (N,) whether each node is on the terrain and not under a roof, except the eaves of a house."""
     is_on_ground = stand_on_ground(graph.world, positions, nodes)
-    # Under a roof that is not a house's eaves, the bare ground is a floor.
-    near_things = is_on_ground & (graph.lattice.marks[graph.nodes.point[nodes]] == FINE)
+    # Under any roof but the eaves of a house, the bare ground counts as a floor.
+    near_solids = is_on_ground & (graph.lattice.marks[graph.nodes.point[nodes]] == FINE)
     roofs = np.nonzero(solid_house < 0)[0]
-    is_on_ground[near_things] = ~is_covered(graph.world, positions[nodes[near_things]], roofs)
+    is_on_ground[near_solids] = ~is_covered(graph.world, positions[nodes[near_solids]], roofs)
     return is_on_ground
 
 
@@ -103,7 +103,7 @@ def _on_whole_metres(graph: WalkGraph, nodes: NDArray[np.int64]) -> NDArray[np.i
 
 
 def _lookup(graph: WalkGraph, nodes: NDArray[np.int64]) -> NDArray[np.int32]:
-    """Return (M, M) the node on each whole metre of the map, row after row northwards, -1 for none."""
+    """Return (M, M) the node at each whole-metre point of the map, row after row northwards, -1 for none."""
     side = graph.lattice.side
     found = np.full((side // 2 + 1, side // 2 + 1), -1, np.int32)
     found[graph.nodes.point[nodes] // side // 2, graph.nodes.point[nodes] % side // 2] = nodes
@@ -114,11 +114,11 @@ def _lookup(graph: WalkGraph, nodes: NDArray[np.int64]) -> NDArray[np.int32]:
 def ground_places(
     world: World, nodes: NDArray[np.int32], positions: NDArray[np.float64], seed: np.uint64
 ) -> NDArray[np.float64]:
-    """Return (N, 3) m, places on dry, fairly level, open ground: for each square of a grid a random node.
+    """Return (N, 3) m, places on dry, fairly level, open ground: a random node in each square of a grid.
 
     Args:
         world: The static world.
-        nodes: (M, M) the ground node on each whole metre, -1 for none.
+        nodes: (M, M) the ground node at each whole-metre point, -1 for none.
         positions: Of all nodes, m.
         seed: Of the map.
     """
@@ -138,7 +138,7 @@ def ground_places(
 
 @kernel
 def _is_place(world: World, place: NDArray[np.float64]) -> bool:
-    """Return whether a place on the ground is dry, fairly level, under the open sky and clear of things."""
+    """Return whether a place on the ground is dry, fairly level, and clear of solids."""
     ground = ground_at(world, place[0], place[2])
     steepness = ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z
     if steepness > STEEPEST_PLACE * STEEPEST_PLACE or water_at(world, place[0], place[2]) > -np.inf:
@@ -148,7 +148,7 @@ def _is_place(world: World, place: NDArray[np.float64]) -> bool:
 
 @array_kernel
 def _are_places(world: World, places: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return (N,) whether each of (N, 3) m on the ground is a place."""
+    """Return (N,) whether each of (N, 3) m on the ground can be a place."""
     found = np.empty(places.shape[0], np.bool_)
     for index in range(places.shape[0]):
         found[index] = _is_place(world, places[index])
@@ -167,10 +167,10 @@ def _draws(seed: np.uint64, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
 def _in_rooms(
     houses: Sequence[House], places: NDArray[np.float64], draws: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Choose places on the floors of all rooms, and tell which of (N, 3) m belong to any house's inside.
+    """Choose places on the floors of all rooms, and mark which of (N, 3) m are inside any house.
 
     Returns:
-        (P, 3) m the places chosen, room after room; (N,) which places are inside a house's storeys.
+        (P, 3) m the chosen places, room after room; (N,) whether each place is inside a storey of a house.
     """
     chosen = [np.zeros((0, 3))]
     taken = np.zeros(len(places), np.bool_)
@@ -190,7 +190,7 @@ def _in_rooms(
 
 
 def houses_cut_off(houses: Sequence[House], indoor: NDArray[np.float64]) -> list[int]:
-    """Return the numbers of the houses with a room that has none of the indoor places, (N, 3) m."""
+    """Return the numbers of the houses that have a room without any of the indoor places, (N, 3) m."""
     cut_off = []
     for number, house in enumerate(houses):
         x, y, z = indoor[_is_near(house, indoor)].T
@@ -211,22 +211,22 @@ def _is_near(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def _spaced(places: NDArray[np.float64], draws: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-    """Return places, taken in the order of their draws, that keep a distance from each other."""
+    """Return places, picked in the order of their draws, that are at least a distance apart."""
     return keep_apart(places[np.argsort(draws, kind="stable")], spacing)
 
 
 def _away_from(chosen: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the places that are not near any that are chosen already, (N, 3) m each."""
+    """Return the places that are not near any chosen one, (N, 3) m each."""
     free = np.ones(len(places), np.bool_)
     for place in chosen:
-        ways = places - place
-        free &= (ways * ways).sum(axis=1) >= INDOOR_SPACING * INDOOR_SPACING
+        offsets = places - place
+        free &= (offsets * offsets).sum(axis=1) >= INDOOR_SPACING * INDOOR_SPACING
     return places[free]
 
 
 @array_kernel
 def keep_apart(places: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-    """Return (M, 3) m those of some places, in their order, that are a distance in m from all kept before."""
+    """Return (M, 3) m the places, in order, that are at least ``spacing`` m from all kept before them."""
     if len(places) == 0:
         return places.copy()
     west, south = east, north = places[0, 0], places[0, 2]
@@ -234,7 +234,7 @@ def keep_apart(places: NDArray[np.float64], spacing: float) -> NDArray[np.float6
         west, east = min(west, place[0]), max(east, place[0])
         south, north = min(south, place[2]), max(north, place[2])
     columns, rows = int((east - west) / spacing) + 1, int((north - south) / spacing) + 1
-    first = np.full((rows, columns), -1, np.int32)  # kept places are linked by the squares that they lie in
+    first = np.full((rows, columns), -1, np.int32)  # linked lists of the kept places in each square
     following = np.empty(len(places), np.int32)
     kept = np.empty_like(places)
     count = 0
@@ -257,7 +257,7 @@ def _is_crowded(
     place: NDArray[np.float64],
     spacing: float,
 ) -> bool:
-    """Return whether a kept place is nearer than a spacing; looks at the nine squares around."""
+    """Return whether a kept place is nearer than ``spacing``; it searches the nine squares around."""
     for near_row in range(max(0, row - 1), min(first.shape[0], row + 2)):
         for near_column in range(max(0, column - 1), min(first.shape[1], column + 2)):
             other = first[near_row, near_column]
@@ -272,7 +272,7 @@ def _is_crowded(
 
 @array_kernel
 def is_covered(world: World, places: NDArray[np.float64], ceilings: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return (N,) whether there is a ceiling, a roof or the like over places in m, one of some solids."""
+    """Return (N,) whether one of the solids ``ceilings`` is over each place in m; plants do not count."""
     counts = np.zeros(len(world.solid_kind), np.bool_)
     counts[ceilings] = True
     covered = np.empty(len(places), np.bool_)
@@ -285,5 +285,5 @@ def is_covered(world: World, places: NDArray[np.float64], ceilings: NDArray[np.i
 
 @kernel
 def is_plant(kind: int) -> bool:
-    """Return whether a kind is a part of a plant."""
+    """Return whether a kind of solid is part of a plant."""
     return kind in (TRUNK, CROWN, BUSH)

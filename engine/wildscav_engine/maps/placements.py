@@ -1,12 +1,12 @@
-"""What a config places by hand: houses, blocks, trees, bushes and rocks."""
+"""The placements of a config: houses, blocks, trees, bushes and rocks at given locations."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.geometry.ring_stacks import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.shapes import Pose, box, pose
-from wildscav_engine.geometry.stacks import allocate_stacks, solids_of
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.ground.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint, room_of_join
@@ -14,26 +14,36 @@ from wildscav_engine.maps.house import HousePlan, draw_plan
 from wildscav_engine.maps.settlements.footprints import Site, footprints_of, gap_between, heights_under
 from wildscav_engine.maps.settlements.plots import EDGE_MARGIN, SHARED_LEVEL, SHORE_MARGIN
 from wildscav_engine.maps.settlements.streets import height_at
-from wildscav_engine.maps.vegetation.growing_ground import BUSHES, ROCKS, TREES, Fields, Land, land_of
+from wildscav_engine.maps.vegetation.growing_ground import (
+    BUSHES,
+    ROCKS,
+    TREES,
+    Fields,
+    GrowingGround,
+    land_of,
+)
 from wildscav_engine.maps.vegetation.planting import conifers
 from wildscav_engine.maps.vegetation.scatter import Spots, allocate_spots, place_one, scatter
 from wildscav_engine.maps.vegetation.species import PARTS, grow
 from wildscav_engine.maps.vegetation.woods import shores
 from wildscav_engine.specs.map_spec import MapConfig, Placement
 
-NUMBER = 10_000  # of the first house placed by hand; those of the generator count from 0
-LEAST_GAP = 1.5  # m between two houses, so that one walks between them
+NUMBER = 10_000  # of the first placed house; random ones are numbered from 0
+LEAST_GAP = 1.5  # m between two houses, so that bodies can walk between them
 STEEPEST_GROUND = 8.0  # m, greatest difference of natural heights under a house
 ROOT = 0.6  # m that a block reaches into the lowest ground under it
 PLANT_MARGIN = 0.5  # m between the axis of a single plant and the edge of the map
-YARD = 3.0  # m around a house that an area of plants leaves free, beside what plants always keep off a house
-WHAT = {"tree": TREES, "bush": BUSHES, "rock": ROCKS}
-THICKEST = {"tree": 0.04, "bush": 0.1, "rock": 0.06}  # a m², of an area with density 1
-FIRST_KEY, KEYS = 2**28, 2**18  # the first placement's plants have keys from this on, so many each
+YARD = 3.0  # m around a house that an area of plants leaves free, in addition to the usual margin
+CATEGORIES = {"tree": TREES, "bush": BUSHES, "rock": ROCKS}
+THICKEST = {"tree": 0.04, "bush": 0.1, "rock": 0.06}  # per m², of an area with density 1
+FIRST_KEY, KEYS = (
+    2**28,
+    2**18,
+)  # the keys of the first placement's plants start here; each placement has this many
 
 
 def fixed_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[HousePlan], list[Site]]:
-    """Draw the houses that a config places by hand.
+    """Draw the placed houses of a config.
 
     Args:
         config: Of the map.
@@ -44,7 +54,7 @@ def fixed_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[H
         The plan and the site of each, in their order.
 
     Raises:
-        MapError: A house does not fit where it is placed.
+        MapError: A house does not fit at its location.
     """
     plans: list[HousePlan] = []
     sites: list[Site] = []
@@ -64,7 +74,7 @@ def _of_kinds(config: MapConfig, *kinds: str) -> Iterator[tuple[int, Placement]]
 
 
 def _draw_house(config: MapConfig, seed: int, number: int, placed: Placement) -> tuple[HousePlan, Site]:
-    """Return the plan of a house, and its site with the height of its ground still to be found."""
+    """Return the plan of a house, and its site, whose height is determined later."""
     storeys = (placed.storeys, placed.storeys) if placed.storeys else config.storeys
     try:
         plan = draw_plan(seed, NUMBER + number, storeys, area=placed.area)
@@ -76,7 +86,7 @@ def _draw_house(config: MapConfig, seed: int, number: int, placed: Placement) ->
 def _check_inside(
     config: MapConfig, number: int, where: Pose, size: tuple[float, float], margin: float
 ) -> None:
-    """Raise MapError where a rectangle leaves the map, and say where its middle could be."""
+    """Raise MapError if a rectangle leaves the map; the message says where its middle could be."""
     half = config.size / 2.0 - margin
     x_limit = half - (abs(where.cosine) * size[0] + abs(where.sine) * size[1]) / 2.0
     z_limit = half - (abs(where.sine) * size[0] + abs(where.cosine) * size[1]) / 2.0
@@ -89,7 +99,7 @@ def _check_inside(
             f"a side can be 0 to {2.0 * half:.0f} m"
         )
     of_size = f"with {extent} " if max(size) > 0.0 else ""
-    # Rounded inwards, so that the range given is one that works.
+    # Rounded inwards, so that all values in the stated range work.
     x_limit, z_limit = np.floor(100.0 * x_limit) / 100.0, np.floor(100.0 * z_limit) / 100.0
     raise MapError(
         f"placements.{number}.location is {(where.x, where.z)}: outside the map; {of_size}"
@@ -111,7 +121,7 @@ def _check_apart(number: int, site: Site, numbers: Sequence[int], sites: Sequenc
 
 
 def _level(number: int, site: Site, sites: Sequence[Site], terrain: Terrain) -> float:
-    """Return the level in m for a house placed by hand; near others it is theirs, or near theirs."""
+    """Return the ground level in m for a placed house; near others it equals theirs, or nearly so."""
     footprint = np.array(site.footprint)
     lowest, highest, mean = heights_under(terrain.corner, terrain.heights, footprint)
     least = terrain.water_level + SHORE_MARGIN
@@ -140,7 +150,7 @@ def _level(number: int, site: Site, sites: Sequence[Site], terrain: Terrain) -> 
 
 
 def placed_solids(config: MapConfig, seed: int, terrain: Terrain) -> list[Solid]:
-    """Return the blocks, trees, bushes and rocks that a config places by hand.
+    """Return the solids of the placed blocks, trees, bushes and rocks of a config.
 
     Args:
         config: Of the map.
@@ -154,13 +164,13 @@ def placed_solids(config: MapConfig, seed: int, terrain: Terrain) -> list[Solid]
         MapError: Something is placed outside the map, in water, in a house, or without the area it needs.
     """
     blocks = [_block(config, number, placed, terrain) for number, placed in _of_kinds(config, "block")]
-    plants = list(_of_kinds(config, *WHAT))
+    plants = list(_of_kinds(config, *CATEGORIES))
     if not plants:
         return blocks
     wanted = [1 if placed.area is None else _count(placed, placed.area) for _, placed in plants]
     spots = allocate_spots(config.size, sum(wanted))
     found = _place_plants(config, seed, terrain, list(zip(plants, wanted, strict=True)), spots)
-    stacks = allocate_stacks(PARTS * found)
+    stacks = allocate_ring_stacks(PARTS * found)
     return blocks + solids_of(stacks, grow(spots.rows, found, stacks))
 
 
@@ -169,7 +179,7 @@ def _count(placed: Placement, area: tuple[float, float]) -> int:
 
 
 def _block(config: MapConfig, number: int, placed: Placement, terrain: Terrain) -> Solid:
-    """A box as high as asked above the ground in its middle; it reaches into all ground under it."""
+    """Return a box with the given height above the ground in its middle; it reaches into all ground below."""
     if placed.area is None:
         raise MapError(f"placements.{number}.area: a block needs one, 0 to {config.size} m across and along")
     where = pose(*placed.location, placed.orientation)
@@ -188,7 +198,7 @@ def _place_plants(
     plants: list[tuple[tuple[int, Placement], int]],
     spots: Spots,
 ) -> int:
-    """Place single plants, then fill areas around them; return how many plants stand then."""
+    """Place single plants, then fill areas around them; return the number of plants."""
     houses = [
         (number, _draw_house(config, seed, number, placed)[1])
         for number, placed in _of_kinds(config, "house")
@@ -199,20 +209,20 @@ def _place_plants(
         if placed.area is None:
             _check_single(config, number, placed, terrain, houses)
             key, (x, z) = FIRST_KEY + number * KEYS, placed.location
-            place_one(np.uint64(seed), key, WHAT[placed.kind], x, z, land, spots, found)
+            place_one(np.uint64(seed), key, CATEGORIES[placed.kind], x, z, land, spots, found)
             found += 1
     for (number, placed), wanted in plants:
         if placed.area is not None:
             where = pose(*placed.location, placed.orientation)
             _check_inside(config, number, where, placed.area, 0.0)
             area = np.array((*where, placed.area[0] / 2.0, placed.area[1] / 2.0))
-            key, what = FIRST_KEY + number * KEYS, WHAT[placed.kind]
-            found = scatter(np.uint64(seed), key, what, wanted, area, land, spots, found)
+            key, category = FIRST_KEY + number * KEYS, CATEGORIES[placed.kind]
+            found = scatter(np.uint64(seed), key, category, wanted, area, land, spots, found)
     return found
 
 
-def _land(config: MapConfig, seed: int, terrain: Terrain, houses: NDArray[np.float64]) -> Land:
-    """Return where areas may be filled: everywhere but in water, at houses and at blocks."""
+def _land(config: MapConfig, seed: int, terrain: Terrain, houses: NDArray[np.float64]) -> GrowingGround:
+    """Return the ground where areas may be filled: everywhere except in water, at houses and at blocks."""
     blocks = [
         (*pose(*placed.location, placed.orientation), placed.area[0] / 2.0, placed.area[1] / 2.0)
         for _, placed in _of_kinds(config, "block")
@@ -221,7 +231,7 @@ def _land(config: MapConfig, seed: int, terrain: Terrain, houses: NDArray[np.flo
     yards = houses.copy()
     yards[:, 4:] += YARD
     woods = conifers(config, seed, terrain)
-    fields = Fields(np.ones((len(WHAT), *woods.shape)), woods, shores(terrain, len(woods)))
+    fields = Fields(np.ones((len(CATEGORIES), *woods.shape)), woods, shores(terrain, len(woods)))
     taken = np.array(blocks, np.float64).reshape(-1, 6)
     return land_of(terrain, yards, taken, np.zeros((0, 2)), np.zeros((0, 4)), fields)
 
@@ -229,7 +239,7 @@ def _land(config: MapConfig, seed: int, terrain: Terrain, houses: NDArray[np.flo
 def _check_single(
     config: MapConfig, number: int, placed: Placement, terrain: Terrain, houses: list[tuple[int, Site]]
 ) -> None:
-    """Raise MapError where a single plant has no ground to stand on."""
+    """Raise MapError if a single plant has no ground to stand on."""
     x, z = placed.location
     _check_inside(config, number, pose(x, z, 0.0), (0.0, 0.0), PLANT_MARGIN)
     ground = height_at(terrain.corner, terrain.heights, x, z)

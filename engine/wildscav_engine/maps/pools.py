@@ -1,8 +1,8 @@
-"""Pools of maps that episodes are drawn from: random ones of a level, or numbered ones.
+"""Pools of maps that episodes are drawn from: random maps of a level, or numbered ones.
 
-Nobody trains on what is tested on, by construction: the random maps of the split ``train`` have even seeds
-and those of ``test`` odd ones, whatever the seed of the pool. All are below 2**63: evaluations keep the
-others for themselves. Numbered maps are what they are in both.
+Training and test maps are disjoint by construction: random maps of the split ``train`` have even seeds and
+those of ``test`` odd ones, for any seed of the pool. All seeds are below 2**63; evaluations use the others.
+Numbered maps are the same in both splits.
 """
 
 import functools
@@ -21,12 +21,12 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 Level = Literal["easy", "normal", "hard"]
 Split = Literal["train", "test"]
 
-SIZE = 64  # maps in a pool, unless told otherwise
-TRIES = 16  # seeds for each map of a pool, until its config has room on one
+SIZE = 64  # maps in a pool by default
+TRIES = 16  # seeds to try for each map of a pool, until its config fits
 PARITY: dict[Split, int] = {"train": 0, "test": 1}  # of the seeds of random maps
 
 LEVELS: dict[Level, MapConfig] = {
-    # Open and nearly flat: the target is seen from afar.
+    # Open and nearly flat: the target is visible from afar.
     "easy": MapConfig(
         size=100, relief=0.3, ruggedness=0.1, water=0.0, houses=2, storeys=(1, 1), vegetation=0.2
     ),
@@ -46,19 +46,19 @@ LEVELS: dict[Level, MapConfig] = {
 
 
 class MapPool:
-    """Maps by their numbers from 0 on; each is made when it is first asked for, and kept."""
+    """Maps numbered from 0; each is generated on first use and then kept."""
 
     def __init__(self, choices: Sequence[Sequence[MapSpec]]) -> None:
-        """Take a pool together.
+        """Create a pool.
 
         Args:
-            choices: For each map the specs to try, one after the other.
+            choices: For each map the specs to try in turn.
         """
         self._choices = tuple(tuple(specs) for specs in choices)
         self._made: dict[int, GameMap] = {}
 
     def __len__(self) -> int:
-        """Return how many maps there are."""
+        """Return the number of maps."""
         return len(self._choices)
 
     def __getitem__(self, number: int) -> GameMap:
@@ -66,7 +66,7 @@ class MapPool:
 
         Raises:
             IndexError: There is no such number.
-            MapError: No seed that is tried has room for what the config asks for.
+            MapError: The config fits on none of the seeds tried.
         """
         if not 0 <= number < len(self):
             raise IndexError(f"there is no map {number} in the pool; the maps are 0 to {len(self) - 1}")
@@ -75,15 +75,15 @@ class MapPool:
         return self._made[number]
 
     def draw(self, word: int) -> GameMap:
-        """Return the map that a random whole number stands for."""
+        """Return the map selected by a random integer."""
         return self[word % len(self)]
 
 
 def _first_made(specs: Sequence[MapSpec]) -> GameMap:
-    """Return the map of the first spec that has one.
+    """Return the map of the first spec that can be generated.
 
     Raises:
-        MapError: None has; the message is that of the last.
+        MapError: None can; the message is that of the last.
     """
     for spec in specs[:-1]:
         try:
@@ -97,13 +97,13 @@ def _first_made(specs: Sequence[MapSpec]) -> GameMap:
 def random_maps(
     kind: Level | MapConfig = "normal", split: Split = "train", seed: int = 0, size: int = SIZE
 ) -> MapPool:
-    """Return a pool of random maps; the same arguments give the same pool, so environments share its maps.
+    """Return a pool of random maps; equal arguments give the same pool, so environments share its maps.
 
     Args:
-        kind: A level of difficulty, or a config of one's own.
-        split: Whether they are to train or to test on.
+        kind: A level of difficulty, or a config.
+        split: Whether the maps are for training or for testing.
         seed: Of the pool.
-        size: How many maps.
+        size: Number of maps.
     """
     config = kind if isinstance(kind, MapConfig) else LEVELS[kind]
     numbers = range(size)
@@ -125,6 +125,6 @@ def numbered_maps(ids: tuple[int, ...]) -> MapPool:
     """Return a pool of numbered maps.
 
     Raises:
-        MapError: There is no map of one of the ids.
+        MapError: One of the ids does not exist.
     """
     return MapPool([[map_spec(map_id)] for map_id in ids])

@@ -1,4 +1,4 @@
-"""Where to look at a map from: the height of somebody's eyes at a place, and a good place to start with."""
+"""Viewpoints on a map: the standing height at a place, and a good viewpoint to start with."""
 
 from typing import NamedTuple
 
@@ -12,13 +12,13 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.specs.body import BODY_HEIGHT, EYE_HEIGHT
 
-AWAY = 1.1, 9.0  # times the greater side of a house, plus m: how far away it is looked at best
+AWAY = 1.1, 9.0  # times the greater side of a house, plus m: the best distance to view it from
 CORNER_ON = 35.0  # degrees off its front
-ON_GROUND = 0.1  # m; who stands higher above the ground stands on a roof or a rock
+ON_GROUND = 0.1  # m; places higher above the ground are on a roof or a rock
 
 
 class Viewpoint(NamedTuple):
-    """A place, and a direction to look in."""
+    """An eye position and a viewing direction."""
 
     eye: tuple[float, float, float]  # m
     yaw: float  # degrees, 0 faces +z, clockwise from above
@@ -26,10 +26,9 @@ class Viewpoint(NamedTuple):
 
 
 def standing_height(world: World, x: float, z: float) -> float:
-    """Return the height in m of the lowest place at (x, z) that has room for a body.
+    """Return the height in m of the lowest place at (x, z) where a body fits.
 
-    That is the ground, the ground floor of a house or the surface of a lake; where a wall or a trunk is, its
-    top.
+    This is the ground, the ground floor of a house or the surface of a lake; at a wall or a trunk, its top.
     """
     height = max(ground_at(world, x, z).height, water_at(world, x, z))
     for low, high in sorted(_solids_at(world, x, z)):
@@ -39,7 +38,7 @@ def standing_height(world: World, x: float, z: float) -> float:
 
 
 def _solids_at(world: World, x: float, z: float) -> list[tuple[float, float]]:
-    """Return from where to where, m, each solid reaches on the upright line through (x, z)."""
+    """Return the bottom and top in m of each solid on the vertical line through (x, z)."""
     rows, columns = world.water.shape
     cell = cell_of(world.corner[1], z, rows) * columns + cell_of(world.corner[0], x, columns)
     spans = []
@@ -57,7 +56,7 @@ def _solids_at(world: World, x: float, z: float) -> list[tuple[float, float]]:
 
 
 def viewpoint_of(game_map: GameMap) -> Viewpoint:
-    """Return a place on open ground with a house in clear view; without houses, one over the map."""
+    """Return a viewpoint on open ground with a clear view of a house; without houses, one over the map."""
     for house in sorted(game_map.houses, key=lambda house: np.hypot(*house.center)):
         found = _view_of(game_map, house)
         if found is not None:
@@ -67,7 +66,7 @@ def viewpoint_of(game_map: GameMap) -> Viewpoint:
 
 
 def _view_of(game_map: GameMap, house: House) -> Viewpoint | None:
-    """Return the place on open ground that shows a house best, None if it is hidden from all."""
+    """Return the best viewpoint of a house on open ground, None if it is hidden from all."""
     places = game_map.outdoor
     across, along = house.pose.inside(places[:, 0], places[:, 2])  # type: ignore[arg-type]
     best = AWAY[0] * max(house.size) + AWAY[1]
@@ -83,7 +82,7 @@ def _view_of(game_map: GameMap, house: House) -> Viewpoint | None:
 
 
 def _towards(place: tuple[float, float, float], house: House) -> Viewpoint:
-    """Return the view of somebody at a place who looks at the middle of a house."""
+    """Return the viewpoint of a person at a place looking at the middle of a house."""
     x, y, z = place
     east, north = house.center[0] - x, house.center[1] - z
     down = y + EYE_HEIGHT - house.ground - house.storeys * house.storey_height / 2
@@ -93,7 +92,7 @@ def _towards(place: tuple[float, float, float], house: House) -> Viewpoint:
 
 
 def _sees(game_map: GameMap, view: Viewpoint, house: House) -> bool:
-    """Return whether the first thing in the middle of a view is a house."""
+    """Return whether the first solid at the centre of a view belongs to a house."""
     (x, y, z), (east, north) = view.eye, house.center
     way = np.array([east - x, house.ground + house.storeys * house.storey_height / 2 - y, north - z])
     distance = float(np.linalg.norm(way))

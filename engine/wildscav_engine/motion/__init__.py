@@ -1,1 +1,1 @@
-"""How a body moves through the world: walking, jumping, falling, and what it collides with."""
+"""The motion of a body through the world: walking, jumping, falling and collisions."""

@@ -1,4 +1,4 @@
-"""What moving bodies meet: solids and each other, swept as one; and what is left of a way after that."""
+"""Collisions of a moving body with solids and other bodies, and the displacement that is left afterwards."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.near import Near, is_anything_near, solids_near, sweep_near
+from wildscav_engine.geometry.nearby_solids import (
+    NearbySolids,
+    find_nearby_solids,
+    has_nearby_solids,
+    sweep_nearby_solids,
+)
 from wildscav_engine.geometry.sweep import FREE, SKIN, Contact, is_body_near, sweep_bodies
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.specs.actions import MAX_WALK_SPEED
@@ -20,24 +25,25 @@ from wildscav_engine.specs.body import (
 from wildscav_engine.specs.rules import FRAME
 
 SLIDES = 4  # how many surfaces one move can slide along
-FARTHEST = MAX_WALK_SPEED * FRAME  # m, the longest way sideways in a frame, by whatever means
-TOUCHING = 3.0 * SKIN  # m, a body this near above something stands on it
-# What slides along a surface leaves it by this share of what it ran into it: rounding must not hold it there.
-LEAVING = 1.0 + 1e-6
-BELOW = FALL_SPEED_LIMIT * FRAME + FARTHEST  # m, what a move can reach under the soles
-ABOVE = BODY_HEIGHT + 1.6  # m, and over them: up a step, up a slope and up onto the ground
+FARTHEST = MAX_WALK_SPEED * FRAME  # m, the greatest horizontal displacement in a frame, by any means
+TOUCHING = 3.0 * SKIN  # m; a body this close above a surface stands on it
+# A slide removes slightly more than the displacement into the surface, so that rounding cannot make bodies
+# stick.
+SEPARATION = 1.0 + 1e-6
+BELOW = FALL_SPEED_LIMIT * FRAME + FARTHEST  # m below the soles that a move can reach
+ABOVE = BODY_HEIGHT + 1.6  # m above them: up a step, up a slope and up onto the ground
 
 
 class Bodies(NamedTuple):
     """The bodies of a match, as obstacles to the one that moves."""
 
     position: NDArray[np.float64]  # (A, 3) m, soles
-    others: NDArray[np.int32]  # (N,) the seats of those that can be met
+    others: NDArray[np.int32]  # (N,) indices of those that can be touched
     mover: int
 
 
 class Point(NamedTuple):
-    """A place in m, or a way from one place to another."""
+    """A place or a displacement, in m."""
 
     x: float
     y: float
@@ -45,77 +51,77 @@ class Point(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """Where a move ended."""
+    """The state of a body after a move."""
 
     x: float
     y: float
     z: float
-    rise: float  # m/s, the vertical speed left
+    rise: float  # m/s, the vertical speed
     on_ground: bool
 
 
-class Around(NamedTuple):
-    """What a body can touch in one move."""
+class Surroundings(NamedTuple):
+    """The solids and bodies that a body can touch in one move."""
 
-    solids: Near
+    solids: NearbySolids
     has_solids: bool
     has_bodies: bool
 
 
 @kernel
-def look_around(world: World, bodies: Bodies, here: Point, far: float) -> Around:
-    """Find what a body can touch in a move of up to ``far`` m sideways, at most 0.5 m."""
+def find_surroundings(world: World, bodies: Bodies, here: Point, far: float) -> Surroundings:
+    """Find what a body can touch in a move of up to ``far`` m sideways; ``far`` is at most 0.5."""
     reach = BODY_RADIUS + 2.0 * SKIN + far
-    solids = solids_near(world, here.x, here.z, reach, here.y - BELOW, here.y + ABOVE)
+    solids = find_nearby_solids(world, here.x, here.z, reach, here.y - BELOW, here.y + ABOVE)
     has_bodies = is_body_near(bodies.position, bodies.others, bodies.mover, here.x, here.y, here.z, 2.0 * far)
-    return Around(solids, is_anything_near(solids), has_bodies)
+    return Surroundings(solids, has_nearby_solids(solids), has_bodies)
 
 
 @kernel
-def sweep(world: World, bodies: Bodies, around: Around, at: Point, way: Point) -> Contact:
+def sweep(world: World, bodies: Bodies, surroundings: Surroundings, at: Point, delta: Point) -> Contact:
     """Return the first contact with a solid or another body."""
     contact = FREE
-    if around.has_solids:
-        contact = sweep_near(world, around.solids, at.x, at.y, at.z, way.x, way.y, way.z)
-    if around.has_bodies:
+    if surroundings.has_solids:
+        contact = sweep_nearby_solids(world, surroundings.solids, at.x, at.y, at.z, delta.x, delta.y, delta.z)
+    if surroundings.has_bodies:
         position, others, mover = bodies
-        other = sweep_bodies(position, others, mover, at.x, at.y, at.z, way.x, way.y, way.z)
+        other = sweep_bodies(position, others, mover, at.x, at.y, at.z, delta.x, delta.y, delta.z)
         if other.fraction < contact.fraction:
             contact = other
     return contact
 
 
 @kernel
-def along(at: Point, way: Point, fraction: float) -> Point:
-    """Return the place where a share of a way ends."""
-    return Point(at.x + way.x * fraction, at.y + way.y * fraction, at.z + way.z * fraction)
+def along(at: Point, delta: Point, fraction: float) -> Point:
+    """Return the place after a fraction of a displacement."""
+    return Point(at.x + delta.x * fraction, at.y + delta.y * fraction, at.z + delta.z * fraction)
 
 
 @kernel
-def slide(world: World, bodies: Bodies, around: Around, at: Point, way: Point) -> Point:
-    """Go a way; where something stops it, go on along its surface.
+def slide(world: World, bodies: Bodies, surroundings: Surroundings, at: Point, delta: Point) -> Point:
+    """Move by a displacement, sliding along the surfaces that stop the body; return where it ends.
 
-    Floors and gentle roofs lead upwards, walls and steep faces only sideways, and nothing leads over the edge
-    of the map.
+    A body slides up floors and gentle roofs, only sideways along walls and steep faces, and never over the
+    edge of the map.
     """
-    first_x, first_z = way.x, way.z
+    first_x, first_z = delta.x, delta.z
     for _ in range(SLIDES):
-        way = inside_edges(world, at, way)
-        contact = sweep(world, bodies, around, at, way)
-        at = along(at, way, contact.fraction)
+        delta = inside_edges(world, at, delta)
+        contact = sweep(world, bodies, surroundings, at, delta)
+        at = along(at, delta, contact.fraction)
         if contact.fraction >= 1.0:
             break
         left = 1.0 - contact.fraction
-        way = clip(sideways(contact), Point(way.x * left, way.y * left, way.z * left))
-        # Never turn back: in a corner, that would tremble.
-        if way.x * first_x + way.z * first_z <= 0.0:
+        delta = clip(sideways(contact), Point(delta.x * left, delta.y * left, delta.z * left))
+        # Never turn back: the body would jitter in a corner.
+        if delta.x * first_x + delta.z * first_z <= 0.0:
             break
     return at
 
 
 @kernel
 def sideways(contact: Contact) -> Contact:
-    """Return a contact with a face too steep to walk up as one with a wall."""
+    """Return a contact; one with a face too steep to walk up becomes a contact with a wall."""
     if not 0.0 < contact.n_y < COS_SLOPE_LIMIT:
         return contact
     flat = np.sqrt(contact.n_x * contact.n_x + contact.n_z * contact.n_z)
@@ -123,19 +129,19 @@ def sideways(contact: Contact) -> Contact:
 
 
 @kernel
-def clip(contact: Contact, way: Point) -> Point:
-    """Return what is left of a way along the surface that stopped it."""
-    into = (way.x * contact.n_x + way.y * contact.n_y + way.z * contact.n_z) * LEAVING
-    return Point(way.x - contact.n_x * into, way.y - contact.n_y * into, way.z - contact.n_z * into)
+def clip(contact: Contact, delta: Point) -> Point:
+    """Return the part of a displacement along the surface that stopped it."""
+    into = (delta.x * contact.n_x + delta.y * contact.n_y + delta.z * contact.n_z) * SEPARATION
+    return Point(delta.x - contact.n_x * into, delta.y - contact.n_y * into, delta.z - contact.n_z * into)
 
 
 @kernel
-def inside_edges(world: World, here: Point, way: Point) -> Point:
-    """Cut a way so that it ends inside the map; from outside, so that it leads no farther out."""
+def inside_edges(world: World, here: Point, delta: Point) -> Point:
+    """Limit a displacement so that it ends inside the map or, from outside, leads no farther out."""
     rows, columns = world.water.shape
     west, south = world.corner[0] + EDGE_MARGIN, world.corner[1] + EDGE_MARGIN
     east = world.corner[0] + columns * CELL - EDGE_MARGIN
     north = world.corner[1] + rows * CELL - EDGE_MARGIN
-    way_x = max(min(way.x, max(east - here.x, 0.0)), min(west - here.x, 0.0))
-    way_z = max(min(way.z, max(north - here.z, 0.0)), min(south - here.z, 0.0))
-    return Point(way_x, way.y, way_z)
+    delta_x = max(min(delta.x, max(east - here.x, 0.0)), min(west - here.x, 0.0))
+    delta_z = max(min(delta.z, max(north - here.z, 0.0)), min(south - here.z, 0.0))
+    return Point(delta_x, delta.y, delta_z)

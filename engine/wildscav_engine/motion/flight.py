@@ -1,4 +1,4 @@
-"""Flight: jumping, falling, landing, and what is met on the way."""
+"""Flight: jumping, falling, landing, and the collisions during them."""
 
 import numpy as np
 
@@ -9,10 +9,10 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.motion.collision import (
     FARTHEST,
     SLIDES,
-    Around,
     Bodies,
     Moved,
     Point,
+    Surroundings,
     along,
     clip,
     inside_edges,
@@ -24,7 +24,7 @@ from wildscav_engine.specs.body import COS_SLOPE_LIMIT, FALL_SPEED_LIMIT, GRAVIT
 from wildscav_engine.specs.rules import FRAME
 
 ROUNDING = 1e-9  # m
-HELD = 0.1  # of a free fall; what falls less, held by steep faces on several sides, stands
+HELD = 0.1  # of a free fall; a body that falls less, wedged between steep faces, counts as standing
 
 
 @kernel
@@ -35,37 +35,43 @@ def rise_after(rise: float) -> float:
 
 @kernel
 def flown(rise: float) -> float:
-    """Return how far up in m a frame of free flight leads: the true parabola, at any frame rate."""
+    """Return the rise in m during a frame of free flight: the exact parabola, at any frame rate."""
     return 0.5 * (rise + rise_after(rise)) * FRAME
 
 
 @kernel
-def fly_among(
-    world: World, bodies: Bodies, around: Around, here: Point, way_x: float, way_z: float, rise: float
+def fly_among_obstacles(
+    world: World,
+    bodies: Bodies,
+    surroundings: Surroundings,
+    here: Point,
+    delta_x: float,
+    delta_z: float,
+    rise: float,
 ) -> Moved:
-    """Jump or fall for one frame, at a vertical speed of ``rise`` m/s when it begins."""
-    at, way = here, Point(way_x, flown(rise), way_z)
+    """Jump or fall for one frame, with an initial vertical speed of ``rise`` m/s."""
+    at, delta = here, Point(delta_x, flown(rise), delta_z)
     later, free_rise = rise_after(rise), flown(rise)
     landed, is_held = False, False
     for _ in range(SLIDES):
-        way = inside_edges(world, at, way)
-        contact = sweep(world, bodies, around, at, way)
-        at = along(at, way, contact.fraction)
+        delta = inside_edges(world, at, delta)
+        contact = sweep(world, bodies, surroundings, at, delta)
+        at = along(at, delta, contact.fraction)
         if contact.fraction >= 1.0:
             break
         landed = landed or contact.n_y >= COS_SLOPE_LIMIT
         is_held = is_held or 0.0 < contact.n_y < COS_SLOPE_LIMIT
         if contact.n_y < 0.0:
             later = min(later, 0.0)
-        way = _slip(way, contact)
+        delta = _slip(delta, contact)
     ground = ground_at(world, at.x, at.z)
     if at.y <= ground.height:
         if ground.height > here.y + (0.0 if is_steep(ground) else LIFT):
-            # It flew against a steep slope: it falls or rises where it is.
-            return _fly_straight(world, bodies, around, here, rise)
-        up = sweep(world, bodies, around, at, Point(0.0, ground.height - at.y, 0.0))
-        if up.fraction < 1.0:  # no room between ground and ceiling
-            return _fly_straight(world, bodies, around, here, rise)
+            # The body flew against a steep slope, so it only rises or falls where it is.
+            return _fly_straight(world, bodies, surroundings, here, rise)
+        up = sweep(world, bodies, surroundings, at, Point(0.0, ground.height - at.y, 0.0))
+        if up.fraction < 1.0:  # no space between ground and ceiling
+            return _fly_straight(world, bodies, surroundings, here, rise)
         return Moved(at.x, ground.height, at.z, 0.0, True)
     if is_held and free_rise < 0.0 and at.y - here.y > HELD * free_rise:
         landed = True
@@ -76,12 +82,12 @@ def fly_among(
 
 @kernel
 def _rise_left(later: float, free_rise: float, risen: float) -> float:
-    """Return the vertical speed in m/s of a body that may have been held up: it falls no faster than it did.
+    """Return the vertical speed in m/s of a body that may have been stopped: no faster than it really fell.
 
     Args:
-        later: m/s, what it would be in free flight.
-        free_rise: m, how far up a frame of free flight would have led.
-        risen: m, how far it did.
+        later: m/s, its vertical speed in free flight.
+        free_rise: m, its rise in a frame of free flight.
+        risen: m, its actual rise.
     """
     if later >= 0.0 or risen <= free_rise + ROUNDING:
         return later
@@ -89,13 +95,15 @@ def _rise_left(later: float, free_rise: float, risen: float) -> float:
 
 
 @kernel
-def _fly_straight(world: World, bodies: Bodies, around: Around, here: Point, rise: float) -> Moved:
-    """Rise or fall without going sideways."""
+def _fly_straight(
+    world: World, bodies: Bodies, surroundings: Surroundings, here: Point, rise: float
+) -> Moved:
+    """Rise or fall without horizontal motion."""
     later, free_rise = rise_after(rise), flown(rise)
     ground = ground_at(world, here.x, here.z).height
-    way = Point(0.0, max(free_rise, ground - here.y), 0.0)
-    contact = sweep(world, bodies, around, here, way)
-    at = along(here, way, contact.fraction)
+    delta = Point(0.0, max(free_rise, ground - here.y), 0.0)
+    contact = sweep(world, bodies, surroundings, here, delta)
+    at = along(here, delta, contact.fraction)
     landed = at.y <= ground or (contact.fraction < 1.0 and contact.n_y >= COS_SLOPE_LIMIT)
     if contact.fraction < 1.0 and contact.n_y < 0.0:
         later = min(later, 0.0)
@@ -105,16 +113,16 @@ def _fly_straight(world: World, bodies: Bodies, around: Around, here: Point, ris
 
 
 @kernel
-def _slip(way: Point, contact: Contact) -> Point:
-    """Return what is left of a flight along the surface that stopped it."""
+def _slip(delta: Point, contact: Contact) -> Point:
+    """Return the rest of a flight's displacement along the surface that stopped it."""
     left = 1.0 - contact.fraction
-    way = Point(way.x * left, way.y * left, way.z * left)
+    delta = Point(delta.x * left, delta.y * left, delta.z * left)
     wall = sideways(contact)
-    if way.x * wall.n_x + way.y * wall.n_y + way.z * wall.n_z < 0.0:
-        way = clip(wall, way)  # steep faces lead nobody upwards
-    if way.x * contact.n_x + way.y * contact.n_y + way.z * contact.n_z < 0.0:
-        way = clip(contact, way)
-    # A fall onto a steep face goes on sideways, but no faster than anybody can walk.
-    aside = np.sqrt(way.x * way.x + way.z * way.z)
+    if delta.x * wall.n_x + delta.y * wall.n_y + delta.z * wall.n_z < 0.0:
+        delta = clip(wall, delta)  # a body does not slide up steep faces
+    if delta.x * contact.n_x + delta.y * contact.n_y + delta.z * contact.n_z < 0.0:
+        delta = clip(contact, delta)
+    # A fall onto a steep face continues sideways, but no faster than a body can walk.
+    aside = np.sqrt(delta.x * delta.x + delta.z * delta.z)
     share = FARTHEST * left / max(FARTHEST * left, aside)
-    return Point(way.x * share, way.y * share, way.z * share)
+    return Point(delta.x * share, delta.y * share, delta.z * share)

@@ -1,1 +1,1 @@
-"""Images of the world: what every ray of a camera meets."""
+"""Images of the world: tracing the rays of cameras and shading what they hit."""

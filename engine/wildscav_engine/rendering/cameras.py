@@ -1,6 +1,6 @@
-"""Where cameras stand and which way the rays of their pixels go.
+"""Cameras: where they are, where they look, and how far.
 
-A pinhole: square pixels, rays through pixel centres, row 0 at the top, column 0 at the left.
+A camera is a pinhole: square pixels, rays through pixel centres, row 0 at the top, column 0 at the left.
 """
 
 from typing import NamedTuple
@@ -12,19 +12,19 @@ from wildscav_engine.compilation.kernel import kernel
 
 
 class Cameras(NamedTuple):
-    """N cameras of one lens."""
+    """N cameras with the same field of view and range."""
 
     eyes: NDArray[np.float64]  # (N, 3) m
     yaws: NDArray[np.float64]  # (N,) degrees
     pitches: NDArray[np.float64]  # (N,) degrees, positive looks down
-    viewers: NDArray[np.int32]  # (N,) who do not see what they own; -2 for nobody
+    viewers: NDArray[np.int32]  # (N,) each hides the solids whose owner it is; -2 hides none
     half_width: float  # tangent of half the horizontal field of view
-    far: float  # m along the ray, beyond which nothing is met
+    far: float  # m along the ray, the greatest distance of a hit
 
 
 @kernel
 def are_finite(eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]) -> bool:
-    """Return whether all of (N, 3), (N,) and (N,) numbers are finite, and their sums."""
+    """Return whether all numbers of (N, 3), (N,) and (N,) are finite, and their sums as well."""
     for row in range(yaws.shape[0]):
         if not np.isfinite(eyes[row, 0] + eyes[row, 1] + eyes[row, 2] + yaws[row] + pitches[row]):
             return False

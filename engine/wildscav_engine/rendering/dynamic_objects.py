@@ -1,4 +1,4 @@
-"""What moves, as images show it: solids that know what they belong to and what they look like."""
+"""Moving objects as images show them: solids with their instance and colour."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from wildscav_engine.rendering.tracing.solids import Solids
 
 
 class DynamicObjects(Solids):
-    """S solids, part by part, each of which belongs to an agent or a supply box."""
+    """S solids, the parts of agents and supply boxes."""
 
     instance: NDArray[np.int32]  # (S,) the seat of an agent, the serial number of a box
     color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255
@@ -18,7 +18,7 @@ class DynamicObjects(Solids):
     def __new__(
         cls, solids: Solids, instance: NDArray[np.int32], color: NDArray[np.float64]
     ) -> "DynamicObjects":
-        """Return solids with what is known about them besides."""
+        """Return solids together with their instances and colours."""
         objects = super().__new__(cls, *solids)
         objects.instance, objects.color = instance, color
         return objects
@@ -28,11 +28,11 @@ class DynamicObjects(Solids):
 
     @property
     def solids(self) -> Solids:
-        """The solids alone."""
+        """The solids without instances and colours."""
         return Solids(*self)
 
 
 @typeof_impl.register(DynamicObjects)
 def _type_for_kernels(objects: DynamicObjects, context: Any) -> Any:
-    """Let kernels take them for the solids that they are, so that none is compiled twice."""
+    """Make kernels treat them as ``Solids``, so that no kernel is compiled for two types."""
     return typeof_impl(objects.solids, context)

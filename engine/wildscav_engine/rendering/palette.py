@@ -1,6 +1,6 @@
-"""The colours of the world, as red, green, blue 0-255, and a fixed sun that shades them.
+"""The colours of the world, as red, green, blue 0-255, and the fixed sun that lights them.
 
-Replays, pictures and exported meshes share them, so that a map looks the same wherever it is shown.
+Replays, pictures and exported meshes share them, so that a map looks the same everywhere.
 """
 
 import colorsys
@@ -13,7 +13,7 @@ from wildscav_engine.geometry.world import Kind
 Colors = NDArray[np.uint8]
 Array = NDArray[np.floating]
 
-SUN = np.array([-0.45, 0.75, -0.48])  # where it stands, in the game's frame
+SUN = np.array([-0.45, 0.75, -0.48])  # direction towards it, in the game's frame
 SUNLIGHT = np.array([0.56, 0.53, 0.46])
 SKYLIGHT = np.array([0.56, 0.59, 0.64])  # from straight above; a third of it from below
 
@@ -23,7 +23,7 @@ WATER = (40, 130, 215, 140)
 WALLS = ([228, 214, 188], [206, 160, 122], [217, 190, 132], [188, 198, 202], [230, 226, 216], [190, 140, 116])
 ROOFS = ([166, 70, 52], [112, 74, 62], [88, 98, 116], [146, 92, 58], [120, 58, 54])
 OF_KIND = {
-    Kind.WALL: [186, 182, 174],  # of no house: a block
+    Kind.WALL: [186, 182, 174],  # a wall that belongs to no house: a block
     Kind.FLOOR: [150, 116, 82],
     Kind.STAIR: [196, 150, 96],
     Kind.TRUNK: [98, 70, 46],
@@ -44,10 +44,10 @@ def shaded(base: Array, normals: Array) -> Colors:
 
 
 def of_terrain(height_over_water: Array, up: Array, noise: Array) -> NDArray[np.float64]:
-    """Return (N, 3) colours of ground: lake beds, sand at the shore, grass, dry grass, stone where steep.
+    """Return (N, 3) colours of ground: lake beds, sand on shores, grass, dry grass, stone where it is steep.
 
     Args:
-        height_over_water: (N,) m above the nearest lake, negative below it, inf where there is none.
+        height_over_water: (N,) m above the nearest lake, negative below it, inf without one.
         up: (N,) the upward part of the unit normal.
         noise: (N,) 0-1, how dry the grass is.
     """
@@ -58,7 +58,7 @@ def of_terrain(height_over_water: Array, up: Array, noise: Array) -> NDArray[np.
 
 
 def of_solids(kinds: NDArray[np.int8], houses: NDArray[np.int16]) -> NDArray[np.float64]:
-    """Return (S, 3) colours of solids by (S,) kinds and houses (-1: none); neighbours differ a little."""
+    """Return (S, 3) colours of solids by (S,) kinds and houses (-1: none), with slight variations."""
     count = len(kinds)
     colors = np.full((count, 3), 160.0)
     for kind, color in OF_KIND.items():
@@ -78,17 +78,17 @@ def of_solids(kinds: NDArray[np.int8], houses: NDArray[np.int16]) -> NDArray[np.
 
 
 def of_seat(seat: int) -> tuple[int, int, int]:
-    """Return a strong colour for a seat; the first dozen are far apart."""
+    """Return a saturated colour for a seat; those of the first dozen seats differ clearly."""
     hue = (0.02 + 0.381966 * seat) % 1.0  # the golden angle
     red, green, blue = colorsys.hsv_to_rgb(hue, 0.80 - 0.25 * (seat // 7 % 2), 1.0)
     return round(255 * red), round(255 * green), round(255 * blue)
 
 
 def mix(first: Array, second: Array, share: Array) -> NDArray[np.float64]:
-    """Return (N, 3) colours between two, by (N,) how much of the second there is in them."""
+    """Return (N, 3) linear blends of two colours, by the (N,) shares of the second."""
     return np.asarray(first + (second - first) * share[:, None], np.float64)
 
 
 def _scatter(numbers: NDArray[np.integer]) -> NDArray[np.int64]:
-    """Spread whole numbers so that neighbours get unlike remainders."""
+    """Hash integers so that neighbours get different remainders."""
     return np.asarray((numbers.astype(np.int64) + 1) * 2654435761 % 4294967296 >> 7, np.int64)

@@ -1,9 +1,10 @@
-"""What the rays of cameras meet first.
+"""Ray tracing for cameras: what the ray of each pixel hits first.
 
-All rays of an image start at one eye, so the image is made thing by thing rather than ray by ray: blocks of
-cells from near to far, in each the cells and solids that can lie on a pixel, and these meet the rays of just
-those pixels. What cannot be nearer than what is already there is passed over. Each ray's answer is the
-nearest of the same meetings, computed in the same way, whichever image it is part of.
+All rays of an image start at one eye, so an image is traced object by object instead of ray by ray. Blocks of
+cells are visited from near to far. In each block, the cells and solids that may be visible are projected onto
+the image, and only the rays of the pixels they cover are intersected with them. Objects that cannot be nearer
+than the hits found so far are skipped. The result of a ray is the nearest of the same intersections, computed
+in the same way, whichever image the ray belongs to.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,17 +18,16 @@ from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.tracing.bodies import entered_face
-from wildscav_engine.rendering.tracing.canvas import (
-    NOTHING,
-    Canvas,
-    canvas_on,
-    index_of,
-    is_of_terrain,
-    start,
-)
+from wildscav_engine.rendering.tracing.front_to_back import Scratch, trace_moving_solids, trace_world
 from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
-from wildscav_engine.rendering.tracing.image import Desk, look_at_things, look_at_world
+from wildscav_engine.rendering.tracing.hit_buffer import (
+    NOTHING,
+    HitBuffer,
+    aim_rays,
+    hit_buffer_in,
+    index_in_code,
+    is_terrain_code,
+)
 from wildscav_engine.rendering.tracing.packing import (
     Packed,
     Shapes,
@@ -37,8 +37,9 @@ from wildscav_engine.rendering.tracing.packing import (
     unpack_shapes,
 )
 from wildscav_engine.rendering.tracing.scene import Scene, scene_of
+from wildscav_engine.rendering.tracing.solid_intersection import entered_face
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
-from wildscav_engine.rendering.tracing.workspace import Room, Size, read_room
+from wildscav_engine.rendering.tracing.workspace import Size, Workspace, read_workspace
 
 __all__ = [
     "WATER_HIT",
@@ -53,24 +54,24 @@ __all__ = [
 ]
 
 WATER_HIT = -3
-NOBODY = -2  # who looks
+NO_VIEWER = -2  # a viewer who owns no solid
 
 
 class Hits(NamedTuple):
-    """What each ray of N images met."""
+    """What each ray of N images hit."""
 
-    distance: NDArray[np.float32]  # (N, H, W) m along the ray, inf where nothing is met
+    distance: NDArray[np.float32]  # (N, H, W) m along the ray, inf without a hit
     solid: NDArray[np.int32]  # (N, H, W) see below
     face: NDArray[np.int32]  # (N, H, W) see below
 
-    # solid: index of the world's solid; from the number of these on, of the moving ones; TERRAIN_HIT,
-    # WATER_HIT or NOTHING_HIT.
-    # face: index into Solids.faces of the world or the moving ones; for terrain 2 * cell + 0 for its
-    # south-eastern triangle, + 1 for the other; for water the cell (row * columns + column); else 0.
+    # solid: the index of a solid of the world; or the number of these plus the index of a moving solid; or
+    # TERRAIN_HIT, WATER_HIT or NOTHING_HIT.
+    # face: an index into Solids.faces of the world or of the moving solids; for terrain 2 * cell for the
+    # south-eastern triangle, 2 * cell + 1 for the other; for water the cell (row * columns + column); else 0.
 
 
 def allocate_hits(count: int, height: int, width: int) -> Hits:
-    """Return room for the hits of some images."""
+    """Return uninitialized arrays for the hits of ``count`` images."""
     shape = (count, height, width)
     return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
@@ -83,41 +84,41 @@ NOTHING_MOVES = pack_nothing()
 
 
 def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
-    """Find what each ray meets first.
+    """Find what each ray hits first.
 
     Args:
         scene: The static world.
-        moving: What is in it besides.
-        cameras: N cameras. One outside the map sees nothing of it; one below the ground or in a solid meets
-            that at distance 0.
+        moving: The moving solids.
+        cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
+            hits that at distance 0.
         hits: Of N images, written.
-        with_water: Whether rays meet the surface of water; else they go to its bed.
+        with_water: Whether rays hit the surface of water; else they go to its bed.
 
     Returns:
-        Whether all cameras are finite numbers; else nothing is written.
+        Whether all numbers of the cameras are finite; if not, nothing is written.
     """
     others = _pack(moving)
     _, height, width = hits.distance.shape
-    room = scene.rooms.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
-    return _trace_hits(with_water, *cameras, others.numbers, others.indices, room.addresses, *hits)
+    workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
+    return _trace_hits(with_water, *cameras, others.numbers, others.indices, workspace.addresses, *hits)
 
 
 def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> bool:
-    """Find how far along the view axis each ray meets something; what is given is as in ``trace``.
+    """Find the depth of each ray's first hit along the view axis.
 
     Args:
         scene: The static world.
-        moving: What is in it besides.
-        cameras: N cameras.
-        depths: (N, H, W) m, written: the cameras' far where nothing is met.
+        moving: The moving solids.
+        cameras: N cameras, as for ``trace``.
+        depths: (N, H, W) m, written: the cameras' ``far`` without a hit.
 
     Returns:
-        Whether all cameras are finite numbers; else nothing is written.
+        Whether all numbers of the cameras are finite; if not, nothing is written.
     """
     others = _pack(moving)
     _, height, width = depths.shape
-    room = scene.rooms.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
-    tables = room.with_moving(others, cameras.viewers) if len(moving.kind) else room.tables
+    workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
+    tables = workspace.with_moving(others, cameras.viewers) if len(moving.kind) else workspace.tables
     eyes, yaws, pitches, _, half_width, far = cameras
     return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
 
@@ -125,15 +126,21 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
 def trace_depths_of_maps(
     scenes: Sequence[Scene], size: Size, cameras: Cameras, depths: NDArray[np.float32]
 ) -> bool:
-    """Do what ``trace_depths`` does where nothing moves, for N cameras on N worlds, which may be the same."""
-    rooms = [scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size) for scene in scenes]
-    tables = rooms[0].tables if len(rooms) == 1 else np.concatenate([room.tables for room in rooms])
+    """Do the same as ``trace_depths`` without moving solids, for N cameras in N worlds (or all in one)."""
+    workspaces = [
+        scene.workspaces.cached.get(size) or scene.workspaces.make(scene.packed, size) for scene in scenes
+    ]
+    tables = (
+        workspaces[0].tables
+        if len(workspaces) == 1
+        else np.concatenate([workspace.tables for workspace in workspaces])
+    )
     eyes, yaws, pitches, _, half_width, far = cameras
     return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
 
 
-# What stays the same between calls comes to these kernels as a table of arrays; what does not, one by one:
-# from Python, a tuple of arrays takes several times longer.
+# These kernels take everything that stays the same between calls through a table of addresses, and all other
+# arrays one by one: passing a tuple of arrays from Python takes several times longer.
 
 
 @kernel
@@ -147,24 +154,24 @@ def _trace_hits(
     far: float,
     moving_numbers: NDArray[np.float64],
     moving_indices: NDArray[np.int64],
-    room: Addresses,
+    workspace: Addresses,
     distance: NDArray[np.float32],
     solid: NDArray[np.int32],
     face: NDArray[np.int32],
 ) -> bool:
-    """Do what ``trace`` says."""
+    """Implement ``trace``."""
     if not are_finite(eyes, yaws, pitches):
         return False
-    parts = read_room(room)
+    parts = read_workspace(workspace)
     others = unpack_shapes(moving_numbers, moving_indices)
     solids = unpack_shapes(parts.numbers, parts.indices)
     height, width = distance.shape[1:]
-    canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
+    buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
     for image in range(yaws.shape[0]):
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        _look(parts, others, camera, viewers[image], with_water, canvas)
+        _trace_image(parts, others, camera, viewers[image], with_water, buffer)
         hit = Hits(distance[image], solid[image], face[image])
-        _write_hits(solids, others, camera, canvas, hit)
+        _write_hits(solids, others, camera, buffer, hit)
     return True
 
 
@@ -175,39 +182,40 @@ def _trace_depths(
     pitches: NDArray[np.float64],
     half_width: float,
     far: float,
-    rooms: NDArray[np.int64],
+    workspaces: NDArray[np.int64],
     depths: NDArray[np.float32],
 ) -> bool:
-    """Do what ``trace_depths`` says, in one room or in one for each image.
+    """Implement ``trace_depths``, in one workspace or in one for each image.
 
-    Shapes that do not agree are refused, too, so that those who are in a hurry need not look at them.
+    It also returns False for shapes that do not match, so that callers in a hot loop need not check them.
     """
     count, height, width = depths.shape
     is_whole = eyes.shape[0] == yaws.shape[0] == pitches.shape[0] == count and eyes.shape[1] == 3
     if not (is_whole and are_finite(eyes, yaws, pitches)):
         return False
     for image in range(count):
-        parts = read_room(rooms[image if rooms.shape[0] > 1 else 0])
-        canvas = canvas_on(width, parts.rays, parts.met, parts.strips)
+        parts = read_workspace(workspaces[image if workspaces.shape[0] > 1 else 0])
+        buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
         others = unpack_shapes(parts.moving_numbers, parts.moving_indices)
-        viewer = parts.viewers[image] if others.boxes.shape[0] > 0 else NOBODY
-        _look(parts, others, camera, viewer, False, canvas)
-        _write_depths(canvas, depths[image])
+        viewer = parts.viewers[image] if others.boxes.shape[0] > 0 else NO_VIEWER
+        _trace_image(parts, others, camera, viewer, False, buffer)
+        _write_depths(buffer, depths[image])
     return True
 
 
 @cache
 def depths_tracer() -> Callable[..., bool]:
-    """Return the shortest way to depths, for arrays that are just right.
+    """Return the kernel behind ``trace_depths``, for callers with arrays of exactly the right types.
 
-    A small image takes hardly longer than looking at three arrays in Python, and handing them on. So here
-    the kernel itself finds out whether it can take what it is given. Where shapes do not agree, or a number
-    is not finite, it writes nothing and returns False; for what is no array of its type, in order, aligned
-    and writable, it raises TypeError, ValueError or NumbaError.
+    Tracing a small image takes hardly longer than checking three arrays in Python and passing them on. So the
+    kernel itself checks its arguments. If shapes do not match, or a number is not finite, it writes nothing
+    and returns False. For an argument that is not a contiguous, aligned and writable array of the right type,
+    it raises TypeError, ValueError or NumbaError.
 
-    Args of what is returned: (N, 3) float64 m, the eyes; (N,) float64 degrees, yaws; (N,) float64 degrees,
-    pitches; the half width and the reach of ``Cameras``; tables of one room or N; (N, H, W) float32, written.
+    The kernel's arguments: (N, 3) float64 m, the eyes; (N,) float64 degrees, yaws; (N,) float64 degrees,
+    pitches; ``half_width`` and ``far`` of ``Cameras``; the tables of one workspace or of N; (N, H, W)
+    float32, written.
     """
     numbers, depths = np.zeros(1), np.zeros((1, 1, 1), np.float32)
     tables = np.zeros((1, 1, 1), np.int64)
@@ -215,12 +223,14 @@ def depths_tracer() -> Callable[..., bool]:
 
 
 @inlined_kernel
-def _look(parts: Room, others: Shapes, camera: Camera, viewer: int, with_water: bool, canvas: Canvas) -> None:
-    """Make one image on a canvas."""
-    blocks = unpack_blocks(parts.numbers, parts.indices, parts.halves)
+def _trace_image(
+    parts: Workspace, others: Shapes, camera: Camera, viewer: int, with_water: bool, buffer: HitBuffer
+) -> None:
+    """Trace one image."""
+    blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
     solids = unpack_shapes(parts.numbers, parts.indices)
-    desk = Desk(
-        parts.sketch,
+    scratch = Scratch(
+        parts.projection,
         parts.boxes,
         parts.outside,
         parts.shown,
@@ -229,44 +239,46 @@ def _look(parts: Room, others: Shapes, camera: Camera, viewer: int, with_water: 
         parts.cells,
         parts.done,
     )
-    start(canvas, camera)
-    look_at_world(blocks, solids, camera, with_water, desk, canvas)
-    look_at_things(others, solids.boxes.shape[0], camera, viewer, desk.outside, canvas)
+    aim_rays(buffer, camera)
+    trace_world(blocks, solids, camera, with_water, scratch, buffer)
+    trace_moving_solids(others, solids.boxes.shape[0], camera, viewer, scratch.outside, buffer)
 
 
 @inlined_kernel
-def _write_depths(canvas: Canvas, depths: NDArray[np.float32]) -> None:
+def _write_depths(buffer: HitBuffer, depths: NDArray[np.float32]) -> None:
     for row in range(depths.shape[0]):
-        line, first = depths[row], row * canvas.width
-        last = first + canvas.width
-        distance, met, along = canvas.distance[first:last], canvas.met[first:last], canvas.along[first:last]
-        for column in range(canvas.width):
+        line, first = depths[row], row * buffer.width
+        last = first + buffer.width
+        distance, met, along = buffer.distance[first:last], buffer.met[first:last], buffer.along[first:last]
+        for column in range(buffer.width):
             line[column] = distance[column] * (along[column] if met[column] != NOTHING else 1.0)
 
 
 @kernel
-def _write_hits(solids: Shapes, others: Shapes, camera: Camera, canvas: Canvas, hit: Hits) -> None:
-    """Say what each ray of an image met, in the numbers of ``Hits``, all (H, W)."""
+def _write_hits(solids: Shapes, others: Shapes, camera: Camera, buffer: HitBuffer, hit: Hits) -> None:
+    """Write what each ray of an image hit, in the terms of ``Hits``, all (H, W)."""
     height, width = hit.distance.shape
     for row in range(height):
         for column in range(width):
             ray = row * width + column
-            met = canvas.met[ray]
-            distance, solid, face = canvas.distance[ray], NOTHING_HIT, 0
+            met = buffer.met[ray]
+            distance, solid, face = buffer.distance[ray], NOTHING_HIT, 0
             if met == NOTHING:
                 distance = np.inf
             elif met < NOTHING:
-                solid = TERRAIN_HIT if is_of_terrain(met) else WATER_HIT
-                face = index_of(met)
+                solid = TERRAIN_HIT if is_terrain_code(met) else WATER_HIT
+                face = index_in_code(met)
             else:
-                way = (canvas.east[ray], canvas.up[ray], canvas.north[ray])
+                direction = (buffer.east[ray], buffer.up[ray], buffer.north[ray])
                 if met < solids.boxes.shape[0]:
                     solid = solids.names[met]
-                    face = solids.face_names[met] + entered_face(solids, met, camera, way)
+                    face = solids.face_names[met] + entered_face(solids, met, camera, direction)
                 else:
-                    thing = met - solids.boxes.shape[0]
-                    solid = solids.boxes.shape[0] + thing
-                    face = others.face_names[thing] + entered_face(others, thing, camera, way)
+                    moving_solid = met - solids.boxes.shape[0]
+                    solid = solids.boxes.shape[0] + moving_solid
+                    face = others.face_names[moving_solid] + entered_face(
+                        others, moving_solid, camera, direction
+                    )
             hit.distance[row, column] = distance
             hit.solid[row, column] = solid
             hit.face[row, column] = face

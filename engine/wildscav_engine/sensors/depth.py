@@ -19,7 +19,7 @@ from wildscav_engine.rendering.trace import (
     trace_depths_of_maps,
 )
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import MOST_KEPT, Size
+from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED, Size
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.optical import MovingOption, are_ready
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
@@ -71,11 +71,12 @@ class DepthCamera(MovingOption, PinholeCamera):
         if threads == 1 and moving is viewers is None:
             # The shortest way, in few steps, because a small image takes no longer than many.
             scene, size, lens = game_map.scene, self._size, self.lens
-            room = scene.rooms.kept.get(size) or scene.rooms.make(scene.packed, size)  # ``of``, but faster
+            # The same as ``workspaces.of``, but faster.
+            workspace = scene.workspaces.cached.get(size) or scene.workspaces.make(scene.packed, size)
             trace = depths_tracer()
             try:
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
-                if trace(positions, yaws, pitches, lens[0], lens[1], room.tables, depths):
+                if trace(positions, yaws, pitches, lens[0], lens[1], workspace.tables, depths):
                     return depths
             except (TypeError, ValueError, NumbaError):
                 if are_ready(positions, yaws, pitches):
@@ -86,8 +87,8 @@ class DepthCamera(MovingOption, PinholeCamera):
 
     def look_at_maps(self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[np.float32]) -> bool:
         """Make the images of some cameras on maps in which nothing moves."""
-        if self.rays > MOST_KEPT:
-            # Room for one of them at a time: they are large.
+        if self.rays > LARGEST_CACHED:
+            # One workspace at a time, because they are large.
             return super().look_at_maps(maps, cameras, images)
         return trace_depths_of_maps([one.scene for one in maps], self._size, cameras, images)
 

@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.fans import Fans, cast_fan, meet_solid_with_fan
+from wildscav_engine.geometry.ray_fans import RayFans, cast_ray_fan, meet_solid_with_ray_fan
 from wildscav_engine.geometry.rays import Ray, make_ray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras, are_finite
@@ -27,9 +27,8 @@ if TYPE_CHECKING:
 
     from wildscav_engine.maps.game_map import GameMap
 
-LEAST_LEVEL = (
-    1e-12  # cosine of the elevation of the steepest rays: those straight up and down lean by so little
-)
+# Cosine of the elevation of the steepest rays: those straight up and down lean by so little
+LEAST_LEVEL = 1e-12
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 
 
@@ -89,7 +88,7 @@ class Lidar(MovingOption):
         world = game_map.world
         levels, slopes = np.empty(self.channels), np.empty(self.channels)
         reach = np.empty((self.azimuths, self.channels))
-        fans = Fans(slopes, reach, np.empty(len(world.solid_kind), np.int64))
+        fans = RayFans(slopes, reach, np.empty(len(world.solid_kind), np.int64))
         _aim(self.elevations, levels, slopes)
         _scan(world, moving, cameras, levels, fans, images)
         return True
@@ -109,7 +108,7 @@ def _scan(
     moving: Solids,
     cameras: Cameras,
     levels: NDArray[np.float64],
-    fans: Fans,
+    fans: RayFans,
     images: NDArray[np.float32],
 ) -> None:
     """Write (N, channels, azimuths) m of N viewers, a fan for each azimuth."""
@@ -118,7 +117,7 @@ def _scan(
         for column in range(images.shape[2]):
             for channel in range(images.shape[1]):
                 fans.reach[column, channel] = cameras.far * levels[channel]
-            cast_fan(world, fans, column, _way(world, cameras, image, column, images.shape[2]))
+            cast_ray_fan(world, fans, column, _way(world, cameras, image, column, images.shape[2]))
         for solid in range(moving.kind.shape[0]):
             if moving.owner[solid] != cameras.viewers[image]:
                 _scan_solid(world, moving, solid, cameras, image, fans)
@@ -137,7 +136,9 @@ def _way(world: World, cameras: Cameras, image: int, column: int, azimuths: int)
 
 
 @kernel
-def _scan_solid(world: World, moving: Solids, solid: int, cameras: Cameras, image: int, fans: Fans) -> None:
+def _scan_solid(
+    world: World, moving: Solids, solid: int, cameras: Cameras, image: int, fans: RayFans
+) -> None:
     """Shorten the distances of one viewer to a solid, wherever it is met before."""
     solids = (moving.low, moving.high, moving.face_start, moving.faces)
     azimuths, channels = fans.reach.shape
@@ -146,7 +147,7 @@ def _scan_solid(world: World, moving: Solids, solid: int, cameras: Cameras, imag
     for place in range(first, last + 1):
         column = place % azimuths
         way = _way(world, cameras, image, column, azimuths)
-        meet_solid_with_fan(solids, solid, fans, column, way, channels - 1)
+        meet_solid_with_ray_fan(solids, solid, fans, column, way, channels - 1)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Own trigonometry agrees with the C library's to the last digits."""
+"""The engine's elementary functions agree with the C library's to the last digits."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The random numbers are Philox4x32-10, and functions of what they are for."""
+"""The random numbers are Philox4x32-10, keyed by their purpose."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream, integer_in, 
 
 @pytest.mark.parametrize(
     ("seed", "counter", "words"),
-    # The known answers that the authors publish with the algorithm (Random123, kat_vectors).
+    # The known answers published by the authors of the algorithm (Random123, kat_vectors).
     [
         (0, (0, 0, 0, 0), (0x6627E8D5E169C58D, 0xBC57AC4C9B00DBD8)),
         (2**64 - 1, (2**32 - 1,) * 4, (0x408F276D41C83B0E, 0xA20BC7C66D5451FD)),

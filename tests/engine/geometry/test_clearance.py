@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.builders import box, flat_world
 
-from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
+from wildscav_engine.geometry.clearance import has_clearance, is_clear, is_free
 from wildscav_engine.geometry.shapes import pitched_roof, pose
 from wildscav_engine.geometry.world import Kind, convex_solid
 
@@ -40,7 +40,7 @@ def test_a_body_is_clear_of_what_it_does_not_touch(place: tuple[float, float, fl
 @pytest.mark.parametrize(("room", "fits"), [(0.0, True), (0.5, True), (0.54, True), (0.56, False)])
 def test_room_is_measured_from_the_side_of_the_body(room: float, fits: bool) -> None:
     # 1 m from the wall to the middle of the body, 0.45 m of which are the body.
-    assert has_room(WORLD, 1.0, 0.0, 0.0, room) is fits
+    assert has_clearance(WORLD, 1.0, 0.0, 0.0, room) is fits
 
 
 def test_a_cylinder_that_only_reaches_a_box_but_no_face_is_free() -> None:

@@ -1,4 +1,4 @@
-"""What a ray meets, worked out by hand and against brute force."""
+"""What a ray hits, compared with results by hand and by brute force."""
 
 import math
 
@@ -67,7 +67,7 @@ def country() -> World:
 
 
 def by_brute_force(world: World, eye: np.ndarray, way: np.ndarray, far: float) -> float:
-    """The nearest of all solids, and of the terrain by small steps and bisection."""
+    """Return the distance to the nearest solid, or to the terrain by small steps and bisection."""
     nearest = far
     ray = make_ray(world, *eye, *way)
     for solid in range(len(world.solid_kind)):

@@ -1,4 +1,4 @@
-"""Bases: found by their digest, whole or refused in one line."""
+"""Bases: they are found by their digest; damaged ones are refused in one line."""
 
 import json
 import zlib
@@ -105,7 +105,7 @@ def test_damage_anywhere_is_one_clear_line(data: st.DataObject) -> None:
 
 
 def refusal(data: bytes) -> str:
-    """What is said against some bytes, if anything; other errors pass through."""
+    """Return the message with which some bytes are refused; other errors pass through."""
     try:
         decode(data)
     except BaseError as error:

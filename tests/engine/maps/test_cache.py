@@ -1,4 +1,4 @@
-"""Kept maps: the same as made ones, and never old or damaged ones."""
+"""Cached maps: the same as generated ones, and never outdated or damaged."""
 
 import dataclasses
 import os
@@ -23,7 +23,7 @@ def country() -> GameMap:
 
 @pytest.fixture(autouse=True)
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of kept maps."""
+    """The folder of cached maps."""
     monkeypatch.setattr(cache, "folder", lambda: tmp_path / "maps")
     cache.map_of.cache_clear()
     return tmp_path / "maps"
@@ -38,7 +38,7 @@ def test_a_kept_map_is_the_map_that_was_made(country: GameMap) -> None:
     again = cache.load_cached(country.spec)
 
     assert again is not None
-    assert again.digest == country.digest == dataclasses.replace(again).digest  # worked out anew
+    assert again.digest == country.digest == dataclasses.replace(again).digest  # computed anew
     assert (again.spec, again.houses) == (country.spec, country.houses)
     assert again.houses[0].wings == country.houses[0].wings
     for array in (*again.world, again.indoor, again.outdoor, again.solid_house):
@@ -48,7 +48,7 @@ def test_a_kept_map_is_the_map_that_was_made(country: GameMap) -> None:
 
 
 def test_a_map_is_made_once(country: GameMap, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cache, "WORTH_KEEPING", 0.0)
+    monkeypatch.setattr(cache, "CACHE_THRESHOLD", 0.0)
     first = cache.map_of(country.spec)
     cache.map_of.cache_clear()
     monkeypatch.setattr(cache, "generate_map", no_generator)
@@ -130,7 +130,7 @@ def test_a_file_of_another_making_is_not_taken(country: GameMap, change: dict[st
 
 
 def test_a_damaged_file_is_made_again(country: GameMap, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cache, "WORTH_KEEPING", 0.0)
+    monkeypatch.setattr(cache, "CACHE_THRESHOLD", 0.0)
     cache.store(country)
     path = cache.path_of(country.spec)
     whole = path.read_bytes()
@@ -141,7 +141,7 @@ def test_a_damaged_file_is_made_again(country: GameMap, monkeypatch: pytest.Monk
 
 
 def test_without_a_writable_folder_maps_are_made(country: GameMap, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cache, "WORTH_KEEPING", 0.0)
+    monkeypatch.setattr(cache, "CACHE_THRESHOLD", 0.0)
     monkeypatch.setattr(cache, "folder", lambda: Path("/dev/null/nowhere"))
 
     assert cache.map_of(country.spec).digest == country.digest
@@ -152,7 +152,7 @@ def test_the_longest_unused_maps_go_first(
 ) -> None:
     cache.store(country)
     size = cache.path_of(country.spec).stat().st_size
-    monkeypatch.setattr(cache, "ROOM", int(3.5 * size))
+    monkeypatch.setattr(cache, "SIZE_LIMIT", int(3.5 * size))
     names = []
     for age in (30, 20, 10):
         names.append(kept / f"old-{age}.map")
@@ -160,8 +160,8 @@ def test_the_longest_unused_maps_go_first(
         os.utime(names[-1], (1e9 - age, 1e9 - age))
     os.utime(cache.path_of(country.spec), (1e8, 1e8))
 
-    assert cache.load_cached(country.spec) is not None  # used: the oldest no longer
-    cache._make_room(kept)
+    assert cache.load_cached(country.spec) is not None  # used, so it is no longer the oldest
+    cache._evict(kept)
 
     assert [path.exists() for path in names] == [False, True, True]
     assert cache.path_of(country.spec).exists()
@@ -173,7 +173,7 @@ from pathlib import Path
 from wildscav_engine.maps import cache
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 cache.folder = lambda: Path({str(kept)!r})
-cache.WORTH_KEEPING, cache.ROOM = 0.0, 700_000  # room for a few
+cache.WORTH_KEEPING, cache.SIZE_LIMIT = 0.0, 700_000  # room for a few
 for number in range(24):
     spec = MapSpec(config=MapConfig(size=50, houses=1), seed=number % 6)
     cache.map_of.cache_clear()

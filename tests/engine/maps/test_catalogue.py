@@ -1,4 +1,4 @@
-"""The numbered maps: the paper's six as its table says, and one for every other id."""
+"""The numbered maps: the paper's six according to its table, and one for every other id."""
 
 from collections.abc import Iterator
 
@@ -20,13 +20,13 @@ TABLE = {
     103: (100, 2, "low", (1, 1)),
     104: (100, 4, "high", (2, 3)),
 }
-LAYABLE = 500  # m, maps up to this size are laid out in a test; greater ones take longer
-BATCHES = 25  # the ids are tried in as many parts
+LAYABLE = 500  # m, maps up to this size are laid out in a test; larger ones take longer
+BATCHES = 25  # number of batches of ids
 
 
 @pytest.fixture(scope="module", autouse=True)
 def nothing_kept(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Make the maps anew: what an earlier run kept on the disk does not count."""
+    """Generate the maps anew instead of loading those cached by an earlier run."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(cache, "folder", lambda: tmp_path_factory.getbasetemp() / "maps")
         cache.map_of.cache_clear()
@@ -83,7 +83,7 @@ def test_every_id_has_a_map_of_its_own() -> None:
     specs = [map_spec(map_id) for map_id in range(1, LAST_ID + 1)]
 
     assert len(set(specs)) == 999
-    assert len({spec.config for spec in specs}) > 950  # hardly two are of the same kind
+    assert len({spec.config for spec in specs}) > 950  # hardly any two have the same config
     assert {spec.config.size for spec in specs} >= {80, 2000}
     assert {storeys for spec in specs for storeys in spec.config.storeys} == {1, 2, 3, 4}
 

@@ -1,4 +1,4 @@
-"""Maps as a whole: what a config asks for is there, and one seed is one map."""
+"""Whole maps: they have what the config asks for, and one seed gives one map."""
 
 import pytest
 
@@ -68,7 +68,7 @@ def test_as_many_houses_as_were_said_to_fit_do_fit() -> None:
 
 
 def test_a_map_without_open_ground_is_refused() -> None:
-    # One block over everything: one can stand on it, but nowhere on the ground.
+    # One block covers everything: bodies can stand on it, but nowhere on the ground.
     block = Placement(kind="block", location=(0.0, 0.0), area=(40.0, 40.0), height=30.0)
     config = MapConfig(size=40, houses=0, water=0.0, placements=(block,))
 

@@ -1,11 +1,11 @@
-"""Where agents and supplies may be: what can be reached and left, under the open sky or indoors."""
+"""The places for agents and supplies: mutually reachable, outdoors and indoors."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wildscav_engine.geometry.clearance import has_room, is_clear
+from wildscav_engine.geometry.clearance import has_clearance, is_clear
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.shapes import box, pose
 from wildscav_engine.geometry.terrain import ground_at, water_at
@@ -38,7 +38,7 @@ def game_map(request: pytest.FixtureRequest) -> GameMap:
 
 
 def flat_world(*solids: Solid, heights: np.ndarray | None = None, water: np.ndarray | None = None) -> World:
-    """A world of 40 × 40 m."""
+    """Return a world of 40 × 40 m."""
     heights = np.zeros((21, 21)) if heights is None else heights
     water = np.full((20, 20), -np.inf) if water is None else water
     return build_world((-20.0, -20.0), heights, water, list(solids), np.zeros((0, 3)))
@@ -72,7 +72,7 @@ def test_every_place_can_be_reached_from_every_other(game_map: GameMap) -> None:
 
 def test_a_body_has_room_at_every_place(game_map: GameMap) -> None:
     for x, y, z in np.concatenate([game_map.outdoor, game_map.indoor]):
-        assert has_room(game_map.world, x, y, z, 0.0)
+        assert has_clearance(game_map.world, x, y, z, 0.0)
         assert y >= ground_at(game_map.world, x, z).height - 1e-9
         assert max(abs(x), abs(z)) <= game_map.config.size / 2 - 1.0
 
@@ -183,7 +183,7 @@ def test_a_gap_as_wide_as_a_doorway_is_a_way() -> None:
 
 
 def test_a_cliff_that_one_only_gets_down_is_left_out() -> None:
-    # North of the edge it is 6 m higher: one can drop from there, but never get back up.
+    # North of the edge it is 6 m higher: a body can drop from there, but never get back up.
     heights = np.zeros((21, 21))
     heights[14:] = 6.0
 
@@ -216,7 +216,7 @@ def test_no_place_is_in_water() -> None:
         (Kind.FLOOR, 2.5, True),
         (Kind.ROOF, 7.5, True),
         (Kind.FLOOR, 12.0, False),  # far too high to be a ceiling
-        (Kind.CROWN, 2.5, False),  # who stands under a tree stands outdoors
+        (Kind.CROWN, 2.5, False),  # a place under a tree is outdoors
     ],
 )
 def test_what_has_a_ceiling_is_indoors(kind: Kind, low: float, covered: bool) -> None:
@@ -238,5 +238,5 @@ def test_what_keeps_apart_is_as_much_as_can(places: list[tuple[float, float, flo
 
     for index, place in enumerate(kept):
         assert all(np.linalg.norm(place - other) >= spacing - 1e-9 for other in kept[:index])
-    for place in given_places:  # what is left out is too near to something kept, or is kept itself
+    for place in given_places:  # every place is kept or too near to a kept one
         assert np.linalg.norm(kept - place, axis=1).min() < spacing + 1e-9

@@ -1,4 +1,4 @@
-"""What a config places by hand: where it stands, and what is refused."""
+"""Placements: where they stand, and which are refused."""
 
 import re
 from typing import Any
@@ -18,7 +18,7 @@ from wildscav_engine.specs.map_spec import MapConfig
 
 
 def level(size: int = 100, slope: float = 0.0, water_level: float = -np.inf) -> Terrain:
-    """Level ground, or ground that rises eastwards through height 0."""
+    """Return level ground, or ground that rises eastwards through height 0."""
     across = np.arange(size // 2 + 1) * 2.0 - size / 2
     return Terrain((-size / 2, -size / 2), np.tile(across * slope, (len(across), 1)), water_level)
 

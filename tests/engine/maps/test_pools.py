@@ -1,4 +1,4 @@
-"""Pools of maps: as many as asked for, made once, and never the same to train and to test on."""
+"""Pools of maps: the right number, generated once, and disjoint for training and testing."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What a map promises, held on two hundred random maps; and that no two are alike."""
+"""The guarantees of maps, checked on two hundred random ones; and that no two are alike."""
 
 from itertools import combinations
 
@@ -15,12 +15,12 @@ from wildscav_engine.maps.settlements.footprints import footprints_of, gap_betwe
 from wildscav_engine.maps.settlements.sites import Site
 from wildscav_engine.specs.map_spec import MapConfig
 
-BATCH = 20  # maps a test
+BATCH = 20  # maps per test
 PLANTS = (Kind.TRUNK, Kind.CROWN, Kind.BUSH, Kind.ROCK)
 
 
 def small_config(seed: int) -> MapConfig:
-    """A map of 60 to 120 m of any kind; houses as many as surely have room."""
+    """Return the config of a map of 60 to 120 m of any kind, with as many houses as certainly fit."""
     dice = Dice(seed, Stream.SUITE, agent=1)
     size = 2 * dice.integer(30, 60)
     return MapConfig(
@@ -36,7 +36,7 @@ def small_config(seed: int) -> MapConfig:
 
 
 def great_config(seed: int) -> MapConfig:
-    """A map of 500 m, as in competitions."""
+    """Return the config of a map of 500 m, as in competitions."""
     dice = Dice(seed, Stream.SUITE, agent=2)
     return MapConfig(
         size=500,
@@ -69,7 +69,7 @@ def check_promises(game_map: GameMap) -> None:
 
 
 def check_houses(game_map: GameMap) -> None:
-    """As many houses as asked for, of as many storeys, clear of each other, every room to be entered."""
+    """Check the number of houses and storeys, their distances, and that every room can be entered."""
     config = game_map.config
     assert len(game_map.houses) == config.houses, config
     assert all(config.storeys[0] <= house.storeys <= config.storeys[1] for house in game_map.houses)
@@ -93,7 +93,7 @@ def places_in(places: NDArray[np.float64], house: House, level: int, area: objec
 
 
 def check_water(game_map: GameMap) -> None:
-    """About as much of the map is under lakes as asked for, and lakes can be waded."""
+    """Check that about the wanted share of the map is under lakes, and that lakes can be waded."""
     world, asked = game_map.world, game_map.config.water
     nodes = world.heights[1:-1, 1:-1]
     level = world.water.max()
@@ -104,7 +104,7 @@ def check_water(game_map: GameMap) -> None:
 
 
 def check_places(game_map: GameMap) -> None:
-    """There is room to stand outdoors for its size, indoors for its rooms; no spawn in water or on a roof."""
+    """Check that there are enough places outdoors and indoors, and no spawn in water or on a roof."""
     config, world = game_map.config, game_map.world
     assert game_map.reachable_share > 0.6, config
     squares = (config.size / 4) ** 2
@@ -117,7 +117,7 @@ def check_places(game_map: GameMap) -> None:
 
 
 def check_plants(game_map: GameMap) -> None:
-    """What grows and lies about stands in no house; none of it without vegetation."""
+    """Check that no plant or rock is in a house, and that there is none without vegetation."""
     world = game_map.world
     plants = np.nonzero(np.isin(world.solid_kind, PLANTS))[0]
     assert (game_map.solid_house[plants] == NO_HOUSE).all()
@@ -137,9 +137,9 @@ def test_two_seeds_differ_in_structure_and_not_only_in_noise() -> None:
     maps = [generate_map(config, seed) for seed in range(6)]
     likeness = []
     for one, other in combinations(maps, 2):
-        # The lie of the land: heights averaged over squares of 25 m.
+        # Relief: heights averaged over squares of 25 m.
         likeness.append(abs(np.corrcoef(lie_of(one).ravel(), lie_of(other).ravel())[0, 1]))
-        # Houses stand elsewhere, and are other houses.
+        # Houses are different and at different places.
         apart = [
             min(np.hypot(*np.subtract(house.center, twin.center)) for twin in other.houses)
             for house in one.houses

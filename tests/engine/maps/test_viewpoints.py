@@ -1,4 +1,4 @@
-"""Where one looks at maps from."""
+"""Viewpoints on maps."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_every_location_is_a_place_to_stand_and_look_from(seed: int) -> None:
     view = viewpoint_of(game_map)
     assert abs(view.pitch) < 45
     feet = np.array(view.eye) - [0, EYE_HEIGHT, 0]
-    assert np.abs(game_map.outdoor - feet).sum(axis=1).min() < 1e-9  # somebody may stand there
+    assert np.abs(game_map.outdoor - feet).sum(axis=1).min() < 1e-9  # a body may stand there
     assert feet[1] == pytest.approx(standing_height(game_map.world, feet[0], feet[2]))  # and on no roof
     (labels,) = SegmentationCamera(64, 36, 100.0, 75.0).render(game_map, [view.eye], [view.yaw], [view.pitch])
     of_house = np.isin(labels, (Kind.WALL, Kind.ROOF, Kind.FLOOR, Kind.STAIR, Kind.FURNITURE))

@@ -1,4 +1,4 @@
-"""Random walkers, played in a kernel, and the worst that ever happened to them."""
+"""Random walkers simulated in a kernel, and the worst violations of the rules of motion."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import uniform
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.near import solids_near
+from wildscav_engine.geometry.nearby_solids import find_nearby_solids
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.motion.body_motion import move
@@ -15,8 +15,8 @@ from wildscav_engine.motion.collision import Bodies
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EDGE_MARGIN, GRAVITY, JUMP_SPEED
 from wildscav_engine.specs.rules import FRAME
 
-HELD = 5  # frames, an action
-TRIED = 1000  # frames between trials whether a body can get away
+HELD = 5  # frames per action
+TRIED = 1000  # frames between tests of whether a body is stuck
 AWAY = 0.3  # m
 TRIAL = 60  # frames
 
@@ -58,10 +58,10 @@ def play(
 
     Args:
         world: The static world.
-        closed: The same, but its ceiling says that things are near everywhere.
-        position: (A + 1, 3) m; the last body is a ghost that only tries things out.
-        others: (A,) all bodies, which meet each other.
-        nobody: (0,) whoever tries to get away meets nobody, for bodies go away themselves.
+        closed: The same world, but with a ceiling that forces the general path everywhere.
+        position: (A + 1, 3) m; the last body is a ghost that is only used for trials.
+        others: (A,) all bodies, which collide with each other.
+        nobody: (0,) trials of being stuck ignore other bodies, which move away by themselves.
         rise: (A,) m/s.
         on_ground: (A,).
         frames: To play.
@@ -118,10 +118,10 @@ def _judge_place(world: World, position: NDArray[np.float64], seat: int, worst: 
 
 @kernel
 def depth_inside(world: World, x: float, y: float, z: float) -> float:
-    """Return how deep in m a body is in the solid that it is deepest in; negative: how far off all it is."""
+    """Return the greatest depth in m of a body in a solid; negative: its distance from all solids."""
     deepest = -np.inf
     columns = world.water.shape[1]
-    near = solids_near(world, x, z, BODY_RADIUS + 0.1, y - 0.1, y + BODY_HEIGHT + 0.1)
+    near = find_nearby_solids(world, x, z, BODY_RADIUS + 0.1, y - 0.1, y + BODY_HEIGHT + 0.1)
     parts = (near.south_west, near.south_east, near.north_west, near.north_east)
     for part in range(4):
         cell = (near.row + part // 2) * columns + near.column + part % 2

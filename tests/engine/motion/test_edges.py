@@ -1,4 +1,4 @@
-"""Rulings on the edge of the map: nobody gets over it, and nobody is stuck at it."""
+"""The edge of the map: no body gets over it, and none gets stuck at it."""
 
 import math
 

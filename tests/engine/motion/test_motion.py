@@ -1,4 +1,4 @@
-"""Rulings on motion: what a body can do, and what it never does."""
+"""Motion: what a body can do, and what it never does."""
 
 import math
 
@@ -216,7 +216,7 @@ def country() -> GameMap:
 
 
 def depth_inside(world: World, place: np.ndarray) -> float:
-    """How deep a body is inside the solid that it is deepest in, m; negative: how far it keeps off."""
+    """Return the greatest depth in m of a body in a solid; negative: its distance from all solids."""
     margin = np.array([BODY_RADIUS, 0.0, BODY_RADIUS])
     head = np.array([0.0, BODY_HEIGHT, 0.0])
     outside = np.maximum(world.solid_low - margin - head - place, place - world.solid_high - margin).max(

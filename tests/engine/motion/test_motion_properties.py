@@ -1,4 +1,4 @@
-"""What never happens to a body, over random frames on random maps."""
+"""Invariants of motion, over random frames on random maps."""
 
 import numpy as np
 import pytest
@@ -16,12 +16,12 @@ from wildscav_engine.specs.body import FALL_SPEED_LIMIT, GRAVITY
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.rules import FRAME
 
-# A body held up by steep faces keeps half of what gravity adds in a frame, and no more; J/kg.
+# A body stopped by steep faces keeps at most half of what gravity adds in a frame; J/kg.
 HELD_UP = 0.5 * (0.5 * GRAVITY * FRAME) ** 2 + 1e-9
 
 
 def play_on(game_map: GameMap, agents: int, frames: int, seed: int) -> Worst:
-    """Play agents from random places of a map, half of them indoors, and return the worst that happened."""
+    """Simulate agents from random places of a map, half of them indoors, and return the worst violations."""
     world, dice = game_map.world, Dice(seed, Stream.TARGET)
     closed = world._replace(ceiling=np.full_like(world.ceiling, -np.inf))
     worst, stuck = WORST.copy(), np.zeros(3)
@@ -34,7 +34,7 @@ def play_on(game_map: GameMap, agents: int, frames: int, seed: int) -> Worst:
             position[seat] = chosen + np.array([0.0, 2 * SKIN, 0.0])
         apart = np.linalg.norm(position[:agents, None] - position[None, :agents], axis=2)
         others = np.arange(agents, dtype=np.int32)  # the ghost is no obstacle
-        # Who starts where another stands already comes in elsewhere: high above, falling.
+        # A body that would start where another stands starts high above instead, falling.
         for seat in range(agents):
             if (apart[seat, :seat] < 2.0).any():
                 position[seat] = (*world.spawns[(7 * seat + part) % len(world.spawns)][::2], 0.0)
@@ -75,7 +75,7 @@ def test_nothing_bad_happens_in_a_crowd(country: GameMap) -> None:
 
 
 def crowded_edges(steepness: float) -> GameMap:
-    """A map that rises diagonally, with turned blocks, a roof and steep rocks all along its edges."""
+    """Return a map that rises diagonally, with rotated blocks, a roof and steep rocks along its edges."""
     side = np.arange(21) * 2.0 - 20.0
     heights = steepness * np.maximum(0.0, (side[:, None] + side[None, :]) * 0.5)
     solids = []

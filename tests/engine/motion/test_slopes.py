@@ -1,4 +1,4 @@
-"""Rulings on steep ground, cliffs and roofs: what is climbed, and what leads down again."""
+"""Steep ground, cliffs and roofs: what can be climbed, and where bodies slide."""
 
 import math
 
@@ -70,7 +70,7 @@ def test_at_the_bottom_of_a_gully_one_stands_walks_along_and_jumps() -> None:
 
 
 def steep_roof(ridge: float, foot: float) -> Solid:
-    """A roof that rises at 63° from its foot to its ridge, x in m."""
+    """Return a roof that rises at 63° from its foot to its ridge, x in m."""
     top = 2.0 * abs(ridge - foot)
     corners = [(x, y, z) for z in (-4, 4) for x, y in ((foot, 0), (ridge, 0), (ridge, top))]
     faces = ((0, 1, 2), (3, 4, 5), (0, 1, 4), (1, 2, 5), (0, 2, 5))

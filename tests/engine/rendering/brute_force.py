@@ -1,7 +1,8 @@
-"""What rays meet, by trying every triangle of the exported meshes: slow, short, and nothing of the kernels.
+"""A brute-force ray tracer over the triangles of the exported meshes: slow, short, and without any kernel.
 
 Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", Journal of Graphics Tools 1997. All rays
-of one image start at one eye, so what does not depend on their direction is worked out once a triangle.
+of one image start at one eye, so everything that does not depend on their direction is computed once per
+triangle.
 """
 
 from typing import NamedTuple
@@ -17,12 +18,12 @@ from wildscav_engine.rendering.tracing.solids import Solids
 
 RAYS_AT_ONCE = 64  # so that their tables stay in the processor's cache
 ON_EDGE = 1e-9  # how far outside a triangle, in shares of it, a ray still meets it
-TURNS = (1e-6, 1e-5, 1e-4)  # rad, by which a ray is turned to see what is a hair aside
+TURNS = (1e-6, 1e-5, 1e-4)  # rad, by which a ray is rotated to test its immediate neighbourhood
 NEAR_SURFACE = 1e-4  # m; nearer to the surface of a solid than this, an eye may be in it or not
 
 
 class Surface(NamedTuple):
-    """T triangles, T beyond ``static`` those of what moves."""
+    """T triangles; those after ``static`` belong to moving solids."""
 
     corners: NDArray[np.float64]  # (T, 3, 3) m
     middles: NDArray[np.float64]  # (T, 3) m
@@ -35,7 +36,7 @@ class Surface(NamedTuple):
 
 
 class Met(NamedTuple):
-    """What each of n rays meets."""
+    """What each of n rays hits."""
 
     distance: NDArray[np.float64]  # (n,) m, inf where nothing is met
     solid: NDArray[np.int64]  # (n,) as Hits.solid has them
@@ -43,7 +44,7 @@ class Met(NamedTuple):
 
 
 def surface_of(world: World, moving: Solids | None = None, *, with_water: bool = False) -> Surface:
-    """Return all triangles of a world and of what moves in it."""
+    """Return all triangles of a world and of its moving solids."""
     static = len(world.solid_kind)
     meshes = [(terrain_mesh(world), TERRAIN_HIT), (solids_mesh(world), 0)]
     if with_water:
@@ -70,18 +71,18 @@ def surface_of(world: World, moving: Solids | None = None, *, with_water: bool =
 
 
 def _named(mesh: Mesh, first: int) -> NDArray[np.int64]:
-    """Return the solid of each triangle, counted from ``first``; one negative number if they are of none."""
+    """Return the solid of each triangle, counted from ``first``; a negative number for none."""
     return np.where(mesh.solids >= 0, mesh.solids + first, first).astype(np.int64)
 
 
 def _world_of(solids: Solids) -> World:
-    """Return a world of nothing but these solids: the mesh export reads no more than this."""
+    """Return a world of only these solids, as far as the mesh export needs it."""
     empty = build_world((0.0, 0.0), np.zeros((2, 2)), np.zeros((1, 1)), [], np.zeros((0, 3)))
     return empty._replace(solid_kind=solids.kind, solid_start=solids.face_start, faces=solids.faces)
 
 
 def meet(surface: Surface, eye: NDArray[np.float64], ways: NDArray[np.float64], far: float) -> Met:
-    """Return what rays meet first.
+    """Return what rays hit first.
 
     Args:
         surface: All triangles.
@@ -96,7 +97,7 @@ def meet(surface: Surface, eye: NDArray[np.float64], ways: NDArray[np.float64], 
 
 
 def _meet_outside(surface: Surface, eye: NDArray[np.float64], ways: NDArray[np.float64], far: float) -> Met:
-    """Return what rays meet first whose eye is in nothing."""
+    """Return what rays hit first, for an eye outside all solids."""
     distance, solid = np.full(len(ways), np.inf), np.full(len(ways), NOTHING_HIT)
     normal = np.zeros((len(ways), 3))
     for first in range(0, len(ways), RAYS_AT_ONCE):
@@ -210,12 +211,12 @@ def repeated(answers: Met, ray: int, times: int) -> Met:
 def disagreements(
     surface: Surface, eye: NDArray[np.float64], ways: NDArray[np.float64], far: float, answers: Met
 ) -> tuple[list[str], int]:
-    """Compare answers with brute force.
+    """Compare results with brute force.
 
-    An answer that differs is right if it is what a ray a hair aside meets: then the ray runs along an edge.
+    A result that differs is accepted if a slightly rotated ray gives it: then the ray runs along an edge.
 
     Returns:
-        What is wrong, a line a ray, and how many answers differ but are right.
+        The errors, one line per ray, and the number of different but accepted results.
     """
     truth = meet(surface, eye, ways, far)
     good = _agree(truth, answers, far)
@@ -239,7 +240,7 @@ def disagreements(
 
 
 def _agree(truth: Met, answers: Met, far: float) -> NDArray[np.bool_]:
-    """Return (n,) whether what is met is the same, as near as meshes in float32 can tell."""
+    """Return (n,) whether the hits are the same, within the precision of float32 meshes."""
     nearness = 1e-3 + 1e-4 * np.minimum(truth.distance, 1e4)
     with np.errstate(invalid="ignore"):
         near = (truth.distance == answers.distance) | (np.abs(truth.distance - answers.distance) <= nearness)

@@ -1,4 +1,4 @@
-"""Maps that tests of images share."""
+"""Maps shared by the tests of images."""
 
 import pytest
 from tests.engine.rendering.countries import COUNTRIES, Country

@@ -1,4 +1,4 @@
-"""Maps to look at, with their triangles, and what holds for every image of them."""
+"""Generated maps with their triangles, and the comparison of images with brute force."""
 
 import math
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from wildscav_engine.rendering.trace import Scene
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.specs.map_spec import MapConfig
 
-EDGES = 0.02  # of an image's rays at most may run so close to an edge that they go by either side of it
+EDGES = 0.02  # greatest share of an image's rays that may run so close to an edge that either side is right
 SIZES = [(1, 1), (1, 7), (7, 1), (38, 22), (64, 36), (65, 37)]
 COUNTRIES = {
     "houses and trees": (MapConfig(size=60, houses=2, vegetation=0.8), 11),
@@ -46,7 +46,7 @@ class Country:
 def check(
     surface: Surface, scene: Scene, view: View, moving: Solids = NOTHING_MOVES, most: float = EDGES
 ) -> None:
-    """An image is what brute force makes of it, but for the few rays that run along edges."""
+    """Check an image against brute force; a few rays along edges may differ."""
     ways = directions(view)
     answers = seen_by(scene, view, moving)
     faults, along_edges = disagreements(surface, np.array(view.eye), ways, view.far, answers)
@@ -55,7 +55,7 @@ def check(
 
 
 def look_at(eye: Sequence[float], point: Sequence[float]) -> tuple[float, float]:
-    """Return the yaw and pitch in degrees that look from an eye to a point."""
+    """Return the yaw and pitch in degrees from an eye towards a point."""
     x, y, z = (to - at for at, to in zip(eye, point, strict=True))
     return math.degrees(math.atan2(x, z)), -math.degrees(math.atan2(y, math.hypot(x, z)))
 

@@ -1,4 +1,4 @@
-"""Images of maps show what brute force over the exported triangles meets, and do not depend on company."""
+"""Images of maps agree with brute force over the exported triangles and do not depend on other images."""
 
 from collections.abc import Sequence
 
@@ -96,14 +96,14 @@ def test_every_pixel_is_what_its_ray_alone_meets(country: Country) -> None:
 
 
 def differing(one: Met, other: Met) -> NDArray[np.int64]:
-    """Return the rays that two tracers do not answer alike."""
+    """Return the rays for which two tracers differ."""
     with np.errstate(invalid="ignore"):
         apart = np.abs(one.distance - other.distance) > 1e-3 + 1e-4 * other.distance
     return np.flatnonzero((one.solid != other.solid) | (apart & (one.distance != other.distance)))
 
 
 def aside_agrees(world: World, view: View, image: Met, ray: int) -> bool:
-    """Return whether a ray a hair aside meets what a pixel shows."""
+    """Return whether a slightly rotated ray hits what a pixel shows."""
     ways = a_hair_aside(directions(view)[ray])
     around = cast(world, view.eye, ways, view.far)
     return len(differing(repeated(image, ray, len(ways)), around)) < len(ways)
@@ -113,7 +113,7 @@ def aside_agrees(world: World, view: View, image: Met, ray: int) -> bool:
 
 
 def check_rays(country: Country, eye: Sequence[float], ways: NDArray[np.float64], far: float = 100.0) -> None:
-    """Single rays, and images of one pixel, meet what brute force meets."""
+    """Check that single rays and images of one pixel hit the same as brute force."""
     answers = cast(country.world, eye, ways, far)
     faults, _ = disagreements(country.surface, np.array(eye, np.float64), ways, far, answers)
     assert not faults, faults[0]
@@ -281,7 +281,7 @@ def test_a_hit_on_water_names_the_cell_where_its_surface_is_met(lake: Country) -
 
 
 def crowd(country: Country, size: tuple[int, int]) -> list[View]:
-    """Nine cameras here and there."""
+    """Return nine cameras at various places."""
     random = np.random.default_rng(3)
     places = np.concatenate([random.choice(country.map.indoor, 4), random.choice(country.map.outdoor, 5)])
     return [

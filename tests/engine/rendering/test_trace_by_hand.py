@@ -1,4 +1,4 @@
-"""Worlds made by hand, and what moves, are seen as brute force sees them: what a fast tracer may lose."""
+"""Handmade worlds and moving solids agree with brute force: cases that a fast tracer may miss."""
 
 from collections.abc import Sequence
 
@@ -28,7 +28,7 @@ from wildscav_engine.rendering.tracing.solids import gather_solids
 
 
 def check_world(solids: Sequence[Solid], *views: View, slope: float = 0.0, size: int = 80) -> None:
-    """A world made by hand is seen as brute force sees it, whether its solids stand still or move."""
+    """Check images of a handmade world against brute force, with its solids static and moving."""
     world = flat_world(size, solids, slope)
     bare, moving = flat_world(size, slope=slope), gather_solids(solids)
     for view in views:
@@ -42,7 +42,7 @@ EYE = (0.0, 1.5, 0.0)
 
 
 def rock(random: np.random.Generator, middle: Sequence[float], radius: float) -> Solid:
-    """A convex solid of random shape: an octahedron pulled about."""
+    """Return a convex solid of random shape: a distorted octahedron."""
     points = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], np.float64)
     points *= radius * random.uniform(0.3, 1.0, (6, 1))
     faces = [(x, y, z) for x in (0, 1) for y in (2, 3) for z in (4, 5)]
@@ -134,7 +134,7 @@ def test_a_map_that_ends_within_a_block_is_seen_to_its_edge() -> None:
 
 
 def random_world(random: np.random.Generator) -> tuple[World, list[Solid]]:
-    """A rough world of 48 m with boxes, slats, poles and rocks anywhere, some in the air or in the ground."""
+    """Return a rough world of 48 m with boxes, slats, poles and rocks anywhere, even in the air or ground."""
     heights = random.uniform(0.0, 1.0, (25, 25)) * random.choice([0.0, 0.5, 4.0])
     heights[5:9, 5:9] += random.choice([0.0, 8.0])  # a cliff on all sides
     solids = []

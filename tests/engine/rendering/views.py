@@ -1,4 +1,4 @@
-"""Images and single rays in one form, so that both can be compared with brute force."""
+"""Images and single rays in one format, to compare both with brute force."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -47,7 +47,7 @@ def directions(view: View) -> NDArray[np.float64]:
 def look(
     scene: Scene, views: Sequence[View], moving: Solids = NOTHING_MOVES, *, with_water: bool = False
 ) -> Hits:
-    """Trace cameras of one lens together."""
+    """Trace cameras with one field of view together."""
     first = views[0]
     cameras = Cameras(
         np.array([view.eye for view in views], np.float64),
@@ -81,7 +81,7 @@ def seen_by(scene: Scene, view: View, moving: Solids = NOTHING_MOVES, *, with_wa
 
 
 def cast(world: World, eye: Sequence[float], ways: NDArray[np.float64], far: float) -> Met:
-    """Return what single rays meet."""
+    """Return what single rays hit."""
     x, y, z = map(float, eye)
     hits = [cast_ray(world, x, y, z, *map(float, way), far) for way in ways]
     normals = np.zeros((len(ways), 3))
@@ -96,7 +96,7 @@ def cast(world: World, eye: Sequence[float], ways: NDArray[np.float64], far: flo
 
 
 def _cell_at(world: World, x: float, z: float) -> int:
-    """Return the cell of a point, -1 where it is so near to a border that it may be in either."""
+    """Return the cell of a point, -1 if it is so near to a border that it may be in either cell."""
     place = (np.array([z, x]) - world.corner[::-1]) / CELL
     if np.abs(place - np.round(place)).min() < 1e-6:
         return -1

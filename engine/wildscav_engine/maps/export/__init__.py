@@ -1,1 +1,1 @@
-"""Maps as meshes and as files for other programs."""
+"""Export of maps as meshes and files for other programs."""

@@ -1,8 +1,8 @@
-"""Maps as files for other programs: triangle meshes, the valid locations, and what the map is.
+"""Exporting a map to files for other programs: triangle meshes, the valid locations, and a description.
 
 The game's frame is left-handed: x east, y up, z north. OBJ and GLB are right-handed with y up, so in the
-mesh files z is mirrored: x east, y up, z south. There they look as they do in the game, their triangles run
-counter-clockwise seen from outside, and importing one gives the same map again. The locations are in the
+mesh files z is mirrored: x east, y up, z south. So maps look as they do in the game, triangles run
+counter-clockwise seen from outside, and importing a file gives the same map again. The locations are in the
 game's own frame.
 """
 
@@ -31,29 +31,29 @@ FILES = ("map.obj", "map.mtl", "map.glb", "locations.json", "map.json")
 
 
 class Part(NamedTuple):
-    """Everything of one kind, in the frame of the files: V vertices, T triangles."""
+    """All surfaces of one kind, in the frame of the files: V vertices, T triangles."""
 
     kind: Kind
     vertices: NDArray[np.float64]  # (V, 3) m
     triangles: NDArray[np.int64]  # (T, 3)
     colors: NDArray[np.uint8]  # (V, 4) red, green, blue, opacity
-    color: tuple[int, int, int, int]  # of all of it, about
+    color: tuple[int, int, int, int]  # average colour
 
     @property
     def name(self) -> str:
-        """What its object and its material are called."""
+        """The name of its object and its material."""
         return self.kind.name.lower()
 
 
 def export_map(game_map: GameMap, folder: Path) -> list[Path]:
-    """Write a map into a folder, which is made if need be; older files of these names are replaced.
+    """Write a map into a folder, which is created if necessary; existing files are replaced.
 
     Args:
         game_map: The map.
-        folder: Where ``FILES`` are written.
+        folder: The folder for ``FILES``.
 
     Returns:
-        The files.
+        The paths of the files.
 
     Raises:
         OSError: A file cannot be written.
@@ -73,7 +73,7 @@ def export_map(game_map: GameMap, folder: Path) -> list[Path]:
 
 
 def parts_of(game_map: GameMap) -> Iterator[Part]:
-    """Yield the terrain, the water and all solids of each kind that there are."""
+    """Yield the terrain, the water and all solids of each kind on the map."""
     world = game_map.world
     yield _part(
         Kind.TERRAIN, terrain_mesh(world), _terrain_colors(world), _opaque(GRASS * 0.6 + DRY_GRASS * 0.4)
@@ -94,7 +94,7 @@ def parts_of(game_map: GameMap) -> Iterator[Part]:
 def _part(kind: Kind, mesh: Mesh, colors: NDArray[Any], color: tuple[int, int, int, int]) -> Part:
     rgba = np.full((len(colors), 4), color[3], np.uint8)
     rgba[:, :3] = np.clip(colors, 0, 255)
-    # Mirrored, what ran counter-clockwise runs clockwise: so the order is turned too.
+    # Mirroring reverses the winding, so the order of vertices is reversed, too.
     triangles = mesh.triangles[:, ::-1].astype(np.int64)
     return Part(kind, mesh.vertices * MIRROR, triangles, rgba, color)
 
@@ -105,17 +105,17 @@ def _opaque(color: NDArray[np.float64]) -> tuple[int, int, int, int]:
 
 
 def _terrain_colors(world: World) -> NDArray[np.float64]:
-    """Return (V, 3) the colours of the cell corners."""
+    """Return (V, 3) colours of the cell corners."""
     slope_north, slope_east = np.gradient(world.heights, CELL)
     up = 1.0 / np.sqrt(1.0 + slope_north * slope_north + slope_east * slope_east)
-    # The water near a corner is that of the cell to its north-east, or of the last one.
+    # The water near a corner is that of the cell to its north-east, or of the outermost one.
     water = np.pad(water_nearby(world), ((0, 1), (0, 1)), mode="edge")
     dryness = np.full(world.heights.size, DRYNESS)
     return of_terrain((world.heights - water).ravel(), up.ravel(), dryness)
 
 
 def glb_of(parts: list[Part]) -> bytes:
-    """Return a binary glTF file: a node and a mesh for each part, coloured by its vertices."""
+    """Return a binary glTF file: a node and a mesh for each part, with vertex colours."""
     import trimesh
 
     scene = trimesh.Scene()
@@ -123,7 +123,7 @@ def glb_of(parts: list[Part]) -> bytes:
         look = {"visual": _material(part)} if part.color[3] < 255 else {"vertex_colors": part.colors}
         mesh = trimesh.Trimesh(part.vertices, part.triangles, process=False, **look)
         scene.add_geometry(mesh, node_name=part.name, geom_name=part.name)
-    # Without normals, viewers light each triangle by itself, as the game's surfaces are.
+    # Without normals, viewers use flat shading, as the game does.
     return bytes(trimesh.exchange.gltf.export_glb(scene, include_normals=False))
 
 
@@ -161,7 +161,7 @@ def locations_of(game_map: GameMap) -> dict[str, list[list[float]]]:
 
 
 def description_of(game_map: GameMap) -> dict[str, Any]:
-    """Return what the map is made from, its digest, and its houses."""
+    """Return the map's spec, digest and houses."""
     houses = [
         {
             "center": list(house.center),

@@ -1,6 +1,6 @@
-"""The static world as triangle meshes: the same surface that motion, bullets and sight meet.
+"""The static world as triangle meshes: exactly the surface that motion, bullets and sight use.
 
-An export, for pictures and other programs; the game itself never reads it.
+These are for pictures and other programs; the game itself never reads them.
 """
 
 from collections.abc import Iterable
@@ -37,7 +37,7 @@ def terrain_mesh(world: World) -> Mesh:
 
 
 def water_mesh(world: World) -> Mesh:
-    """Return the level water of every cell that is wet somewhere; the terrain hides what is too much."""
+    """Return the water surface of every cell that is partly wet; the terrain hides the excess."""
     corners = world.heights
     lowest = np.minimum(
         np.minimum(corners[:-1, :-1], corners[:-1, 1:]), np.minimum(corners[1:, :-1], corners[1:, 1:])
@@ -53,7 +53,7 @@ def water_mesh(world: World) -> Mesh:
 def _up_facing(
     vertices: NDArray[np.float64], south_west: NDArray[np.int64], row_length: int, kind: Kind
 ) -> Mesh:
-    """Split quads, each named by its south-western vertex, as the height field does."""
+    """Split quads, given by their south-western vertices, as the height field does."""
     south_east, north_west = south_west + 1, south_west + row_length
     north_east = north_west + 1
     halves = [[south_west, north_east, south_east], [south_west, north_west, north_east]]
@@ -67,7 +67,7 @@ def _up_facing(
 
 
 def solids_mesh(world: World, solids: Iterable[int] | None = None) -> Mesh:
-    """Return the closed surfaces of some solids, or of all; no two solids share a vertex."""
+    """Return the closed surfaces of the given solids, or of all; no two solids share a vertex."""
     chosen = range(len(world.solid_kind)) if solids is None else solids
     vertices, triangles, owners = [np.zeros((0, 3))], [np.zeros((0, 3), np.int64)], [np.zeros(0, np.int32)]
     first = 0

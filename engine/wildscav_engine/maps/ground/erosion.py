@@ -1,4 +1,4 @@
-"""What rain and frost do to the land: gullies, valley floors, screes."""
+"""Erosion by rain and frost: gullies, valley floors, screes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,25 +8,25 @@ from wildscav_engine.compilation.kernel import kernel
 
 STREAM = int(Stream.TERRAIN)
 RAIN_KEY = 2  # the first of the frames that key the drops
-LONGEST_RUN = 48  # cells that a drop runs at most
+LONGEST_RUN = 48  # cells that a drop runs through at most
 INERTIA = 0.25  # share of its direction that a drop keeps in each cell
 CAPACITY = 5.0  # m of soil carried by slope, speed and water
-LEAST_FALL = 0.02  # m a cell, so that drops carry something on level ground too
-TAKING, LEAVING = 0.25, 0.12  # shares of what a drop could take or has too much that it takes or leaves
+LEAST_FALL = 0.02  # m per cell, so that drops carry some soil on level ground, too
+TAKING, LEAVING = 0.25, 0.12  # shares of its spare capacity and of its excess that a drop takes up and leaves
 DRYING = 0.03  # share of the water lost in each cell
 
 
 @kernel
 def rain(seed: np.uint64, number: int, drops: int, heights: NDArray[np.float64]) -> None:
-    """Let drops run downhill one after another, taking soil where they speed up and leaving it below.
+    """Let drops run downhill one after another; they take up soil where they speed up and leave it below.
 
-    Beyer, "Implementation of a Method for Hydraulic Erosion", TU München 2015, without his brush: smooth
-    what changed instead.
+    Beyer, "Implementation of a Method for Hydraulic Erosion", TU München 2015, without its brush: callers
+    smooth the change instead.
 
     Args:
         seed: Of the map.
-        number: Of the rain, which keys its random numbers.
-        drops: How many.
+        number: Number of the rain, the key of its random numbers.
+        drops: Number of drops.
         heights: (R, C) m, changed.
     """
     rows, columns = heights.shape
@@ -38,7 +38,7 @@ def rain(seed: np.uint64, number: int, drops: int, heights: NDArray[np.float64])
 
 @kernel
 def _run(x: float, z: float, heights: NDArray[np.float64]) -> None:
-    """Follow one drop from (x, z), in cells, until it is dry, at rest, or over the edge."""
+    """Simulate one drop from (x, z), in cells, until it is dry, at rest, or over the edge."""
     rows, columns = heights.shape
     dx, dz, speed, water, soil = 0.0, 0.0, 1.0, 1.0, 0.0
     for _ in range(LONGEST_RUN):
@@ -77,10 +77,10 @@ def _run(x: float, z: float, heights: NDArray[np.float64]) -> None:
 
 @kernel
 def add_finely(coarseness: int, change: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
-    """Add a change of coarse ground to fine ground, blended between its points.
+    """Add a change of coarse ground to fine ground, with bilinear interpolation.
 
     Args:
-        coarseness: Points of the fine ground by one of the coarse.
+        coarseness: Points of the fine ground per point of the coarse ground.
         change: (ceil(R / coarseness), ceil(C / coarseness)) m.
         heights: (R, C) m, changed.
     """
@@ -102,12 +102,12 @@ def _height_at(x: float, z: float, heights: NDArray[np.float64]) -> float:
 
 @kernel
 def crumble(steepest: float, cliffs: NDArray[np.float64], rounds: int, heights: NDArray[np.float64]) -> None:
-    """Let what is too steep slide down, half of it each round, except from rock.
+    """Let soil that is too steep slide down, half of the excess each round, except on rock.
 
     Args:
-        steepest: m, the greatest difference between neighbours that holds where there is no rock.
-        cliffs: (R, C) how far the ground is rock, 0 to 1.
-        rounds: How often.
+        steepest: m, greatest stable height difference between neighbours without rock.
+        cliffs: (R, C) how rocky the ground is, 0 to 1.
+        rounds: Number of rounds.
         heights: (R, C) m, changed.
     """
     rows, columns = heights.shape

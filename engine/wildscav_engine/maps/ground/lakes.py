@@ -1,19 +1,19 @@
-"""Lakes: where water stands, how deep, and the shores around it."""
+"""Lakes: where water stands, how deep it is, and the shores around it."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.maps.ground.connected_parts import turn_small_parts
+from wildscav_engine.maps.ground.connected_components import flip_small_components
 
 DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
 SHELF = 4.5  # m from the shore to where a lake has half its depth
 SMALLEST_LAKE = 40.0  # m²
-SMALLEST_SHARE = 0.006  # of all the water in one lake; smaller ponds are filled in
-SHORE_ROUNDS = 3  # of softening, which round the corners of a shore off
-LEAST_LEFT = 0.75  # of the smallest lake, after that
-ROUNDS = 14  # of halving the range in which the water's level is sought
+SMALLEST_SHARE = 0.006  # of all water in one lake; smaller ponds are filled in
+SHORE_ROUNDS = 3  # of smoothing, which rounds off the corners of a shore
+LEAST_LEFT = 0.75  # of the smallest lake, after the smoothing
+ROUNDS = 14  # of bisection for the water's level
 DIAGONAL = 1.4142135623730951
 FAR = 1e6  # m, more than any distance on a map
 
@@ -21,13 +21,13 @@ FAR = 1e6  # m, more than any distance on a map
 def flood(
     heights: NDArray[np.float64], bumps: NDArray[np.float64], water: float, scale: float
 ) -> NDArray[np.float64]:
-    """Let water stand in the hollows.
+    """Fill the hollows with water.
 
     Args:
         heights: (R, C) m.
-        bumps: (R, C) m, added to the heights to find out where water stands: they bend the shores.
+        bumps: (R, C) m, added to the heights when deciding where water stands, which bends the shores.
         water: Share of the points to be under water, above 0.
-        scale: What heights above the water are multiplied by.
+        scale: Factor of the heights above the water.
 
     Returns:
         (R, C) m above the water's surface.
@@ -39,29 +39,29 @@ def flood(
     level = _level_of(smooth, water)
     wet = _lakes_at(level, smooth, water)
     above = (heights - level) * scale
-    # With a rim, so that every point has neighbours.
+    # Padded, so that every point has neighbours.
     from_water, from_land = (np.full((len(wet) + 2, wet.shape[1] + 2), FAR) for _ in range(2))
     _measure(1, wet, from_water)
     _measure(0, wet, from_land)
-    # A shore runs between the points: half a cell from the last wet one, and around corners in a curve.
+    # A shore runs between the points: half a cell from the last wet one, and in curves around corners.
     from_shore = np.where(wet == 1, 0.5 * CELL - from_land[1:-1, 1:-1], from_water[1:-1, 1:-1] - 0.5 * CELL)
     for _ in range(SHORE_ROUNDS):
         from_shore = softened(from_shore)
     wet = (from_shore < 0.0).astype(np.int8)
-    turn_small_parts(1, LEAST_LEFT * _least_points(water, wet.size), np.empty(wet.size, np.int32), wet)
+    flip_small_components(1, LEAST_LEFT * _least_points(water, wet.size), np.empty(wet.size, np.int32), wet)
     _shape_shores(np.where(wet == 1, from_shore, np.abs(from_shore)), above)
     return above
 
 
 def softened(heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (R, C) each height averaged with those around it."""
+    """Return (R, C) heights smoothed with a 3 × 3 kernel."""
     wide = np.pad(heights, 1, mode="edge")
     lines = (wide[:-2] + 2.0 * wide[1:-1] + wide[2:]) * 0.25
     return np.asarray((lines[:, :-2] + 2.0 * lines[:, 1:-1] + lines[:, 2:]) * 0.25)
 
 
 def _level_of(smooth: NDArray[np.float64], water: float) -> float:
-    """Find the level in m at which the lakes that are large enough cover the share asked for."""
+    """Return the level in m at which the lakes that are large enough cover the wanted share."""
     low, high = float(smooth.min()), float(smooth.max())
     best, least_miss = low, 2.0
     for _ in range(ROUNDS):
@@ -74,30 +74,30 @@ def _level_of(smooth: NDArray[np.float64], water: float) -> float:
 
 
 def _lakes_at(level: float, smooth: NDArray[np.float64], water: float) -> NDArray[np.int8]:
-    """Return (R, C) 1 where water stands at a level, without small ponds and islands, else 0."""
+    """Return (R, C) 1 for water at a level, without small ponds and islands, else 0."""
     wet = (smooth < level).astype(np.int8)
     least = _least_points(water, smooth.size)
-    waiting = np.empty(smooth.size, np.int32)
-    turn_small_parts(1, least, waiting, wet)
-    turn_small_parts(0, least, waiting, wet)
+    queue = np.empty(smooth.size, np.int32)
+    flip_small_components(1, least, queue, wet)
+    flip_small_components(0, least, queue, wet)
     return wet
 
 
 def _least_points(water: float, points: int) -> float:
-    """Return how many points the smallest lake of a map has."""
+    """Return the number of points of the smallest lake that a map may have."""
     return max(SMALLEST_LAKE / (CELL * CELL), SMALLEST_SHARE * water * points)
 
 
 @kernel
 def _measure(value: int, wet: NDArray[np.int8], away: NDArray[np.float64]) -> None:
-    """Measure how far each point is from the nearest with a value, within a few percent.
+    """Write the distance of each point from the nearest one with a value, within a few percent.
 
-    Borgefors, "Distance Transformations in Digital Images", 1986: two sweeps over neighbours.
+    Borgefors, "Distance Transformations in Digital Images", 1986: two passes over neighbours.
 
     Args:
         value: 0 or 1.
         wet: (R, C) zeros and ones.
-        away: (R + 2, C + 2) m, FAR everywhere, changed but for its rim.
+        away: (R + 2, C + 2) m, FAR everywhere; all but its border is changed.
     """
     rows, columns = wet.shape
     for row in range(rows):
@@ -118,10 +118,10 @@ def _measure(value: int, wet: NDArray[np.int8], away: NDArray[np.float64]) -> No
 
 @kernel
 def _shape_shores(from_shore: NDArray[np.float64], above: NDArray[np.float64]) -> None:
-    """Make beds shallow, shores gentle, and lift the land that lies too low into dry flats.
+    """Make beds shallow and shores gentle, and lift land that is too low into dry flats.
 
     Args:
-        from_shore: (R, C) m to the nearest shore, less than 0 in a lake.
+        from_shore: (R, C) m to the nearest shore, negative in a lake.
         above: (R, C) m above the water's level, changed.
     """
     for row in range(above.shape[0]):
@@ -139,9 +139,9 @@ def _shape_shores(from_shore: NDArray[np.float64], above: NDArray[np.float64]) -
 
 @kernel
 def smooth_least(one: float, other: float, width: float) -> float:
-    """Return the lesser of two, a bit less where they differ by less than ``width``.
+    """Return a smooth minimum: the lesser of two, slightly less where they differ by less than ``width``.
 
-    So two slopes join without an edge, and nowhere is the join steeper than both. Quilez, "Smooth minimum".
+    Two slopes join without an edge, and the join is nowhere steeper than both. Quilez, "Smooth minimum".
     """
     near = max(width - abs(one - other), 0.0)
     return min(one, other) - near * near / (4.0 * width) if width > 0.0 else min(one, other)

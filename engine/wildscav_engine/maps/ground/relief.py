@@ -1,4 +1,4 @@
-"""The lie of the land: where there are plains, hills, mountain chains and cliffs, and how high."""
+"""Relief: the plains, hills, mountain chains and cliffs of a map, and their heights."""
 
 from typing import NamedTuple
 
@@ -13,45 +13,45 @@ from wildscav_engine.specs.map_spec import MapConfig
 
 STREAM = int(Stream.TERRAIN)
 GRADIENTS_KEY = 1  # the frame that keys the noise
-LATTICE = 128  # points along a side of the noise's lattice, after which it repeats; a power of two
-SPREAD = 1.5  # makes most of one octave of noise lie between -1 and 1
-SHORTEST_COUNTRY, LONGEST_COUNTRY = 40.0, 540.0  # m from one upland to the next, by the size of the map
-STEEPNESS = 0.12  # m of height by m from one upland to the next, at relief 1, and for small countries more:
-STEEPNESS_OF_SMALL = 2.2  # m of height
-LEAST_RANGE = 0.65  # of the country's height between a map's highest and lowest ground, at the least
-SHORE_WAVE, SHORE_HEIGHT = 26.0, 0.5  # m, of what bends the shores of lakes, at relief 1
+LATTICE = 128  # points along a side of the noise's lattice, its period; a power of two
+SPREAD = 1.5  # scales one octave of noise mostly to the range from -1 to 1
+SHORTEST_LANDFORM, LONGEST_LANDFORM = 40.0, 540.0  # m from one upland to the next, by the size of the map
+STEEPNESS = 0.12  # m of height per m from one upland to the next, at relief 1
+STEEPNESS_OF_SMALL = 2.2  # m of additional height, which matters on small maps
+LEAST_RANGE = 0.65  # of the landform's height, least difference between a map's highest and lowest ground
+SHORE_WAVE, SHORE_HEIGHT = 26.0, 0.5  # m, of the bumps that bend the shores of lakes, at relief 1
 FINEST_HILLS = 11.0  # m, the shortest waves
 HILL_OCTAVES = 4
-CLIFF_WIDTH = 0.45  # m on either side of a cliff's middle within which it rises, by m of its height
+CLIFF_WIDTH = 0.45  # m on either side of a cliff's middle within which it rises, per m of its height
 WIDEST_CLIFF = 2.2  # m
 
-# The layers of noise, each read from a corner of the lattice of its own.
+# The layers of noise; each has its own origin in the lattice.
 WARP_EAST, WARP_NORTH, UPLANDS, CHAINS, HILLS, DETAIL, MOUNTAINOUS, PLAIN, CLIFFY, BREAKS, SHORES = range(11)
 LAYERS = 11
 
 
-class Country(NamedTuple):
-    """What sets one map's land apart from another's."""
+class Landform(NamedTuple):
+    """The parameters of a map's relief."""
 
     wave: float  # m from one upland to the next
-    height: float  # m of the uplands over the hollows, about
+    height: float  # m, approximate height of the uplands over the hollows
     step: float  # m, height of cliffs
-    east: float  # where the chains run: sine and cosine of a yaw
+    east: float  # direction of the chains: sine and cosine of a yaw
     north: float
-    stretch: float  # length of chains by the distance between them
-    mountains: float  # about -1: mountains are everywhere … 1: nowhere
+    stretch: float  # length of chains per distance between them
+    mountains: float  # from about -1, mountains everywhere, to 1, none
     plains: float
     cliffs: float
 
 
-def draw_country(config: MapConfig, relief: float, seed: int) -> Country:
-    """Draw what a map's land is like on the whole."""
+def draw_landform(config: MapConfig, relief: float, seed: int) -> Landform:
+    """Draw the parameters of a map's relief."""
     dice = Dice(seed, Stream.TERRAIN, agent=1)
-    wave = min(max(SHORTEST_COUNTRY, 0.75 * config.size), LONGEST_COUNTRY) * dice.uniform(0.8, 1.2)
+    wave = min(max(SHORTEST_LANDFORM, 0.75 * config.size), LONGEST_LANDFORM) * dice.uniform(0.8, 1.2)
     height = relief * (STEEPNESS * wave + STEEPNESS_OF_SMALL) * dice.uniform(0.85, 1.15)
     yaw = dice.uniform(-180.0, 180.0)
     rugged = config.ruggedness
-    return Country(
+    return Landform(
         wave=wave,
         height=height,
         step=min(max(2.6, 0.2 * height), 9.0) * dice.uniform(0.85, 1.15),
@@ -65,7 +65,7 @@ def draw_country(config: MapConfig, relief: float, seed: int) -> Country:
 
 
 def draw_gradients(seed: int) -> NDArray[np.float64]:
-    """Return (LATTICE, LATTICE, 2) the noise's slopes: unit vectors in random directions."""
+    """Return (LATTICE, LATTICE, 2) the gradients of the noise: unit vectors in random directions."""
     gradients = np.empty((LATTICE, LATTICE, 2))
     _draw_gradients(np.uint64(seed), gradients)
     return gradients
@@ -81,7 +81,7 @@ def _draw_gradients(seed: np.uint64, gradients: NDArray[np.float64]) -> None:
 
 
 def draw_origins(seed: int) -> NDArray[np.float64]:
-    """Return (LAYERS, 2) where in the lattice each layer of noise starts."""
+    """Return (LAYERS, 2) the origin of each layer of noise in the lattice."""
     dice = Dice(seed, Stream.TERRAIN, agent=2)
     return np.array([[dice.uniform(0.0, LATTICE) for _ in range(2)] for _ in range(LAYERS)])
 
@@ -113,7 +113,7 @@ def _layer(
     x: float,
     z: float,
 ) -> float:
-    """Add octaves of noise, each half as long as the one before, ``gain`` times as high, and turned."""
+    """Return a sum of octaves of noise, each with half the wavelength and ``gain`` times the height."""
     x, z = x + origins[layer, 0], z + origins[layer, 1]
     total, height = 0.0, 1.0
     for _ in range(octaves):
@@ -125,14 +125,14 @@ def _layer(
 
 @kernel
 def _crests(gradients: NDArray[np.float64], origins: NDArray[np.float64], x: float, z: float) -> float:
-    """Return ridged noise, 0 to about 1, 1 along crests; the crests alone branch into finer ones.
+    """Return ridged noise, 0 to about 1 along crests; only the crests branch into finer ones.
 
     Musgrave, in Ebert et al., "Texturing and Modeling: A Procedural Approach", 3rd ed., chapter 16.
     """
     x, z = x + origins[CHAINS, 0], z + origins[CHAINS, 1]
     total, height, weight = 0.0, 0.62, 1.0
     for _ in range(4):
-        # The root rounds the crest, so that one can walk along it.
+        # The square root rounds the crest, so that it can be walked along.
         away = _noise(gradients, x, z)
         crest = max(0.0, 1.0 - np.sqrt(away * away + 0.004) * 1.15)
         crest = crest * crest * weight
@@ -145,62 +145,62 @@ def _crests(gradients: NDArray[np.float64], origins: NDArray[np.float64], x: flo
 
 @kernel
 def smooth_step(low: float, high: float, value: float) -> float:
-    """Return 0 below ``low``, 1 above ``high``, and a smooth rise between."""
+    """Return 0 below ``low``, 1 above ``high``, and a smooth transition between."""
     share = min(max((value - low) / (high - low), 0.0), 1.0)
     return share * share * (3.0 - 2.0 * share)
 
 
 @kernel
-def lay_out(
-    country: Country,
+def compose_land(
+    landform: Landform,
     gradients: NDArray[np.float64],
     origins: NDArray[np.float64],
     broad: NDArray[np.float64],
     hills: NDArray[np.float64],
     cliffs: NDArray[np.float64],
 ) -> None:
-    """Compose the land from slow and quick noise.
+    """Compose the land from noise of low and high frequency.
 
     Args:
-        country: What the land is like.
+        landform: The parameters of the relief.
         gradients: Of the noise.
         origins: Of its layers.
         broad: (R, C) m, uplands and mountain chains, written.
-        hills: (R, C) m, what is to be added to them, written.
-        cliffs: (R, C) 0 to 1, how far slopes are gathered into cliffs, written.
+        hills: (R, C) m, to be added to them, written.
+        cliffs: (R, C) 0 to 1, how much slopes are gathered into cliffs, written.
     """
     octaves = 1
-    while octaves < HILL_OCTAVES + 3 and 0.4 * country.wave / 2.0**octaves >= FINEST_HILLS:
+    while octaves < HILL_OCTAVES + 3 and 0.4 * landform.wave / 2.0**octaves >= FINEST_HILLS:
         octaves += 1
     for row in range(broad.shape[0]):
         for column in range(broad.shape[1]):
-            x, z = column * CELL / country.wave, row * CELL / country.wave
+            x, z = column * CELL / landform.wave, row * CELL / landform.wave
             warp_x = 0.3 * _layer(gradients, origins, WARP_EAST, 2, 0.5, 1.3 * x, 1.3 * z)
             warp_z = 0.3 * _layer(gradients, origins, WARP_NORTH, 2, 0.5, 1.3 * x, 1.3 * z)
             plain = _layer(gradients, origins, PLAIN, 1, 0.5, 0.8 * x + warp_x, 0.8 * z + warp_z)
-            plain = smooth_step(country.plains - 0.3, country.plains + 0.3, plain)
+            plain = smooth_step(landform.plains - 0.3, landform.plains + 0.3, plain)
             rocky = _layer(gradients, origins, CLIFFY, 1, 0.5, x + warp_x, z + warp_z)
             gap = _layer(gradients, origins, BREAKS, 1, 0.5, CELL * column / 46.0, CELL * row / 46.0)
-            rocky = smooth_step(country.cliffs - 0.2, country.cliffs + 0.2, rocky)
+            rocky = smooth_step(landform.cliffs - 0.2, landform.cliffs + 0.2, rocky)
             cliffs[row, column] = rocky * smooth_step(-0.3, 0.1, gap)
             mountain = _layer(gradients, origins, MOUNTAINOUS, 1, 0.5, 0.55 * x + warp_x, 0.55 * z + warp_z)
-            mountain = smooth_step(country.mountains - 0.45, country.mountains + 0.45, mountain)
+            mountain = smooth_step(landform.mountains - 0.45, landform.mountains + 0.45, mountain)
             x, z = x + warp_x, z + warp_z
             upland = _layer(gradients, origins, UPLANDS, 2, 0.4, x, z)
-            along = (x * country.east + z * country.north) / country.stretch
-            across = x * country.north - z * country.east
+            along = (x * landform.east + z * landform.north) / landform.stretch
+            across = x * landform.north - z * landform.east
             crest = _crests(gradients, origins, 0.9 * across, 0.9 * along)
             flat = 1.0 - 0.75 * plain * (1.0 - mountain)
-            broad[row, column] = country.height * (0.5 * upland * flat + 1.1 * mountain * crest)
+            broad[row, column] = landform.height * (0.5 * upland * flat + 1.1 * mountain * crest)
             hill = _layer(gradients, origins, HILLS, octaves, 0.42, 2.5 * x, 2.5 * z)
-            hills[row, column] = country.height * hill * (0.04 + 0.18 * (1.0 - plain))
+            hills[row, column] = landform.height * hill * (0.04 + 0.18 * (1.0 - plain))
 
 
 @kernel
 def draw_bumps(
     relief: float, gradients: NDArray[np.float64], origins: NDArray[np.float64], bumps: NDArray[np.float64]
 ) -> None:
-    """Write (R, C) m, what bends the shores of lakes where their banks are flat."""
+    """Write (R, C) m, the bumps that bend the shores of lakes with flat banks."""
     for row in range(bumps.shape[0]):
         for column in range(bumps.shape[1]):
             x, z = column * CELL / SHORE_WAVE, row * CELL / SHORE_WAVE
@@ -211,7 +211,7 @@ def draw_bumps(
 def raise_cliffs(
     step: float, broad: NDArray[np.float64], cliffs: NDArray[np.float64], heights: NDArray[np.float64]
 ) -> None:
-    """Gather the slopes into steps where the land is rocky, each as steep whatever the slope was.
+    """Gather slopes into steps where the land is rocky; all steps are equally steep.
 
     Args:
         step: m, from one terrace to the next.

@@ -1,4 +1,4 @@
-"""The height field: open country, lakes in its hollows, level ground under houses."""
+"""The height field: natural relief, lakes in its hollows, level ground under houses."""
 
 from typing import NamedTuple
 
@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.maps.ground.connected_parts import largest_part
+from wildscav_engine.maps.ground.connected_components import largest_component
 from wildscav_engine.maps.ground.erosion import add_finely, crumble, rain
 from wildscav_engine.maps.ground.lakes import DEEPEST_WATER, flood, smooth_least, softened
 from wildscav_engine.maps.ground.relief import (
     LEAST_RANGE,
+    compose_land,
     draw_bumps,
-    draw_country,
     draw_gradients,
+    draw_landform,
     draw_origins,
-    lay_out,
     raise_cliffs,
 )
 from wildscav_engine.specs.body import TAN_SLOPE_LIMIT
@@ -32,25 +32,26 @@ __all__ = [
     "water_of_cells",
 ]
 
-FLATTEST_SHAPE = 0.25  # the least relief with which land is shaped; what is flatter is pressed flat after
-# Rain carves valleys into coarse ground first, then gullies into the fine: points of the height field by one
-# of the ground, and drops for each of these.
+FLATTEST_SHAPE = 0.25  # the least relief with which land is shaped; flatter land is scaled down afterwards
+# Rain carves valleys into coarse ground first, then gullies into the fine ground. Each pair: points of the
+# height field per point of that ground, and drops per point of it.
 VALLEY_RAINS, GULLY_RAIN = ((4, 0.45), (2, 0.2)), (1, 0.15)
-ROUNDINGS = 2  # of a rain's traces, by how coarse its ground is: else one sees the squares of that ground
-LEAST_POINTS = 25  # along a side of ground that is worth rain
+ROUNDINGS = 2  # of smoothing per coarseness of the rained ground, whose squares are visible otherwise
+LEAST_POINTS = 25  # along a side, the least ground to rain on
 STEEPEST_SOIL = 0.62 * CELL  # m from one point to the next
 CRUMBLING = 12  # rounds
-LEAST_CONNECTED = 0.75  # share of the ground that can be walked from one place; rock wears down until then
-WEARING = 0.7  # how far rock stays rock each time
+# Share of the ground that can be walked from one place; rock is worn down until it is reached
+LEAST_CONNECTED = 0.75
+WEARING = 0.7  # factor of the rockiness each time
 MOST_WEARING = 10  # times
 LEVEL_MARGIN = 3.0  # m of level ground around a house: more than the diagonal of a cell
 JOIN_SLOPE = 0.65  # m up per m, of the ground that joins level ground to a steeper slope
 JOIN_START = 3.0  # m; the greater, the more gently the join starts
-LONGEST_JOIN = 80.0  # m; beyond, the ground is natural whatever it is like
+LONGEST_JOIN = 80.0  # m; beyond, the ground always keeps its natural height
 
 
 class Terrain(NamedTuple):
-    """The ground before anything stands on it."""
+    """The terrain before anything is built on it."""
 
     corner: tuple[float, float]  # m, x and z of the south-west corner
     heights: NDArray[np.float64]  # (R + 1, C + 1) m, at the cell corners
@@ -58,53 +59,53 @@ class Terrain(NamedTuple):
 
 
 def make_terrain(config: MapConfig, seed: int) -> Terrain:
-    """Return the land of a map: height 0 is the water's level, or the lowest ground of a dry map."""
+    """Return the terrain of a map; height 0 is the water level, or the lowest ground of a dry map."""
     corner = (-config.size / 2.0, -config.size / 2.0)
     cells = int(config.size // CELL)
     heights, cliffs = _shape_land(config, seed, cells + 1)
     scale = config.relief / max(config.relief, FLATTEST_SHAPE)
     if config.water == 0.0:
         heights = (heights - heights.min()) * scale
-        _open_ways(cliffs, heights)
+        _connect_ground(cliffs, heights)
         return Terrain(corner, heights, -np.inf)
     bumps = np.empty(heights.shape)
     draw_bumps(max(config.relief, FLATTEST_SHAPE), draw_gradients(seed), draw_origins(seed), bumps)
     heights = flood(heights, bumps, config.water, scale)
-    _open_ways(cliffs, heights)
+    _connect_ground(cliffs, heights)
     return Terrain(corner, heights, 0.0)
 
 
 def _shape_land(config: MapConfig, seed: int, points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (points, points) heights in m, laid out, broken into cliffs and worn down, and what is rock."""
+    """Return (points, points) heights in m with cliffs and erosion, and how rocky the ground is."""
     key = np.uint64(seed)
-    country = draw_country(config, max(config.relief, FLATTEST_SHAPE), seed)
+    landform = draw_landform(config, max(config.relief, FLATTEST_SHAPE), seed)
     broad, hills, cliffs, heights = (np.empty((points, points)) for _ in range(4))
-    lay_out(country, draw_gradients(seed), draw_origins(seed), broad, hills, cliffs)
-    broad *= max(1.0, LEAST_RANGE * country.height / (broad.max() - broad.min()))
+    compose_land(landform, draw_gradients(seed), draw_origins(seed), broad, hills, cliffs)
+    broad *= max(1.0, LEAST_RANGE * landform.height / (broad.max() - broad.min()))
     for coarseness, drops in VALLEY_RAINS:
         _erode(key, coarseness, drops, broad)
-    raise_cliffs(country.step, softened(broad), cliffs, heights)
+    raise_cliffs(landform.step, softened(broad), cliffs, heights)
     heights += hills
     _erode(key, *GULLY_RAIN, heights)
     crumble(STEEPEST_SOIL, cliffs, CRUMBLING, heights)
     return heights, cliffs
 
 
-def _open_ways(cliffs: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
-    """Wear rock down, in place, until most of the ground can be walked from one place; lakes stay."""
+def _connect_ground(cliffs: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
+    """Wear down rock, in place, until most of the ground can be walked from one place; keep lakes."""
     for _ in range(MOST_WEARING):
         if _connected_share(heights) >= LEAST_CONNECTED:
             break
         cliffs *= WEARING
         beds = heights.copy()
         crumble(STEEPEST_SOIL, cliffs, CRUMBLING, heights)
-        # Screes end at the shore. What is dry stays dry: it slides only while it is higher above its
+        # Screes end at the shore. Dry ground stays dry: soil slides only while it is higher above its
         # neighbour than any lake is deep.
         np.copyto(heights, beds, where=beds < 0.0)
 
 
 def _connected_share(heights: NDArray[np.float64]) -> float:
-    """Return the share of all cells in the largest connected part of those not too steep to walk."""
+    """Return the share of all cells in the largest connected component of cells that can be walked."""
     east, north = np.diff(heights, axis=1), np.diff(heights, axis=0)
     rise = np.maximum(
         east[:-1] * east[:-1] + north[:, 1:] * north[:, 1:],
@@ -112,11 +113,11 @@ def _connected_share(heights: NDArray[np.float64]) -> float:
     )
     steepest = TAN_SLOPE_LIMIT * CELL
     cells = (rise < steepest * steepest).astype(np.int8)
-    return largest_part(np.empty(cells.size, np.int32), cells) / cells.size
+    return largest_component(np.empty(cells.size, np.int32), cells) / cells.size
 
 
 def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.float64]) -> None:
-    """Let it rain on every second, fourth … point, and change those between in the same way."""
+    """Let it rain on a coarser grid of points, and interpolate the change for those between."""
     ground = heights[::coarseness, ::coarseness].copy()
     if len(ground) < LEAST_POINTS:
         return
@@ -131,7 +132,7 @@ def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.f
 
 
 def water_of_cells(heights: NDArray[np.float64], level: float) -> NDArray[np.float64]:
-    """Return (R, C) the height in m of the surface over each cell with ground below it, -inf elsewhere."""
+    """Return (R, C) the height in m of the water over cells with ground below the level, -inf elsewhere."""
     south = np.minimum(heights[:-1, :-1], heights[:-1, 1:])
     north = np.minimum(heights[1:, :-1], heights[1:, 1:])
     return np.where(np.minimum(south, north) < level, level, -np.inf)
@@ -139,7 +140,7 @@ def water_of_cells(heights: NDArray[np.float64], level: float) -> NDArray[np.flo
 
 @kernel
 def distance_to_footprint(footprint: NDArray[np.float64], x: float, z: float) -> float:
-    """Return how far in m (x, z) is from a footprint (see ``sites.Site``), 0 inside it."""
+    """Return the distance in m of (x, z) from a footprint (see ``sites.Site``), 0 inside it."""
     east, north = x - footprint[0], z - footprint[1]
     across = abs(east * footprint[3] - north * footprint[2]) - footprint[4]
     along = abs(east * footprint[2] + north * footprint[3]) - footprint[5]
@@ -153,11 +154,11 @@ def level_ground(
     grounds: NDArray[np.float64],
     heights: NDArray[np.float64],
 ) -> None:
-    """Make the ground level around each footprint and join it smoothly to what is around.
+    """Make the ground level around each footprint and join it smoothly to its surroundings.
 
-    Away from each level the ground may rise and fall only so much, and the farther the more: it is cut and
-    filled to that, and left alone where it is within. So the join is as wide as the difference needs, and
-    no steeper than its own slope and the natural one.
+    The farther the ground is from a level area, the more it may differ from its height: it is cut and filled
+    to these limits, and unchanged within them. So the join is as wide as the difference requires, and no
+    steeper than its own slope and the natural one.
 
     Args:
         corner: m, x and z of the south-west corner.
@@ -178,7 +179,7 @@ def _limit(
     least: NDArray[np.float64],
     most: NDArray[np.float64],
 ) -> None:
-    """Narrow down how low and how high the ground may be, (R + 1, C + 1) m each, to join each level."""
+    """Narrow the limits of the ground's height, (R + 1, C + 1) m each, so that it joins each level area."""
     for house in range(footprints.shape[0]):
         reach = footprints[house, 4] + footprints[house, 5] + LEVEL_MARGIN + LONGEST_JOIN
         first_row = max(0, int((footprints[house, 1] - reach - corner[1]) / CELL))
@@ -197,9 +198,9 @@ def _limit(
 
 @kernel
 def room_of_join(away: float) -> float:
-    """Return how much in m the ground may differ from a level that begins so many m away.
+    """Return how much in m the ground may differ from the height of a level area ``away`` m from it.
 
-    Two levels that differ by no more than this at their distance are both level.
+    Two areas whose heights differ by no more than this at their distance both stay level.
     """
     if away >= LONGEST_JOIN:
         return np.inf
@@ -219,10 +220,10 @@ def _keep_within(least: NDArray[np.float64], most: NDArray[np.float64], heights:
 
 @kernel
 def _within(height: float, least: float, most: float) -> float:
-    """Return a height cut and filled to what two or more levels allow; halfway where they disagree."""
+    """Return a height limited to a range; the middle of the limits where they contradict each other."""
     if least >= most:
         return 0.5 * (least + most)
-    # Rounded where cut and where filled, but never by so much that it leaves the range.
+    # Rounded off at both limits, but never so much that it leaves the range.
     width = min(1.0, 0.5 * (most - least))
     height = smooth_least(height, most, width)
     return -smooth_least(-height, -least, width)

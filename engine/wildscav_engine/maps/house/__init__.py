@@ -1,7 +1,6 @@
-"""Houses: from a seed to a plan, and from a plan to solids."""
+"""Houses: drawing a plan from a seed, and building solids from a plan."""
 
 from wildscav_engine.maps.house.build import FLOOR_LIFT, build_house, doorsteps, house_of
-from wildscav_engine.maps.house.draw import LARGEST, SMALLEST, draw_plan
 from wildscav_engine.maps.house.plan import (
     DOOR_HEIGHT,
     DOOR_WIDTH,
@@ -12,6 +11,7 @@ from wildscav_engine.maps.house.plan import (
     Storey,
     Wall,
 )
+from wildscav_engine.maps.house.random_plan import LARGEST, SMALLEST, draw_plan
 
 __all__ = [
     "DOOR_HEIGHT",

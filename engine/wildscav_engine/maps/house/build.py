@@ -1,7 +1,7 @@
-"""Houses made of convex solids, from their plans."""
+"""Building the convex solids of a house from its plan."""
 
 from wildscav_engine.geometry.world import Kind, Solid
-from wildscav_engine.maps.house.builder import RAILING, Builder
+from wildscav_engine.maps.house.box_builder import RAILING, Builder
 from wildscav_engine.maps.house.plan import SLAB, STOREY_HEIGHT, HousePlan, Side, Stairs
 from wildscav_engine.maps.house.roof import build_roofs
 from wildscav_engine.maps.settlements.houses import House
@@ -38,7 +38,7 @@ def build_house(plan: HousePlan, site: Site) -> list[Solid]:
 
 
 def _build_guards(builder: Builder, stairs: Stairs, level: int, floor: float, *, goes_on: bool) -> None:
-    """Build the wall or railing beside flights, and the railing before a well that no stairs go on from."""
+    """Build the wall or railing beside flights, and the railing at a well from which no stairs lead on."""
     if stairs.landing:
         top = STOREY_HEIGHT if goes_on else RAILING
         builder.block(Kind.WALL, stairs.spine, floor, floor + top)
@@ -49,7 +49,7 @@ def _build_guards(builder: Builder, stairs: Stairs, level: int, floor: float, *,
 
 
 def doorsteps(plan: HousePlan, site: Site, distance: float) -> list[tuple[float, float]]:
-    """Return x and z of the places in m in front of each outer doorway, this far from the wall."""
+    """Return x and z in m of the place in front of each outer doorway, ``distance`` m from the wall."""
     places = []
     for (across, along), side in plan.doors:
         away = distance if side in (Side.FRONT, Side.RIGHT) else -distance
@@ -59,7 +59,7 @@ def doorsteps(plan: HousePlan, site: Site, distance: float) -> list[tuple[float,
 
 
 def house_of(plan: HousePlan, site: Site) -> House:
-    """Return a house as a map knows it."""
+    """Return the house of a map for a plan on a site."""
     return House(
         center=(site.pose.x, site.pose.z),
         size=plan.size,

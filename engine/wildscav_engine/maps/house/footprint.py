@@ -1,11 +1,11 @@
-"""The outlines of houses: a block, a block with a wing (an L), a block with a low annex."""
+"""Drawing the outlines of houses: a block, a block with a wing (an L), or a block with a low annex."""
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import OUTER_WALL, Roof, Side, Wing
 
-MAIN_LEAST = 7.0  # m a side, of a main block: room for stairs and for rooms beside them
-WING_LEAST = 3.6  # m a side
+MAIN_LEAST = 7.0  # m, least side of a main block: space for stairs and rooms beside them
+WING_LEAST = 3.6  # m, least side
 YARD_LEAST = 3.0  # m, beside a wing
 
 
@@ -13,7 +13,7 @@ def draw_wings(dice: Dice, size: tuple[float, float], storeys: int) -> tuple[Win
     """Draw the blocks of a house that fill a rectangle of a size in m, the main block first.
 
     Args:
-        dice: What is random.
+        dice: The source of randomness.
         size: Across and along.
         storeys: Of the main block.
 
@@ -37,7 +37,7 @@ def draw_wings(dice: Dice, size: tuple[float, float], storeys: int) -> tuple[Win
 
 
 def _has_room(size: tuple[float, float], side: Side) -> bool:
-    """Return whether a wing can stand out on a side of the main block."""
+    """Return whether a wing fits on a side of the main block."""
     beside, away = size if side.is_across else size[::-1]
     return away >= MAIN_LEAST + WING_LEAST - OUTER_WALL and beside >= max(WING_LEAST + YARD_LEAST, MAIN_LEAST)
 

@@ -1,7 +1,7 @@
-"""Furniture: what stands in a room of a purpose, and where.
+"""Furnishing rooms according to their purpose.
 
-Pieces stand in strips along the walls, or in the middle. What is left between the strips is wide enough to
-walk, and so is the way from every doorway to it: so furniture never cuts a room in two.
+Pieces stand in strips along the walls, or in the middle. The space between the strips is wide enough to walk,
+and so is the passage to it from every doorway, so furniture never cuts a room in two.
 """
 
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from typing import NamedTuple
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
-    CLEAR_WAY,
+    PASSAGE_WIDTH,
     TOUCHING,
     WINDOW_SILL,
     Block,
@@ -24,7 +24,7 @@ from wildscav_engine.maps.house.rooms import Span, without
 
 Box = tuple[float, float, float, float, float, float]  # m: left, from the wall, bottom; right, to, top
 CORNER_GAP = 0.05  # m between pieces side by side
-PIECES_OF_LARGE_ROOM = 20.0  # m², from which on a room has one piece more
+PIECES_OF_LARGE_ROOM = 20.0  # m², above which a room has one piece more
 
 
 class Gap(NamedTuple):
@@ -36,13 +36,13 @@ class Gap(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A kind of furniture, seen from its front."""
+    """A type of furniture, seen from its front."""
 
     widths: tuple[float, float]  # m, least and most
     depth: float  # m
     height: float  # m
-    boxes: Callable[[float], tuple[Box, ...]]  # of its width
-    in_middle: bool = False  # whether it rather stands in the middle of a room than at a wall
+    boxes: Callable[[float], tuple[Box, ...]]  # a function of its width
+    in_middle: bool = False  # whether it preferably stands in the middle of a room
 
 
 def _plain(depth: float, height: float) -> Callable[[float], tuple[Box, ...]]:
@@ -87,10 +87,10 @@ PIECES: dict[str, Piece] = {
     "island": Piece((1.6, 2.2), 0.8, 0.92, _plain(0.8, 0.92), in_middle=True),
 }
 
-# What stands where there is no room for something else.
-ELSE = {"bed": "cot", "sofa": "chest", "counter": "basin", "tub": "shelf"}
+# The smaller piece to use where another one does not fit.
+SUBSTITUTES = {"bed": "cot", "sofa": "chest", "counter": "basin", "tub": "shelf"}
 
-# What a room of a purpose has, the most important first.
+# The pieces of a room by its purpose, the most important first.
 ROOMS: dict[str, tuple[str, ...]] = {
     "living": ("sofa", "table", "shelf", "chest"),
     "dining": ("table", "chest", "shelf"),
@@ -107,8 +107,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
 }
 
 
-class _Standing:
-    """What stands in a room so far, and what must stay free."""
+class _Arrangement:
+    """The furniture of a room so far, and the space that must stay free."""
 
     def __init__(self, area: Rectangle, gaps: list[Gap]) -> None:
         self.area, self.gaps = area, gaps
@@ -116,32 +116,32 @@ class _Standing:
         self.kept: Rectangle | None = None  # of the core, around a piece in the middle
         self.outlines: list[Rectangle] = []
 
-    def is_deep_enough(self, side: Side, depth: float) -> bool:
-        """Return whether a piece of a depth at a wall leaves a way between it and what is opposite."""
+    def leaves_passage(self, side: Side, depth: float) -> bool:
+        """Return whether a piece of a depth at a wall leaves a passage between it and the opposite side."""
         left, back, right, front = self.core
         taken = abs(line_of(self.area, side) - line_of(self.core, side))
         across = front - back if side.is_across else right - left
-        return across - max(0.0, depth - taken) >= CLEAR_WAY
+        return across - max(0.0, depth - taken) >= PASSAGE_WIDTH
 
-    def stands_at_wall(self, outline: Rectangle, side: Side) -> bool:
-        """Put a piece at a wall if all ways stay free, and return whether it stands."""
+    def place_at_wall(self, outline: Rectangle, side: Side) -> bool:
+        """Place a piece at a wall if all passages stay free; return whether it was placed."""
         core = _less(self.core, outline, side)
-        if min(core.right - core.left, core.front - core.back) < CLEAR_WAY:
+        if min(core.right - core.left, core.front - core.back) < PASSAGE_WIDTH:
             return False
         if self.kept and not _contains(core, self.kept):
             return False
         outlines = [*self.outlines, outline]
         for gap in self.gaps:
             if gap.is_doorway:
-                way = _way_in(self.area, core, gap)
-                if any(overlap(way, other) for other in outlines):
+                passage = _doorway_clearance(self.area, core, gap)
+                if any(overlap(passage, other) for other in outlines):
                     return False
         self.core, self.outlines = core, outlines
         return True
 
-    def stands_in_middle(self, outline: Rectangle) -> bool:
-        """Put a piece in the middle if one can walk all around it, and return whether it stands."""
-        kept = shrunk(outline, -CLEAR_WAY)
+    def place_in_middle(self, outline: Rectangle) -> bool:
+        """Place a piece in the middle if there is a passage all around it; return whether it was placed."""
+        kept = shrunk(outline, -PASSAGE_WIDTH)
         if self.kept or not _contains(self.core, kept):
             return False
         self.kept = kept
@@ -149,7 +149,7 @@ class _Standing:
         return True
 
     def free_spans(self, side: Side, piece: Piece) -> list[Span]:
-        """Return the parts of a wall where a piece could stand."""
+        """Return the parts of a wall that are free for a piece."""
         spans = [span_of(self.area, side)]
         for gap in self.gaps:
             if gap.side is side and (gap.is_doorway or piece.height > WINDOW_SILL):
@@ -168,45 +168,47 @@ def furnish(
     """Furnish a room.
 
     Args:
-        dice: What is random.
+        dice: The source of randomness.
         area: The part of it that may be furnished, between its walls.
         purpose: Of the room.
         gaps: Its doorways and windows.
         sides: The walls that furniture may stand at.
 
     Returns:
-        One to four pieces; none where there is no room.
+        One to four pieces; none if none fits.
     """
     most = (purpose != "hall") + 1 + (area.area > 12.0) + (area.area > PIECES_OF_LARGE_ROOM)
-    standing = _Standing(area, gaps)
+    arrangement = _Arrangement(area, gaps)
     placed: list[Furniture] = []
     for name in ROOMS[purpose]:
         if len(placed) == most:
             break
-        found = _stand(dice, standing, name, sides)
-        if not found and name in ELSE:
-            found = _stand(dice, standing, ELSE[name], sides)
+        found = _place_piece(dice, arrangement, name, sides)
+        if not found and name in SUBSTITUTES:
+            found = _place_piece(dice, arrangement, SUBSTITUTES[name], sides)
         if found:
             placed.append(found)
     return placed
 
 
-def _stand(dice: Dice, standing: _Standing, name: str, sides: tuple[Side, ...]) -> Furniture | None:
-    """Put a piece into a room, and return it, or None where it finds no room."""
+def _place_piece(
+    dice: Dice, arrangement: _Arrangement, name: str, sides: tuple[Side, ...]
+) -> Furniture | None:
+    """Place a piece in a room and return it, or None if it does not fit."""
     piece = PIECES[name]
     width = dice.uniform(*piece.widths)
     if piece.in_middle:
-        outline, side = _in_middle(dice, standing.core, piece, width)
-        if standing.stands_in_middle(outline):
+        outline, side = _in_middle(dice, arrangement.core, piece, width)
+        if arrangement.place_in_middle(outline):
             return _furniture(name, outline, side, width)
     for side in _shuffled(dice, sides):
-        if not standing.is_deep_enough(side, piece.depth):
+        if not arrangement.leaves_passage(side, piece.depth):
             continue
-        span = _draw_place(dice, standing.free_spans(side, piece), width)
+        span = _draw_place(dice, arrangement.free_spans(side, piece), width)
         if span is None:
             continue
-        outline = _strip(standing.area, side, span, piece.depth)
-        if standing.stands_at_wall(outline, side):
+        outline = _strip(arrangement.area, side, span, piece.depth)
+        if arrangement.place_at_wall(outline, side):
             return _furniture(name, outline, side, width)
     return None
 
@@ -216,7 +218,7 @@ def _shuffled(dice: Dice, sides: tuple[Side, ...]) -> list[Side]:
 
 
 def _draw_place(dice: Dice, spans: list[Span], width: float) -> Span | None:
-    """Draw where along a wall a piece stands: rather in a corner than between."""
+    """Draw the place of a piece along a wall, preferably in a corner."""
     wide = [span for span in spans if span[1] - span[0] >= width]
     if not wide:
         return None
@@ -227,7 +229,7 @@ def _draw_place(dice: Dice, spans: list[Span], width: float) -> Span | None:
 
 
 def _in_middle(dice: Dice, core: Rectangle, piece: Piece, width: float) -> tuple[Rectangle, Side]:
-    """Return where a piece stands in the middle of a room, its longer side along the room's."""
+    """Return the outline of a piece in the middle of a room, aligned with the room, and its back side."""
     across, along = (core.left + core.right) / 2.0, (core.back + core.front) / 2.0
     lies_across = core.right - core.left >= core.front - core.back
     half_across, half_along = (
@@ -260,7 +262,7 @@ def _contains(outer: Rectangle, inner: Rectangle) -> bool:
 
 
 def _less(core: Rectangle, outline: Rectangle, side: Side) -> Rectangle:
-    """Return what a piece at a wall leaves of the middle of a room."""
+    """Return the part of a room's middle that a piece at a wall leaves free."""
     if side is Side.FRONT:
         return core._replace(front=min(core.front, outline.back))
     if side is Side.BACK:
@@ -270,9 +272,9 @@ def _less(core: Rectangle, outline: Rectangle, side: Side) -> Rectangle:
     return core._replace(left=max(core.left, outline.right))
 
 
-def _way_in(area: Rectangle, core: Rectangle, gap: Gap) -> Rectangle:
-    """Return what must stay free before a doorway: so much that one gets into the middle, even sideways."""
-    depth = abs(line_of(area, gap.side) - line_of(core, gap.side)) + CLEAR_WAY
+def _doorway_clearance(area: Rectangle, core: Rectangle, gap: Gap) -> Rectangle:
+    """Return the area that must stay free in front of a doorway, so that the middle can be reached."""
+    depth = abs(line_of(area, gap.side) - line_of(core, gap.side)) + PASSAGE_WIDTH
     return _strip(area, gap.side, gap.span, depth)
 
 
@@ -288,7 +290,7 @@ def _strip(area: Rectangle, side: Side, span: Span, depth: float) -> Rectangle:
 
 
 def _furniture(name: str, outline: Rectangle, side: Side, width: float) -> Furniture:
-    """Return a piece with its boxes, its back towards a side."""
+    """Return a piece with its boxes and its back towards a side."""
     blocks = []
     start = span_of(outline, side)[0]
     for left, near, bottom, right, far, top in PIECES[name].boxes(width):

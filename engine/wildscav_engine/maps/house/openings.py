@@ -1,4 +1,4 @@
-"""The outer walls of a storey: where they run, and their doors and windows."""
+"""The outer walls of a storey, and their doors and windows."""
 
 from typing import NamedTuple
 
@@ -20,10 +20,10 @@ from wildscav_engine.maps.house.plan import (
 )
 from wildscav_engine.maps.house.rooms import Span, clear_of_stairs, draw_span, within, without
 
-PILLAR = 0.3  # m, least wall between a window or door and what is beside it
-WINDOW_BAY = 3.0  # m of wall for each window, about
+PILLAR = 0.3  # m, least width of wall beside a window or door
+WINDOW_BAY = 3.0  # m of wall for each window, approximately
 NARROWEST_WINDOW, WIDEST_WINDOW = 0.8, 1.8  # m
-LARGE_HOUSE = 120.0  # m² of ground, from which on there is a second door
+LARGE_HOUSE = 120.0  # m² of ground, above which a house has a second door
 
 
 class Face(NamedTuple):
@@ -32,12 +32,12 @@ class Face(NamedTuple):
     wing: int
     outline: Rectangle
     facing: Side
-    open: list[Span]  # m, the parts of it that have open air before them
+    open: list[Span]  # m, the parts of it with open air outside
     joint: bool  # whether a wing of the same storey adjoins it
 
 
 def draw_faces(wings: tuple[Wing, ...], level: int) -> list[Face]:
-    """Return the outer walls of a storey; the main block owns the wall that it shares with a wing."""
+    """Return the outer walls of a storey; a wall shared with a wing belongs to the main block."""
     main, others = wings[0], wings[1:]
     faces = []
     for side in Side:
@@ -66,7 +66,7 @@ def _faces_of_wing(number: int, wing: Wing) -> list[Face]:
         if side is wing.joint:
             continue
         outline = strip_along(wing.outline, side)
-        # Walls across reach over the corners, but not into the wall of the main block.
+        # Walls that run across include the corners, but do not reach into the wall of the main block.
         if side.is_across and wing.joint is Side.LEFT:
             outline = outline._replace(left=outline.left + OUTER_WALL)
         elif side.is_across and wing.joint is Side.RIGHT:
@@ -76,7 +76,7 @@ def _faces_of_wing(number: int, wing: Wing) -> list[Face]:
 
 
 def strip_along(outline: Rectangle, side: Side, thickness: float = OUTER_WALL) -> Rectangle:
-    """Return the wall along a side of a block; those across reach over the corners."""
+    """Return the wall along a side of a block; walls that run across include the corners."""
     left, back, right, front = outline
     if side is Side.FRONT:
         return Rectangle(left, front - thickness, right, front)
@@ -88,7 +88,7 @@ def strip_along(outline: Rectangle, side: Side, thickness: float = OUTER_WALL) -
 
 
 class Edge(NamedTuple):
-    """A part of an outer wall that has a room behind it and open air before it."""
+    """A part of an outer wall with a room inside and open air outside."""
 
     face: int
     room: int
@@ -96,7 +96,7 @@ class Edge(NamedTuple):
 
 
 def edges_of(faces: list[Face], rooms: list[Rectangle], stairs: Stairs | None) -> list[Edge]:
-    """Return where doors and windows may be: nowhere that stairs stand behind the wall."""
+    """Return where doors and windows may be: nowhere with stairs behind the wall."""
     edges = []
     for number, face in enumerate(faces):
         line, side = line_of(face.outline, face.facing.opposite), face.facing
@@ -114,10 +114,10 @@ def edges_of(faces: list[Face], rooms: list[Rectangle], stairs: Stairs | None) -
 def choose_outer_doors(
     dice: Dice, faces: list[Face], edges: list[Edge], wings: tuple[Wing, ...], hall: int
 ) -> list[Edge]:
-    """Choose the front door, rather into the hall, and a second door of a large house on another side.
+    """Choose the front door, preferably into the hall, and for a large house a second door on another side.
 
     Returns:
-        The doors, each with the span that it takes.
+        The doors, each with its span.
     """
     wide = [edge for edge in edges if edge.span[1] - edge.span[0] >= DOOR_WIDTH + 2.0 * PILLAR]
     fronts = [edge for edge in wide if faces[edge.face].facing is Side.FRONT] or wide
@@ -138,7 +138,7 @@ def choose_terrace_door(
     """Choose a door to the flat roof of a lower wing.
 
     Returns:
-        The wing and the door with the span that it takes, or None.
+        The wing, and the door with its span; or None.
     """
     for number, wing in enumerate(wings):
         if wing.joint is None or wing.storeys != level or wing.roof is not Roof.FLAT:
@@ -165,7 +165,7 @@ def _place(dice: Dice, edge: Edge) -> Edge:
 
 
 def windows_in(edge: Edge, doors: list[Edge]) -> list[Span]:
-    """Return the windows of a part of an outer wall: at even distances, but not where a door is."""
+    """Return the windows of a part of an outer wall: evenly spaced, but none at a door."""
     start, end = edge.span[0] + PILLAR, edge.span[1] - PILLAR
     if end - start < NARROWEST_WINDOW:
         return []
@@ -183,5 +183,5 @@ def windows_in(edge: Edge, doors: list[Edge]) -> list[Span]:
 
 
 def window(span: Span) -> Opening:
-    """Return the window that takes a span."""
+    """Return the window of a span."""
     return Opening((span[0] + span[1]) / 2.0, span[1] - span[0], WINDOW_SILL, WINDOW_TOP)

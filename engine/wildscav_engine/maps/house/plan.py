@@ -1,7 +1,7 @@
-"""The words of a house plan: what a house is like inside, in its own axes, before anything is built.
+"""The data types of a house plan, in the axes of the house.
 
-A house's own axes are *across* (to the right, seen from its middle towards its front) and *along* (towards
-its front); heights count from its ground floor.
+The axes of a house are *across* (to the right, seen from its middle towards its front) and *along* (towards
+its front). Heights are relative to its ground floor.
 """
 
 from enum import IntEnum
@@ -14,13 +14,13 @@ SLAB = 0.2  # m, thickness of floors
 OUTER_WALL, INNER_WALL = 0.25, 0.15  # m, thickness
 DOOR_WIDTH, DOOR_HEIGHT = 1.6, 2.3  # m, clear
 WINDOW_SILL, WINDOW_TOP = 1.0, DOOR_HEIGHT  # m above the floor; one lintel runs over doors and windows
-CLEAR_WAY = 1.6  # m, least width of every way that one can walk
+PASSAGE_WIDTH = 1.6  # m, least width of every passage
 NARROWEST_ROOM = 2.6  # m
-TOUCHING = 1e-6  # m, within which two lines are the same
+TOUCHING = 1e-6  # m, within which two lines count as the same
 
 
 class Side(IntEnum):
-    """A side of a rectangle, or the direction out of it."""
+    """A side of a rectangle, or the direction outwards from it."""
 
     FRONT = 0
     RIGHT = 1
@@ -29,32 +29,32 @@ class Side(IntEnum):
 
     @property
     def is_across(self) -> bool:
-        """Whether a wall on this side runs across, else along."""
+        """Whether a wall on this side runs across; else it runs along."""
         return self % 2 == 0
 
     @property
     def opposite(self) -> "Side":
-        """The side that faces it."""
+        """The opposite side."""
         return Side((self + 2) % 4)
 
 
 def line_of(area: Rectangle, side: Side) -> float:
-    """Return where a side of a rectangle lies in m, on the axis that crosses it."""
+    """Return the coordinate of a side of a rectangle in m, on the axis perpendicular to the side."""
     return (area.front, area.right, area.back, area.left)[side]
 
 
 def span_of(area: Rectangle, side: Side) -> tuple[float, float]:
-    """Return where a side of a rectangle starts and ends in m, on the axis that it runs on."""
+    """Return the start and end of a side of a rectangle in m, on the axis parallel to the side."""
     return (area.left, area.right) if side.is_across else (area.back, area.front)
 
 
 def shrunk(area: Rectangle, margin: float) -> Rectangle:
-    """Return a rectangle less a margin in m on all sides."""
+    """Return a rectangle shrunk by a margin in m on all sides."""
     return Rectangle(area.left + margin, area.back + margin, area.right - margin, area.front - margin)
 
 
 class Roof(IntEnum):
-    """What covers a part of a house."""
+    """The type of roof of a wing."""
 
     FLAT = 0  # with a parapet
     GABLE = 1
@@ -65,21 +65,21 @@ class Roof(IntEnum):
 class Wing(NamedTuple):
     """A block of a house: the main one, or one that adjoins it."""
 
-    outline: Rectangle  # walls included; one that adjoins the main block shares the wall between them
+    outline: Rectangle  # walls included; a wing shares the wall between it and the main block
     storeys: int
-    joint: Side | None  # its side that adjoins the main block; none of the main block itself
+    joint: Side | None  # its side that adjoins the main block; None for the main block itself
     roof: Roof
 
     @property
     def inside(self) -> Rectangle:
-        """All within its walls."""
+        """The area within its walls."""
         return shrunk(self.outline, OUTER_WALL)
 
 
 class Opening(NamedTuple):
     """A doorway or window in a wall."""
 
-    middle: float  # m, on the axis that the wall runs on
+    middle: float  # m, on the axis that the wall runs along
     width: float  # m
     bottom: float  # m above the floor
     top: float  # m above the floor
@@ -91,12 +91,12 @@ class Opening(NamedTuple):
 
     @property
     def start(self) -> float:
-        """Where it starts in m."""
+        """Its start in m."""
         return self.middle - self.width / 2.0
 
     @property
     def end(self) -> float:
-        """Where it ends in m."""
+        """Its end in m."""
         return self.middle + self.width / 2.0
 
 
@@ -106,11 +106,11 @@ class Wall(NamedTuple):
     outline: Rectangle
     is_across: bool  # whether it runs across, else along
     openings: tuple[Opening, ...]  # ascending
-    facing: Side | None  # where an outer wall looks; none of an inner wall
+    facing: Side | None  # the direction outwards; None for an inner wall
 
     @property
     def doorways(self) -> tuple[Opening, ...]:
-        """Its openings that one can walk through."""
+        """Its doorways."""
         return tuple(opening for opening in self.openings if opening.is_doorway)
 
 
@@ -141,12 +141,12 @@ class Flight(NamedTuple):
     """A straight flight of steps."""
 
     outline: Rectangle
-    climbs: Side  # where it leads up to
-    first: int  # steps between the floor and its first step
+    climbs: Side  # the direction in which it rises
+    first: int  # number of steps below it, from the floor
 
     @property
     def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The middles of its foot and of its head."""
+        """The middles of its lower and of its upper end."""
         middle = (
             (self.outline.left + self.outline.right) / 2.0,
             (self.outline.back + self.outline.front) / 2.0,
@@ -158,14 +158,14 @@ class Flight(NamedTuple):
 
 
 class Stairs(NamedTuple):
-    """The stairs of a house, the same from each storey to the next."""
+    """The stairs of a house, identical between all storeys."""
 
-    hall: Rectangle  # the room that they are in
-    well: Rectangle  # the hole that they need in each floor above
+    hall: Rectangle  # the room that contains them
+    well: Rectangle  # their opening in each floor above
     flights: tuple[Flight, ...]
-    landing: Rectangle | None  # half way up, where they turn
+    landing: Rectangle | None  # halfway up, where they turn
     spine: Rectangle  # the wall between the flights, or beside a single one
-    foot: Rectangle  # the edge of the well before the first step: a railing where no stairs go on
+    foot: Rectangle  # the edge of the well at the first step: a railing where no stairs lead on
     exit: Rectangle  # the edge of the well behind the last step
     entry: Side  # the end of the hall before the first step
 

@@ -1,8 +1,8 @@
-"""Roofs, and the small house over the stairs that lead out to a flat one."""
+"""Building roofs, and the stair house on a flat roof."""
 
 from wildscav_engine.geometry.shapes import Pose, Rectangle, lean_to, pitched_roof
 from wildscav_engine.geometry.world import Kind, Solid
-from wildscav_engine.maps.house.builder import RAILING, Builder, around_hole
+from wildscav_engine.maps.house.box_builder import RAILING, Builder, around_hole
 from wildscav_engine.maps.house.openings import draw_faces, strip_along
 from wildscav_engine.maps.house.plan import (
     DOOR_HEIGHT,
@@ -20,17 +20,18 @@ from wildscav_engine.maps.house.rooms import without
 from wildscav_engine.maps.house.stairs import EDGE
 
 PARAPET = 0.5  # m, height
-RAILED_PARAPET = 0.95  # m, of roofs that can be walked to
-PARAPET_THICKNESS = 0.2  # m; a bit less than the wall, so that its inner side lies in no other surface
+RAILED_PARAPET = 0.95  # m, height on roofs that can be walked to
+# m; slightly less than the wall, so that its inner side is coplanar with no other surface
+PARAPET_THICKNESS = 0.2
 EAVES, OVERHANG = 0.15, 0.4  # m
-SLOPE = 0.62  # height of pitched roofs by the way from the eaves
-LEAN_TO_RISE = 0.85  # m: windows of the storey above begin higher
-WING_LIFT = 0.03  # m that the roof of a wing lies higher, so that no faces lie in one plane
-EXIT_HEIGHT = 2.5  # m, within the small house over the stairs
+SLOPE = 0.62  # rise of pitched roofs per m from the eaves
+LEAN_TO_RISE = 0.85  # m; less than the sills of the storey above
+WING_LIFT = 0.03  # m that the roof of a wing is raised, so that no faces are coplanar
+EXIT_HEIGHT = 2.5  # m, inside the stair house
 
 
 def build_roofs(builder: Builder, plan: HousePlan) -> list[Solid]:
-    """Put a roof on every wing; flat ones and the attic floors go to the builder.
+    """Build a roof on every wing; flat roofs and attic floors are added to the builder.
 
     Returns:
         The pitched roofs.
@@ -55,7 +56,7 @@ def build_roofs(builder: Builder, plan: HousePlan) -> list[Solid]:
 
 
 def can_be_walked_to(plan: HousePlan, number: int) -> bool:
-    """Return whether one can walk to the roof of a wing."""
+    """Return whether the roof of a wing can be walked to."""
     wing = plan.wings[number]
     level_with_main = wing.storeys == plan.wings[0].storeys
     return wing.roof is Roof.FLAT and (number in plan.terraces or (plan.roof_exit and level_with_main))
@@ -89,7 +90,7 @@ def _build_parapet(builder: Builder, wings: tuple[Wing, ...], number: int, top: 
 
 
 def _turned(where: Pose, area: Rectangle, towards: Side) -> tuple[Pose, Rectangle]:
-    """Return the pose that looks towards a side, and a rectangle in its axes."""
+    """Return the pose rotated to face a side, and a rectangle in its axes."""
     left, back, right, front = area
     if towards is Side.FRONT:
         return where, area
@@ -104,7 +105,7 @@ def _turned(where: Pose, area: Rectangle, towards: Side) -> tuple[Pose, Rectangl
 
 
 def _build_pitched(builder: Builder, wings: tuple[Wing, ...], number: int, top: float) -> Solid:
-    """Build a gable or hip roof: the ridge of a main block runs its longer way, that of a wing outwards."""
+    """Build a gable or hip roof; the ridge runs along the longer side of a main block, outwards on a wing."""
     wing, main = wings[number], wings[0]
     left, back, right, front = wing.outline
     towards = Side.FRONT if front - back >= right - left else Side.RIGHT
@@ -115,7 +116,7 @@ def _build_pitched(builder: Builder, wings: tuple[Wing, ...], number: int, top: 
     half = (area.right - area.left) / 2.0 + OVERHANG
     rise = SLOPE * half
     if wing.joint is not None:
-        # It ends at the wall of a higher main block, or within the roof of one as high.
+        # It ends at the wall of a higher main block, or inside the roof of one of equal height.
         start, bottom = area.back + OUTER_WALL, top + WING_LIFT
         if wing.storeys == main.storeys:
             deep = _turned(builder.where, main.outline, towards)[1]
@@ -130,7 +131,7 @@ def _build_pitched(builder: Builder, wings: tuple[Wing, ...], number: int, top: 
 
 
 def _build_lean_to(builder: Builder, wing: Wing, top: float) -> Solid:
-    """Build a roof of one slope that starts at the wall of the main block."""
+    """Build a lean-to roof against the wall of the main block."""
     where, area = _turned(builder.where, wing.outline, Side(wing.joint or 0).opposite)
     low = (area.left - OVERHANG, builder.ground + top, area.back + OUTER_WALL)
     high = (area.right + OVERHANG, builder.ground + top + LEAN_TO_RISE, area.front + OVERHANG)
@@ -138,7 +139,7 @@ def _build_lean_to(builder: Builder, wing: Wing, top: float) -> Solid:
 
 
 def _build_exit(builder: Builder, stairs: Stairs, top: float) -> None:
-    """Build walls and a roof around the head of the stairs, open behind the last step."""
+    """Build walls and a roof around the top of the stairs, open behind the last step."""
     if stairs.landing:
         builder.block(Kind.WALL, stairs.spine, top, top + RAILING)
     outer = Rectangle(
@@ -164,7 +165,7 @@ def _part(strip: Rectangle, side: Side, start: float, end: float) -> Rectangle:
 
 
 def _side_of(well: Rectangle, edge: Rectangle) -> Side:
-    """Return the side of a well that an edge beside it is on."""
+    """Return on which side of a well an adjacent edge lies."""
     if edge.back >= well.front:
         return Side.FRONT
     if edge.front <= well.back:

@@ -1,15 +1,15 @@
-"""How a storey is divided into rooms, and which doorways join them."""
+"""Dividing a storey into rooms and connecting them by doorways."""
 
 from typing import NamedTuple
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
-    CLEAR_WAY,
     DOOR_HEIGHT,
     DOOR_WIDTH,
     INNER_WALL,
     NARROWEST_ROOM,
+    PASSAGE_WIDTH,
     TOUCHING,
     Opening,
     Side,
@@ -18,33 +18,33 @@ from wildscav_engine.maps.house.plan import (
     span_of,
 )
 
-Span = tuple[float, float]  # m, a part of a line
-Bar = tuple[Rectangle, bool]  # the outline of a wall, and whether it runs across
+Span = tuple[float, float]  # m, an interval on a line
+WallLine = tuple[Rectangle, bool]  # the outline of a wall, and whether it runs across
 
 CORRIDOR = 1.9  # m, width
-LARGE_ROOM = 24.0  # m², from which on a room is always divided
-SMALL_ROOM = 13.0  # m², under which it never is
+LARGE_ROOM = 24.0  # m²; larger rooms are always divided
+SMALL_ROOM = 13.0  # m²; smaller rooms are never divided
 DOOR_MARGIN = 0.15  # m between a doorway and the corner of a room
-LOOPS = 0.2  # of the doorways that no room needs
+LOOPS = 0.2  # share of the doorways not needed for connection that are made
 
 
 class Layout(NamedTuple):
     """The rooms of a storey and the walls between them."""
 
     rooms: list[Rectangle]
-    bars: list[Bar]
+    walls: list[WallLine]
 
 
 class Door(NamedTuple):
-    """A doorway between two rooms, or where there may be one."""
+    """A doorway between two rooms, or a place where one is possible."""
 
-    bar: int  # the wall, an index in a layout
+    wall: int  # index of the wall in a layout
     rooms: tuple[int, int]
     span: Span  # m, where it may be
 
 
 def divide(dice: Dice, area: Rectangle, layout: Layout) -> None:
-    """Divide a rectangle into rooms by walls, again and again, and add them to a layout."""
+    """Divide a rectangle recursively into rooms by walls, and add them to a layout."""
     width, depth = area.right - area.left, area.front - area.back
     longer = max(width, depth)
     least = 2.0 * NARROWEST_ROOM + INNER_WALL
@@ -52,7 +52,7 @@ def divide(dice: Dice, area: Rectangle, layout: Layout) -> None:
     if longer < least or size < SMALL_ROOM:
         layout.rooms.append(area)
         return
-    # The larger a room is, the more likely it is divided; long ones are always.
+    # Larger and longer rooms are more likely to be divided.
     wish = (size - SMALL_ROOM) / (LARGE_ROOM - SMALL_ROOM) + max(0.0, longer / min(width, depth) - 1.5)
     if dice.uniform() >= wish:
         layout.rooms.append(area)
@@ -70,12 +70,12 @@ def divide(dice: Dice, area: Rectangle, layout: Layout) -> None:
 
 
 def _cut(area: Rectangle, cuts_width: bool, place: float, layout: Layout) -> tuple[Rectangle, Rectangle]:
-    """Put a wall across a rectangle, and return both sides of it."""
+    """Put a wall across a rectangle and return both sides of it."""
     beyond = place + INNER_WALL
     if cuts_width:
-        layout.bars.append((Rectangle(place, area.back, beyond, area.front), False))
+        layout.walls.append((Rectangle(place, area.back, beyond, area.front), False))
         return area._replace(right=place), area._replace(left=beyond)
-    layout.bars.append((Rectangle(area.left, place, area.right, beyond), True))
+    layout.walls.append((Rectangle(area.left, place, area.right, beyond), True))
     return area._replace(front=place), area._replace(back=beyond)
 
 
@@ -92,12 +92,12 @@ def _cut_corridor(dice: Dice, area: Rectangle, cuts_width: bool, layout: Layout)
 
 
 def within(one: Span, other: Span) -> Span:
-    """Return what two spans share; it ends before it starts where they share nothing."""
+    """Return the intersection of two spans; if it is empty, it ends before it starts."""
     return max(one[0], other[0]), min(one[1], other[1])
 
 
 def without(spans: list[Span], taken: Span) -> list[Span]:
-    """Return what is left of spans outside another one."""
+    """Return the parts of spans outside another span."""
     left = []
     for start, end in spans:
         if taken[1] <= start or taken[0] >= end:
@@ -111,23 +111,23 @@ def without(spans: list[Span], taken: Span) -> list[Span]:
 
 
 def clear_of_stairs(room: Rectangle, side: Side, stairs: Stairs | None) -> list[Span]:
-    """Return the parts of a room's side from which one can walk into the room past its stairs."""
+    """Return the parts of a room's side from which its stairs do not block the way into the room."""
     span = span_of(room, side)
     if stairs is None or room != stairs.hall:
         return [span]
-    if abs(line_of(room, side) - line_of(stairs.well, side)) >= CLEAR_WAY - TOUCHING:
+    if abs(line_of(room, side) - line_of(stairs.well, side)) >= PASSAGE_WIDTH - TOUCHING:
         return [span]
     edges = [stairs.well, stairs.foot]
     return without([span], (min(span_of(e, side)[0] for e in edges), max(span_of(e, side)[1] for e in edges)))
 
 
 def possible_doors(layout: Layout, stairs: Stairs | None) -> list[Door]:
-    """Return everywhere that a doorway may join two rooms."""
+    """Return all places where a doorway may connect two rooms."""
     doors = []
-    for number, (bar, is_across) in enumerate(layout.bars):
+    for number, (wall, is_across) in enumerate(layout.walls):
         low, high = (Side.BACK, Side.LEFT)[not is_across], (Side.FRONT, Side.RIGHT)[not is_across]
-        befores = _rooms_at(layout.rooms, bar, low)
-        behinds = _rooms_at(layout.rooms, bar, high)
+        befores = _rooms_at(layout.rooms, wall, low)
+        behinds = _rooms_at(layout.rooms, wall, high)
         for before in befores:
             for behind in behinds:
                 for one in clear_of_stairs(layout.rooms[before], high, stairs):
@@ -139,9 +139,9 @@ def possible_doors(layout: Layout, stairs: Stairs | None) -> list[Door]:
     return doors
 
 
-def _rooms_at(rooms: list[Rectangle], bar: Rectangle, side: Side) -> list[int]:
+def _rooms_at(rooms: list[Rectangle], wall: Rectangle, side: Side) -> list[int]:
     """Return the rooms that touch one side of a wall."""
-    line, span, facing = line_of(bar, side), span_of(bar, side), side.opposite
+    line, span, facing = line_of(wall, side), span_of(wall, side), side.opposite
     found = []
     for number, room in enumerate(rooms):
         if abs(line_of(room, facing) - line) < TOUCHING:
@@ -152,12 +152,12 @@ def _rooms_at(rooms: list[Rectangle], bar: Rectangle, side: Side) -> list[int]:
 
 
 def choose_doors(dice: Dice, layout: Layout, stairs: Stairs | None) -> list[Door] | None:
-    """Choose doorways so that every room can be walked to: a random spanning tree, and some more.
+    """Choose doorways that connect all rooms: a random spanning tree, and some more.
 
-    Rooms are rather joined to the hall than to each other (Kruskal's method with random weights).
+    This is Kruskal's algorithm with random weights that favour doorways to the hall.
 
     Returns:
-        The doorways, each with the span that it takes; None where no doorways can join all rooms.
+        The doorways, each with its span; None if no doorways can connect all rooms.
     """
     hall = layout.rooms.index(stairs.hall) if stairs else -1
     weighted = sorted(
@@ -178,7 +178,7 @@ def choose_doors(dice: Dice, layout: Layout, stairs: Stairs | None) -> list[Door
 
 
 def draw_span(dice: Dice, room: Span, width: float) -> Span:
-    """Draw where in a span something of a width in m is: near an end, or anywhere."""
+    """Draw a span of a width in m inside another: at an end, or anywhere."""
     slack = room[1] - room[0] - width
     place = dice.uniform()
     start = room[0] + slack * (0.0 if place < 0.3 else 1.0 if place > 0.7 else dice.uniform())
@@ -186,5 +186,5 @@ def draw_span(dice: Dice, room: Span, width: float) -> Span:
 
 
 def doorway(span: Span) -> Opening:
-    """Return the doorway that takes a span."""
+    """Return the doorway of a span."""
     return Opening((span[0] + span[1]) / 2.0, span[1] - span[0], 0.0, DOOR_HEIGHT)

@@ -1,7 +1,7 @@
-"""Stairs: a hall with a well that has the same place on every storey, so that flights lie above each other.
+"""Stairs: a hall with a stairwell at the same place on every storey, so that flights are above each other.
 
 There are two kinds. In a *straight* hall one flight runs along a wall, with a passage beside it that leads
-back to the next. In a *turning* hall two flights meet on a landing half way up.
+back to the next flight. In a *turning* hall two flights meet on a landing halfway up.
 """
 
 from typing import NamedTuple
@@ -9,9 +9,9 @@ from typing import NamedTuple
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
-    CLEAR_WAY,
     INNER_WALL,
     NARROWEST_ROOM,
+    PASSAGE_WIDTH,
     Flight,
     Side,
     Stairs,
@@ -19,27 +19,27 @@ from wildscav_engine.maps.house.plan import (
 
 RISE, GOING = 0.2, 0.28  # m, of a step
 RISES = 15  # from floor to floor
-LANDING_HEIGHT = 8 * RISE  # m above the floor below, half way up turning stairs
-LANE = CLEAR_WAY  # m, width of a flight
+LANDING_HEIGHT = 8 * RISE  # m above the floor below, halfway up turning stairs
+FLIGHT_WIDTH = PASSAGE_WIDTH  # m, width of a flight
 SPINE = 0.15  # m, thickness of the wall between flights
-ENTRY = 1.95  # m, free before the first step: a doorway opens to it on either side
-EDGE = 0.15  # m, of railings and of the walls around the way out to the roof
-HALL_WIDTH = 2.0 * LANE + SPINE
+ENTRY = 1.95  # m of free space in front of the first step, wide enough for doorways on either side
+EDGE = 0.15  # m, thickness of railings and of the walls of the stair house
+HALL_WIDTH = 2.0 * FLIGHT_WIDTH + SPINE
 STRAIGHT_RUN = (RISES - 1) * GOING
 TURNING_RUN = 7 * GOING
-STRAIGHT_HALL = ENTRY + STRAIGHT_RUN + CLEAR_WAY + EDGE
-TURNING_HALL = ENTRY + TURNING_RUN + LANE
+STRAIGHT_HALL = ENTRY + STRAIGHT_RUN + PASSAGE_WIDTH + EDGE
+TURNING_HALL = ENTRY + TURNING_RUN + FLIGHT_WIDTH
 
 
-class _Lane(NamedTuple):
-    """The axes of a hall: u from one of its long sides, v from its entry towards its far end."""
+class _HallAxes(NamedTuple):
+    """The axes of a hall: u from one of its long sides, v from its entry to its far end."""
 
     hall: Rectangle
     entry: Side
     mirrored: bool
 
     def place(self, u_0: float, v_0: float, u_1: float, v_1: float) -> Rectangle:
-        """Return a rectangle of these axes in the axes of the house."""
+        """Return a rectangle given in these axes in the axes of the house."""
         left, back, right, front = self.hall
         width, length = right - left, front - back
         if not self.entry.is_across:
@@ -54,19 +54,19 @@ class _Lane(NamedTuple):
 
 
 class HallPlace(NamedTuple):
-    """Where a hall with stairs is in a block, and what is left of the block."""
+    """A hall with stairs in a block, and the rest of the block."""
 
     stairs: Stairs
     rest: tuple[Rectangle, ...]
-    walls: tuple[tuple[Rectangle, bool], ...]  # between them: outline, whether it runs across
+    walls: tuple[tuple[Rectangle, bool], ...]  # the walls between them: outline, and whether it runs across
 
 
 def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
-    """Cut a hall with stairs out of a block, across or along all of it.
+    """Cut a hall with stairs out of a block, all the way across or along it.
 
     Args:
-        dice: What is random.
-        inside: All within the walls of the block, at least 6.5 m a side.
+        dice: The source of randomness.
+        inside: The area within the walls of the block, at least 6.5 m per side.
 
     Returns:
         The hall and the rest.
@@ -78,7 +78,7 @@ def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
     entry_ahead = dice.uniform() < (0.75 if runs_along else 0.5)
     straight = end - start >= STRAIGHT_HALL and dice.uniform() < 0.5
     spare = end - start - (STRAIGHT_HALL if straight else TURNING_HALL) - INNER_WALL
-    # A room behind the stairs, or before the hall, where there is room for one.
+    # A room behind the stairs or in front of the hall, if there is space for one.
     behind = spare if spare >= NARROWEST_ROOM and dice.uniform() < 0.8 else 0.0
     if behind > NARROWEST_ROOM:
         behind = dice.uniform(max(NARROWEST_ROOM, behind - 2.0), behind)
@@ -95,9 +95,9 @@ def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
     )
     rest, walls = _around(inside, runs_along, strip, cut, at_end)
     hall = _oriented(runs_along, strip[0], hall_start, strip[1], hall_end)
-    lane = _Lane(hall, entry, dice.uniform() < 0.5)
+    axes = _HallAxes(hall, entry, dice.uniform() < 0.5)
     length = hall_end - hall_start
-    stairs = _straight(lane, length) if straight else _turning(lane, length)
+    stairs = _straight(axes, length) if straight else _turning(axes, length)
     return HallPlace(stairs, tuple(rest), tuple(walls))
 
 
@@ -106,7 +106,7 @@ def _oriented(runs_along: bool, u_0: float, v_0: float, u_1: float, v_1: float) 
 
 
 def _draw_strip(dice: Dice, low: float, high: float) -> tuple[float, float]:
-    """Return where the hall lies between two walls: at one of them, or with rooms on both sides."""
+    """Draw the position of the hall between two walls: at one of them, or with rooms on both sides."""
     needed = NARROWEST_ROOM + INNER_WALL
     slack = high - low - HALL_WIDTH
     choice = dice.uniform()
@@ -138,44 +138,44 @@ def _around(
     return rest, walls
 
 
-def _straight(lane: _Lane, length: float) -> Stairs:
-    """Return one flight along a side; it ends CLEAR_WAY before the far end, or earlier in a long hall."""
+def _straight(axes: _HallAxes, length: float) -> Stairs:
+    """Return stairs of one flight on one side, which ends at least PASSAGE_WIDTH before the far end."""
     first = max(ENTRY, 0.5 * (length - STRAIGHT_RUN))
     last = first + STRAIGHT_RUN
-    flight = Flight(lane.place(0.0, first, LANE, last), lane.entry.opposite, 0)
+    flight = Flight(axes.place(0.0, first, FLIGHT_WIDTH, last), axes.entry.opposite, 0)
     return Stairs(
-        hall=lane.hall,
+        hall=axes.hall,
         well=flight.outline,
         flights=(flight,),
         landing=None,
-        spine=lane.place(LANE, first - EDGE, LANE + SPINE, last),
-        foot=lane.place(0.0, first - EDGE, LANE, first),
-        exit=lane.place(0.0, last, LANE, last + EDGE),
-        entry=lane.entry,
+        spine=axes.place(FLIGHT_WIDTH, first - EDGE, FLIGHT_WIDTH + SPINE, last),
+        foot=axes.place(0.0, first - EDGE, FLIGHT_WIDTH, first),
+        exit=axes.place(0.0, last, FLIGHT_WIDTH, last + EDGE),
+        entry=axes.entry,
     )
 
 
-def _turning(lane: _Lane, length: float) -> Stairs:
-    """Return two flights that turn on a landing at the far end."""
-    turn = length - LANE
+def _turning(axes: _HallAxes, length: float) -> Stairs:
+    """Return stairs of two flights that turn on a landing at the far end."""
+    turn = length - FLIGHT_WIDTH
     first = turn - TURNING_RUN
-    upper = LANE + SPINE
-    up = Flight(lane.place(0.0, first, LANE, turn), lane.entry.opposite, 0)
-    back = Flight(lane.place(upper, first, HALL_WIDTH, turn), lane.entry, 8)
+    upper = FLIGHT_WIDTH + SPINE
+    up = Flight(axes.place(0.0, first, FLIGHT_WIDTH, turn), axes.entry.opposite, 0)
+    back = Flight(axes.place(upper, first, HALL_WIDTH, turn), axes.entry, 8)
     return Stairs(
-        hall=lane.hall,
-        well=lane.place(0.0, first, HALL_WIDTH, length),
+        hall=axes.hall,
+        well=axes.place(0.0, first, HALL_WIDTH, length),
         flights=(up, back),
-        landing=lane.place(0.0, turn, HALL_WIDTH, length),
-        spine=lane.place(LANE, first, upper, turn),
-        foot=lane.place(0.0, first - EDGE, upper, first),
-        exit=lane.place(upper, first - EDGE, HALL_WIDTH, first),
-        entry=lane.entry,
+        landing=axes.place(0.0, turn, HALL_WIDTH, length),
+        spine=axes.place(FLIGHT_WIDTH, first, upper, turn),
+        foot=axes.place(0.0, first - EDGE, upper, first),
+        exit=axes.place(upper, first - EDGE, HALL_WIDTH, first),
+        entry=axes.entry,
     )
 
 
 def steps_of(flight: Flight) -> list[tuple[Rectangle, float]]:
-    """Return the steps of a flight: where each is, and its height in m above the floor below."""
+    """Return the steps of a flight: the area of each, and its height in m above the floor below."""
     left, back, right, front = flight.outline
     length = front - back if flight.climbs.is_across else right - left
     steps = []

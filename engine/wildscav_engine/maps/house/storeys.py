@@ -1,4 +1,4 @@
-"""One storey after the other: rooms, walls with openings, furniture."""
+"""Drawing the storeys of a house: rooms, walls with openings, furniture."""
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
@@ -14,7 +14,7 @@ from wildscav_engine.maps.house.openings import (
     windows_in,
 )
 from wildscav_engine.maps.house.plan import (
-    CLEAR_WAY,
+    PASSAGE_WIDTH,
     Furniture,
     Opening,
     OuterDoor,
@@ -26,39 +26,40 @@ from wildscav_engine.maps.house.plan import (
     Wing,
     line_of,
 )
-from wildscav_engine.maps.house.purposes import name_rooms
+from wildscav_engine.maps.house.room_purposes import assign_purposes
 from wildscav_engine.maps.house.rooms import Door, Layout, choose_doors, divide, doorway
 from wildscav_engine.maps.house.stairs import HallPlace
 
-TRIES = 12  # to divide a storey so that doorways can join all rooms
+TRIES = 12  # attempts to divide a storey so that doorways can connect all rooms
 SIDES = tuple(Side)
-FURNISHED_HALL = 2.5  # m, how long a hall is, less the way to its stairs, that has furniture at its sides
+# m, least length of a hall without the passage to its stairs, to have furniture at its sides
+FURNISHED_HALL = 2.5
 
 
 class _Draft:
-    """A storey while it is drawn."""
+    """A storey under construction."""
 
     def __init__(self, layout: Layout, faces: list[Face], inner: int) -> None:
         self.layout, self.faces = layout, faces
         self.inner = inner  # the first bars are inner walls, the others faces with a joint
-        self.in_bars: list[list[Opening]] = [[] for _ in layout.bars]
+        self.in_walls: list[list[Opening]] = [[] for _ in layout.walls]
         self.in_faces: list[list[Opening]] = [[] for _ in faces]
         self.gaps: list[list[Gap]] = [[] for _ in layout.rooms]
 
     def join(self, door: Door) -> None:
-        """Make a doorway between two rooms."""
-        bar, is_across = self.layout.bars[door.bar]
-        if door.bar < self.inner:
-            self.in_bars[door.bar].append(doorway(door.span))
+        """Add a doorway between two rooms."""
+        wall, is_across = self.layout.walls[door.wall]
+        if door.wall < self.inner:
+            self.in_walls[door.wall].append(doorway(door.span))
         else:
-            face = next(number for number, face in enumerate(self.faces) if face.outline == bar)
+            face = next(number for number, face in enumerate(self.faces) if face.outline == wall)
             self.in_faces[face].append(doorway(door.span))
         side = Side.FRONT if is_across else Side.RIGHT
         for room, seen in zip(door.rooms, (side, side.opposite), strict=True):
             self.gaps[room].append(Gap(seen, door.span, True))
 
     def open(self, edge: Edge, opening: Opening) -> None:
-        """Make a door or window in an outer wall."""
+        """Add a door or window to an outer wall."""
         self.in_faces[edge.face].append(opening)
         self.gaps[edge.room].append(Gap(self.faces[edge.face].facing, edge.span, opening.is_doorway))
 
@@ -69,15 +70,15 @@ def draw_storey(
     """Draw one storey.
 
     Args:
-        dice: What is random.
-        wings: The blocks of the house.
+        dice: The source of randomness.
+        wings: The wings of the house.
         level: Of the storey.
-        top: The level that the stairs end at, a storey or the roof.
-        place: Where the hall with stairs is, if there is one.
+        top: The level where the stairs end, a storey or the roof.
+        place: The hall with stairs, if there is one.
         style: Of the house.
 
     Returns:
-        The storey, the wings whose roofs a doorway leads to, and the doorways to the ground.
+        The storey, the wings to whose roofs a doorway leads, and the outer doors on the ground floor.
     """
     stairs = place.stairs if place else None
     faces = draw_faces(wings, level)
@@ -86,7 +87,7 @@ def draw_storey(
     for door in doors:
         draft.join(door)
     terraces, doorways = _open_outwards(dice, draft, wings, level, top, stairs)
-    names = name_rooms(dice, layout.rooms, stairs.hall if stairs else None, style, level)
+    names = assign_purposes(dice, layout.rooms, stairs.hall if stairs else None, style, level)
     rooms = tuple(Room(area, name) for area, name in zip(layout.rooms, names, strict=True))
     storey = Storey(
         rooms=rooms,
@@ -96,7 +97,9 @@ def draw_storey(
         ),
         inner=tuple(
             Wall(outline, is_across, tuple(sorted(openings)), None)
-            for (outline, is_across), openings in zip(layout.bars[:inner], draft.in_bars[:inner], strict=True)
+            for (outline, is_across), openings in zip(
+                layout.walls[:inner], draft.in_walls[:inner], strict=True
+            )
         ),
         furniture=tuple(_draw_furniture(dice, rooms, draft.gaps, stairs)),
         stairs=stairs if level < top else None,
@@ -106,7 +109,7 @@ def draw_storey(
 
 
 def can_be_joined(dice: Dice, wings: tuple[Wing, ...], place: HallPlace) -> bool:
-    """Return whether doorways can join all parts of every storey around a hall with stairs."""
+    """Return whether doorways can connect all parts of every storey around a hall with stairs."""
     for level in range(wings[0].storeys):
         layout, _ = _lay_out(dice, wings, level, place, draw_faces(wings, level), divided=False)
         if choose_doors(dice, layout, place.stairs) is None:
@@ -123,11 +126,11 @@ def _lay_out(
     *,
     divided: bool,
 ) -> tuple[Layout, int]:
-    """Return rooms and the walls between them, and how many of the walls are inner ones; they come first."""
+    """Return the rooms and the walls between them, and the number of inner walls, which come first."""
     layout = Layout([], [])
     if place:
         layout.rooms.append(place.stairs.hall)
-        layout.bars.extend(place.walls)
+        layout.walls.extend(place.walls)
     blocks = list(place.rest) if place else [wings[0].inside]
     blocks += [wing.inside for wing in wings[1:] if level < wing.storeys]
     for block in blocks:
@@ -135,15 +138,15 @@ def _lay_out(
             divide(dice, block, layout)
         else:
             layout.rooms.append(block)
-    inner = len(layout.bars)
-    layout.bars.extend((face.outline, face.facing.is_across) for face in faces if face.joint)
+    inner = len(layout.walls)
+    layout.walls.extend((face.outline, face.facing.is_across) for face in faces if face.joint)
     return layout, inner
 
 
 def _draw_layout(
     dice: Dice, wings: tuple[Wing, ...], level: int, place: HallPlace | None, faces: list[Face]
 ) -> tuple[Layout, int, list[Door]]:
-    """Divide a storey until doorways join all rooms; at worst into as few rooms as there can be."""
+    """Divide a storey until doorways connect all rooms; the last attempt has as few rooms as possible."""
     for attempt in range(TRIES):
         layout, inner = _lay_out(dice, wings, level, place, faces, divided=attempt < TRIES - 1)
         doors = choose_doors(dice, layout, place.stairs if place else None)
@@ -155,7 +158,7 @@ def _draw_layout(
 def _open_outwards(
     dice: Dice, draft: _Draft, wings: tuple[Wing, ...], level: int, top: int, stairs: Stairs | None
 ) -> tuple[list[int], list[OuterDoor]]:
-    """Make outer doors and windows; return the wings whose roofs a doorway leads to, and the outer doors."""
+    """Add outer doors and windows; return the wings to whose roofs a doorway leads, and the outer doors."""
     edges = edges_of(draft.faces, draft.layout.rooms, stairs)
     doors, terraces = [], []
     if level == 0:
@@ -168,7 +171,7 @@ def _open_outwards(
             doors.append(found[1])
     for door in doors:
         draft.open(door, doorway(door.span))
-    # Where no stairs go on, there is nothing before the walls around the well.
+    # If no stairs lead on, the walls around the well are free.
     for edge in edges if level < top else edges_of(draft.faces, draft.layout.rooms, None):
         for span in windows_in(edge, doors):
             draft.open(edge._replace(span=span), window(span))
@@ -193,15 +196,15 @@ def _draw_furniture(
 
 
 def _furnish_hall(dice: Dice, stairs: Stairs, gaps: list[Gap]) -> list[Furniture]:
-    """Furnish the end of a hall before its stairs, but not right before them."""
+    """Furnish the end of a hall in front of its stairs, leaving a passage to them."""
     side, hall = stairs.entry, stairs.hall
-    ahead = CLEAR_WAY if side in (Side.FRONT, Side.RIGHT) else -CLEAR_WAY
+    ahead = PASSAGE_WIDTH if side in (Side.FRONT, Side.RIGHT) else -PASSAGE_WIDTH
     end = line_of(stairs.foot, side) + ahead
     length = abs(line_of(hall, side) - end)
     if length > FURNISHED_HALL:
         sides = tuple(other for other in SIDES if other is not side.opposite)
     else:
-        # A short end has room at its far wall only; before that is the way.
+        # A short end has space only at its far wall, in front of the passage.
         sides, end = (side,), end - ahead
     area = {
         Side.FRONT: hall._replace(back=end),
@@ -213,6 +216,6 @@ def _furnish_hall(dice: Dice, stairs: Stairs, gaps: list[Gap]) -> list[Furniture
 
 
 def _is_before(area: Rectangle, gap: Gap) -> bool:
-    """Return whether a gap of a hall is in its end before the stairs."""
+    """Return whether a gap of a hall is in the part in front of its stairs."""
     start, end = (area.left, area.right) if gap.side.is_across else (area.back, area.front)
     return gap.span[0] < end and gap.span[1] > start

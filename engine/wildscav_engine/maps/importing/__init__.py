@@ -1,4 +1,4 @@
-"""Bringing in height maps and triangle meshes as bases of maps. Needs the extra ``maps``."""
+"""Importing height maps and triangle meshes as bases of maps. Needs the extra ``maps``."""
 
 from wildscav_engine.maps.importing.height_map import import_height_map
 from wildscav_engine.maps.importing.imported import Imported

@@ -1,4 +1,4 @@
-"""Ground from triangles: the height of a surface at every point of the grid."""
+"""Ground from triangles: the heights of a surface at the points of the grid."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.base import BaseError
 
-EDGE = 1e-6  # how far outside a triangle, by its own height, a point still belongs to it
+EDGE = 1e-6  # tolerance in barycentric coordinates for points outside a triangle
 
 
 def ground_from(
@@ -17,11 +17,11 @@ def ground_from(
 
     Args:
         vertices: (V, 3) m, in the frame of the map.
-        triangles: (T, 3) vertices; where several lie above each other, the highest counts.
+        triangles: (T, 3) vertices; of several above each other, the highest counts.
         size: m, of each side of the map.
 
     Returns:
-        (R + 1, C + 1) m; where the surface has none, the height of the nearest point that has one.
+        (R + 1, C + 1) m; outside the surface, the height of the nearest point on it. And the share.
 
     Raises:
         BaseError: The surface lies over no point of the grid.
@@ -42,7 +42,7 @@ def ground_from(
 def _drape(
     vertices: NDArray[np.float64], triangles: NDArray[np.int64], corner: float, heights: NDArray[np.float64]
 ) -> None:
-    """Raise every point of the grid to the highest triangle above or below it.
+    """Raise every point of the grid to the highest triangle at its position.
 
     Args:
         vertices: (V, 3) m.
@@ -58,7 +58,7 @@ def _drape(
         cx, cz = vertices[c, 0] - ax, vertices[c, 2] - az
         twice_area = bx * cz - bz * cx
         if twice_area == 0.0:
-            continue  # upright: it lies over no area
+            continue  # upright: it covers no area
         first_row = max(0, int(np.ceil((az + min(0.0, bz, cz) - corner) / CELL - EDGE)))
         last_row = min(rows - 1, int(np.floor((az + max(0.0, bz, cz) - corner) / CELL + EDGE)))
         first_column = max(0, int(np.ceil((ax + min(0.0, bx, cx) - corner) / CELL - EDGE)))

@@ -1,4 +1,4 @@
-"""A grey picture as ground: the brighter, the higher."""
+"""Importing a greyscale picture as ground: brighter is higher."""
 
 import warnings
 from pathlib import Path
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 MOST_PIXELS = 8192  # of a side
 WHITE = {"L": 255.0, "I;16": 65535.0, "I;16B": 65535.0, "I;16L": 65535.0}  # by Pillow's name of the pixels
-STRIP = 128  # pixels across that are worked on at once
-COARSE = 0.1  # m between two shades of grey, from which on slopes look like steps
+STRIP = 128  # columns of pixels processed at once
+COARSE = 0.1  # m between two shades of grey above which slopes look like steps
 
 
 def import_height_map(
@@ -29,7 +29,7 @@ def import_height_map(
     water_level: float | None = None,
     name: str | None = None,
 ) -> Imported:
-    """Make a base of a square grey picture of 8 or 16 bits a pixel; its upper edge is the north.
+    """Make a base from a square greyscale picture of 8 or 16 bits per pixel, with north at the top.
 
     Args:
         path: The picture.
@@ -37,13 +37,13 @@ def import_height_map(
         lowest: m, height of black.
         highest: m, height of white.
         water_level: m; None for no water.
-        name: What it is called; None: as the file.
+        name: The name of the base; None for the file's name.
 
     Returns:
-        The base, and what is to be known about it.
+        The base, and notes about it.
 
     Raises:
-        BaseError: It is no such picture, or no map can be made on it.
+        BaseError: The file is not such a picture, or no map can be made on it.
     """
     if not (SMALLEST <= size <= LARGEST and size % 2 == 0):
         raise BaseError(f"size is {size}, must be an even number of metres from {SMALLEST} to {LARGEST}")
@@ -69,7 +69,7 @@ def import_height_map(
 
 
 def _read(path: Path, points: int) -> tuple[NDArray[np.float64], float]:
-    """Return how bright a picture is at so many points a side, southwards, and the number that is white."""
+    """Return the brightness of a picture at ``points`` points per side, southwards, and white's value."""
     from PIL import Image, UnidentifiedImageError
 
     try:
@@ -95,7 +95,7 @@ def _read(path: Path, points: int) -> tuple[NDArray[np.float64], float]:
 
 
 def _brightness(picture: "Image", white: float, points: int) -> NDArray[np.float64]:
-    """Return how bright a picture is, (points, points), from 0 to 1, read a few columns at a time."""
+    """Return the brightness of a picture, (points, points), from 0 to 1, read a few columns at a time."""
     side = picture.size[0]
     columns = np.empty((points, side))
     for left in range(0, side, STRIP):
@@ -108,10 +108,10 @@ def _brightness(picture: "Image", white: float, points: int) -> NDArray[np.float
 
 
 def _resample(rows: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Return so many rows, the first and the last in place.
+    """Resample rows to ``count`` rows; the first and the last stay in place.
 
-    Between rows, numbers change in straight lines; where rows are closer together than the new ones, each new
-    one is the average of what lies around it.
+    Upsampling interpolates linearly. When downsampling, each new row is the average of the interval around
+    it.
     """
     last = len(rows) - 1
     apart = last / (count - 1)
@@ -120,7 +120,7 @@ def _resample(rows: NDArray[np.float64], count: int) -> NDArray[np.float64]:
         before, share = _between(places, last)
         return rows[before] + (rows[before + 1] - rows[before]) * share
     low, high = np.maximum(0.0, places - apart / 2), np.minimum(last, places + apart / 2)
-    areas = np.zeros_like(rows)  # under the straight lines from the first row on
+    areas = np.zeros_like(rows)  # integrals of the linear interpolation from the first row
     areas[1:] = np.cumsum((rows[:-1] + rows[1:]) / 2, axis=0)
     averages: NDArray[np.float64] = _area(rows, areas, high) - _area(rows, areas, low)
     averages /= (high - low)[:, None]
@@ -130,13 +130,13 @@ def _resample(rows: NDArray[np.float64], count: int) -> NDArray[np.float64]:
 def _area(
     rows: NDArray[np.float64], areas: NDArray[np.float64], places: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the areas under the straight lines from the first row to each place."""
+    """Return the integrals of the linear interpolation from the first row to each place."""
     before, share = _between(places, len(rows) - 1)
     slope = rows[before + 1] - rows[before]
     return areas[before] + rows[before] * share + slope * (share * share / 2)
 
 
 def _between(places: NDArray[np.float64], last: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the row before each place, and, as a column, how far from it to the next the place is."""
+    """Return the row before each place, and (as a column) the fraction of the distance to the next row."""
     before: NDArray[np.int64] = np.minimum(places.astype(np.int64), last - 1)
     return before, (places - before)[:, None]

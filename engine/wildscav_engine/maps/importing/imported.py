@@ -1,4 +1,4 @@
-"""What every import has in common: its outcome, and lakes that can be waded through."""
+"""The common part of all imports: their result, and limiting the depth of lakes."""
 
 from typing import NamedTuple
 
@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from wildscav_engine.maps.base import NAME_LIMIT, Base, BaseError, check_base
 from wildscav_engine.maps.ground.terrain import DEEPEST_WATER
 
-NOTEWORTHY = 0.01  # m; rounding raises lake beds by less
+NOTEWORTHY = 0.01  # m; lake beds raised by less, as by rounding, are not reported
 
 
 class Imported(NamedTuple):
-    """A base and what had to be changed or left out to make it."""
+    """A base, and notes on what was changed or left out."""
 
     base: Base
-    notes: tuple[str, ...]  # a line each
+    notes: tuple[str, ...]  # one line each
 
 
 def finish(base: Base, notes: list[str]) -> Imported:
-    """Make the lakes of a base shallow enough and check it as a whole.
+    """Limit the depth of a base's lakes and check the base.
 
     Raises:
         BaseError: No map can be made on it.
@@ -43,5 +43,5 @@ def finish(base: Base, notes: list[str]) -> Imported:
 
 
 def _raise_beds(heights: NDArray[np.float64], level: float) -> tuple[NDArray[np.float64], float]:
-    """Return heights nowhere deeper under water than agents can wade, and how deep it was in m."""
+    """Return heights with all water shallow enough to wade, and the greatest original depth in m."""
     return np.maximum(heights, level - DEEPEST_WATER), float(level - heights.min())

@@ -1,4 +1,4 @@
-"""A triangle mesh of convex parts as ground and solids."""
+"""Importing a triangle mesh of convex parts as ground and solids."""
 
 import re
 from collections.abc import Sequence
@@ -14,11 +14,11 @@ from wildscav_engine.maps.importing.imported import Imported, finish
 from wildscav_engine.maps.importing.parts import Part, read_parts
 from wildscav_engine.maps.importing.pieces import solid_of, split
 
-# What a part is, by a word in its name; the last such word counts, as in "ground floor".
+# The kind of a part by a word in its name; the last such word counts, as in "ground floor".
 KIND_OF = {kind.name.lower(): kind for kind in (*KINDS, Kind.TERRAIN, Kind.WATER)} | {"ground": Kind.TERRAIN}
 PLURALS = {f"{word}s": kind for word, kind in KIND_OF.items()} | {"bushes": Kind.BUSH}
 NAMED_AT_MOST = 3  # parts in a note
-COVERED = 0.999  # share of the grid from which on the ground is complete
+COVERED = 0.999  # share of the grid above which the ground counts as complete
 NOISE = 1e-3  # m by which a mesh may be larger than its map
 
 
@@ -30,24 +30,25 @@ def import_mesh(
     name: str | None = None,
     centered: bool = True,
 ) -> Imported:
-    """Make a base of a GLB or OBJ file.
+    """Make a base from a GLB or OBJ file.
 
-    Every closed piece of it must be convex. Names tell what parts are: wall, floor, stair, roof, trunk,
-    crown, rock, furniture or bush; what has no such name is wall. A part called terrain or ground gives the
-    ground, which is else flat at height 0; one called water gives the level of the lakes.
+    Every closed piece of it must be convex. The names of parts give their kinds: wall, floor, stair, roof,
+    trunk, crown, rock, furniture or bush; parts without such a name are walls. A part called terrain or
+    ground gives the ground, which is otherwise flat at height 0; one called water gives the level of the
+    lakes.
 
     Args:
         path: The file: metres, y up.
         size: m, of each side of the map; None: the smallest that holds the mesh.
-        water_level: m; None: as the mesh says, no water if it does not.
-        name: What it is called; None: as the file.
-        centered: Whether the mesh is moved to the middle of the map, or stays where it is.
+        water_level: m; None: that of the mesh, no water if it has none.
+        name: The name of the base; None for the file's name.
+        centered: Whether to move the mesh to the middle of the map.
 
     Returns:
-        The base, and what was left out.
+        The base, and notes on what was left out.
 
     Raises:
-        BaseError: The file is no such mesh, or no map can be made on it.
+        BaseError: The file is not such a mesh, or no map can be made on it.
     """
     try:
         parts = [(_kind_of(part.words), part) for part in read_parts(path)]
@@ -66,7 +67,7 @@ def import_mesh(
 
 
 def _kind_of(words: str) -> Kind:
-    """Return what a part with a name such as "Stone_Walls.003" or "groundFloor" is."""
+    """Return the kind of a part with a name such as "Stone_Walls.003" or "groundFloor"."""
     for word in reversed(re.findall(r"[A-Z]?[a-z]+|[A-Z]+", words)):
         kind = (KIND_OF | PLURALS).get(word.lower())
         if kind is not None:
@@ -75,7 +76,7 @@ def _kind_of(words: str) -> Kind:
 
 
 def _frame(parts: Sequence[Part], size: int | None, centered: bool) -> tuple[NDArray[np.float64], int]:
-    """Return how far the mesh is moved, (3,) m, and the size of its map."""
+    """Return the shift of the mesh, (3,) m, and the size of its map."""
     low = np.min([part.vertices.min(axis=0) for part in parts], axis=0)
     high = np.max([part.vertices.max(axis=0) for part in parts], axis=0)
     shift = -(low + high) / 2 * [1, 0, 1] if centered else np.zeros(3)
@@ -131,6 +132,6 @@ def _solids(
 
 
 def _is_outside(solid: Solid, size: int) -> bool:
-    """Return whether a solid stands outside the map, or reaches too far beyond its border."""
+    """Return whether a solid is outside the map or reaches too far beyond its border."""
     plan = np.array([solid.low, solid.high])[:, [0, 2]]
     return bool(np.abs(plan.mean(axis=0)).max() > size / 2 or np.abs(plan).max() > size / 2 + OVERHANG)

@@ -1,7 +1,7 @@
 """Reading Wavefront OBJ: the vertices and faces of its objects and groups.
 
-Trimesh reads OBJ as well, but drops the names of materials that it has no file for, and renumbers vertices;
-both tell parts apart.
+Trimesh reads OBJ as well, but it drops the names of materials whose file is missing, and renumbers vertices;
+both are needed here to distinguish parts.
 """
 
 from itertools import pairwise
@@ -14,7 +14,7 @@ from wildscav_engine.maps.base import BaseError
 
 
 class Names(NamedTuple):
-    """What some faces belong to; empty where the file does not say."""
+    """The material, object and group of some faces; empty if the file names none."""
 
     material: str = ""
     object: str = ""
@@ -24,15 +24,15 @@ class Names(NamedTuple):
 def read_obj(text: str) -> tuple[NDArray[np.float64], dict[Names, NDArray[np.int64]]]:
     """Return all vertices, (V, 3), and the triangles, (T, 3), of each object, group and material.
 
-    Faces of more corners are split into fans. What says nothing about shape is skipped.
+    Faces with more than three corners are split into fans. Lines that do not define shapes are skipped.
 
     Raises:
-        BaseError: A line is not as it should be.
+        BaseError: A line is invalid.
     """
     vertices: list[list[float]] = []
     groups: dict[Names, list[int]] = {}
     names = Names()
-    begun = ""  # of a line that the next one continues
+    begun = ""  # the beginning of a line that continues on the next one
     for number, line in enumerate(text.splitlines(), start=1):
         if line.endswith("\\"):
             begun += line[:-1] + " "

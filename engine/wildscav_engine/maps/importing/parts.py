@@ -20,7 +20,7 @@ MIRROR = np.array([1.0, 1.0, -1.0])  # from a file's frame to the game's, and ba
 FILE_LIMIT = 64 << 20  # bytes
 FARTHEST = 1e6  # m from the origin, of any vertex
 
-# Without a handler of its own, what it warns of would be printed; all that matters is an error or a note.
+# Without this handler, trimesh's warnings would be printed; problems that matter are raised or noted here.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 
@@ -28,7 +28,7 @@ class Part(NamedTuple):
     """An object, group or node of a file, in the frame of the game: V vertices, T triangles."""
 
     name: str
-    words: str  # that say what it is: its material, its mesh or object, and last its own name
+    words: str  # its material, its mesh or object, and last its own name; they give its kind
     vertices: NDArray[np.float64]  # (V, 3) m
     triangles: NDArray[np.int64]  # (T, 3) vertices
 
@@ -37,7 +37,7 @@ def read_parts(path: Path) -> list[Part]:
     """Return the parts of a GLB or OBJ file that have triangles.
 
     Raises:
-        BaseError: The file is missing, of another kind, too large or damaged.
+        BaseError: The file is missing, of another type, too large or damaged.
     """
     readers = {".glb": _read_glb, ".obj": _read_obj}
     reader = readers.get(path.suffix.lower())
@@ -78,20 +78,20 @@ def _read_glb(data: bytes) -> list[Part]:
     import trimesh
 
     try:
-        # Without a resolver: a file may not name others to be read.
+        # Without a resolver, a file cannot make other files be read.
         scene = trimesh.load_scene(io.BytesIO(data), file_type="glb", process=False)
-        # Sorted, because it keeps them in no order of the file's.
+        # Sorted, because their order is not that of the file.
         return [_node(scene, name) for name in sorted(scene.graph.nodes_geometry)]
     except MemoryError:
         raise
-    except Exception as error:  # noqa: BLE001 - a damaged file makes its reader raise anything
+    except Exception as error:  # noqa: BLE001 - damaged files make the reader raise any exception
         told = isinstance(error, ValueError | KeyError | IndexError) and " ".join(str(error).split())
         reason = told or "its contents do not fit together"
         raise BaseError(f"it is no GLB file, or damaged: {reason}") from None
 
 
 def _node(scene: object, name: str) -> Part:
-    """Return one node of a scene, where it stands; one that is no mesh has no triangles."""
+    """Return one node of a scene in world coordinates; a node that is no mesh has no triangles."""
     turn, key = scene.graph[name]  # type: ignore[attr-defined]
     mesh = scene.geometry[key]  # type: ignore[attr-defined]
     if not hasattr(mesh, "faces"):

@@ -1,4 +1,4 @@
-"""The closed pieces that a part of a mesh consists of, and the convex solid that each must be."""
+"""Splitting a part of a mesh into closed pieces, and converting each to a convex solid."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -13,9 +13,9 @@ SAME_PLACE = 1e-5  # m, below which two vertices are one
 FLAT = 1e-3  # m, below which a piece has no thickness
 DENT = 0.01  # share of its hull that a convex piece may leave empty
 SAME_NORMAL = 1e-6  # how far the cosine between two normals may be from 1; 0.08°
-SAME_OFFSET = 1e-3  # m between the planes of two faces that are one
-ASIDE = 0.7  # cosine of 45.6°: more, and a face does not blunt its solid in some direction
-MOST_OWN_FACES = MOST_FACES - 6  # beside those that blunt it
+SAME_OFFSET = 1e-3  # m between the planes of two triangles of one face
+ASIDE = 0.7  # cosine of 45.6°, the greatest angle between a direction and a face that blunts the solid there
+MOST_OWN_FACES = MOST_FACES - 6  # in addition to those that blunt it
 DIRECTIONS = np.concatenate([np.eye(3), -np.eye(3)])
 
 
@@ -30,8 +30,8 @@ class Piece(NamedTuple):
 def split(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> list[Piece]:
     """Return the pieces of a part.
 
-    Vertices are joined only as the file joins them, so that two boxes that touch stay two. Only where this
-    leaves holes, vertices in one place are one: many programs give every face vertices of its own.
+    Vertices are shared only as in the file, so that two touching boxes stay separate. Only if this leaves
+    holes, vertices at the same place are merged, because many programs give every face its own vertices.
     """
     pieces = list(_pieces(vertices, triangles))
     if all(piece.closed for piece in pieces):
@@ -68,7 +68,7 @@ def _pieces(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Iter
 
 
 def solid_of(kind: Kind, name: str, piece: Piece) -> Solid | None:
-    """Return the solid that a piece is, None if it is flat.
+    """Return a piece as a solid, None if it is flat.
 
     Raises:
         BaseError: It is open, not convex, or has too many faces.
@@ -101,7 +101,7 @@ def solid_of(kind: Kind, name: str, piece: Piece) -> Solid | None:
 
 
 def _merge(name: str, equations: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a hull's planes, (F, 4): one for all triangles of a face, with every corner behind it."""
+    """Return the planes of a hull, (F, 4): one per face, with every corner behind it."""
     planes: list[NDArray[np.float64]] = []
     for equation in equations:
         normal = equation[:3] / np.sqrt(np.sum(equation[:3] * equation[:3]))
@@ -117,9 +117,10 @@ def _merge(name: str, equations: NDArray[np.float64], corners: NDArray[np.float6
 
 
 def _blunt(planes: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return planes with more of them that touch a solid at its sharp edges and tips.
+    """Return the planes with additional ones that touch a solid at its sharp edges and tips.
 
-    A body is kept off the planes, so it would be stopped metres away from a roof that ends in a sharp edge.
+    Collision pushes the planes out, so without these a body would be stopped metres away from a roof's sharp
+    edge.
     """
     missing = [direction for direction in DIRECTIONS if (planes[:, :3] @ direction).max() < ASIDE]
     touching = [[*direction, (corners * direction).sum(axis=1).max()] for direction in missing]

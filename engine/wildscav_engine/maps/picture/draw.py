@@ -1,4 +1,4 @@
-"""A map's picture from above, on a sheet with everything that one needs to read it."""
+"""Drawing a map from above, on a sheet with title, coordinates, scale and legend."""
 
 from collections import Counter
 from typing import TYPE_CHECKING
@@ -11,7 +11,7 @@ from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.picture.paint import CUT_WALL, DEEP, SHALLOW, STOREYS, contour_interval
 from wildscav_engine.maps.picture.raster import raster
-from wildscav_engine.maps.picture.survey import Window, outlines
+from wildscav_engine.maps.picture.top_view import Window, outlines
 from wildscav_engine.maps.settlements.houses import House
 
 if TYPE_CHECKING:
@@ -41,12 +41,12 @@ def draw_map(
     Args:
         game_map: The map.
         width: Pixels, of the whole sheet.
-        storey: Houses that have it are cut open there; 1 is the ground floor. None: all have their roofs.
+        storey: The storey at which houses are cut open; 1 is the ground floor. None: houses show their roofs.
         locations: Whether to mark the valid locations; with a storey, those of other storeys and on roofs
             above it are left out.
-        center: x and z in m of the middle of what is shown; None: of the map.
-        span: m, how much is shown from west to east; None: all.
-        title: What stands above it; None: the seed.
+        center: x and z in m of the picture's middle; None for the middle of the map.
+        span: m, shown from west to east; None for the whole map.
+        title: The title; None for the seed.
 
     Returns:
         The picture, in red, green and blue.
@@ -120,7 +120,7 @@ def _shown_indoor(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
 
 
 def _shown_outdoor(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
-    """Return the outdoor locations, (N, 3) m, without those on roofs that a cut at a storey takes off."""
+    """Return the outdoor locations, (N, 3) m, without those on roofs that a cut at a storey removes."""
     if storey is None:
         return game_map.outdoor
     shown = np.ones(len(game_map.outdoor), np.bool_)
@@ -132,7 +132,7 @@ def _shown_outdoor(game_map: GameMap, storey: int | None) -> NDArray[np.float64]
 
 
 def _over(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return whether places, (N, 3) m, lie over a house."""
+    """Return (N,) whether places, (N, 3) m, lie within a house's outline."""
     across, along = house.pose.inside(places[:, 0], places[:, 2])  # type: ignore[arg-type]
     inside = np.zeros(len(places), np.bool_)
     for left, back, right, front in outlines(house):
@@ -141,7 +141,7 @@ def _over(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def _mark(picture: "Image", window: Window, places: NDArray[np.float64], color: tuple[int, int, int]) -> None:
-    """Put a dot on each place, drawn large and scaled down for smooth edges."""
+    """Draw a dot at each place, enlarged and scaled down for smooth edges."""
     from PIL import Image, ImageDraw
 
     radius = min(LARGEST_DOT, max(SMALLEST_DOT, DOT_RADIUS / window.step))
@@ -165,7 +165,7 @@ def _note(game_map: GameMap) -> str:
 
 
 def _legend(game_map: GameMap, storey: int | None, locations: bool) -> "list[Entry]":
-    """Return what needs explaining in this picture."""
+    """Return the entries of the legend for this picture."""
     from wildscav_engine.maps.picture.sheet import Entry, metres
 
     entries = []

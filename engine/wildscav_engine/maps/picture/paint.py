@@ -1,4 +1,4 @@
-"""From a survey to a picture: colours by what is seen, shading, shadows, contour lines and outlines."""
+"""Painting a top view: colours, shading, shadows, contour lines and outlines."""
 
 from typing import NamedTuple, TypeVar
 
@@ -7,33 +7,33 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.picture.survey import Survey
+from wildscav_engine.maps.picture.top_view import TopView
 from wildscav_engine.rendering.palette import of_solids
 
 Value = TypeVar("Value", bound=np.generic)
 Image = NDArray[np.float32]  # (rows, columns, 3) red, green, blue 0-255
 
 PAPER = (250, 248, 243)
-# The ground by its share of the way from the lowest to the highest.
+# The colours of the ground, from the lowest to the highest.
 TINTS = np.array(
     [[168, 196, 132], [194, 208, 144], [222, 216, 160], [226, 200, 150], [208, 178, 146], [236, 230, 224]],
     np.float32,
 )
-TINTED_RELIEF = 45.0  # m; less relief than this does not go through all tints
+TINTED_RELIEF = 45.0  # m; maps with less relief use only some of the tints
 CLIFF = np.array([158, 148, 138], np.float32)
 STEEP, STEEPEST = 0.65, 1.05  # m up per m, between which the ground turns to rock
 SHORE = np.array([232, 218, 172], np.float32)
-SHORE_WIDTH = 3.0  # m of sand along the water, about
-SHORE_SLOPE = 0.08  # m up per m; flatter shores have no more sand
+SHORE_WIDTH = 3.0  # m of sand along the water, approximately
+SHORE_SLOPE = 0.08  # m up per m; flatter shores have no wider strip of sand
 SHALLOW, DEEP = np.array([156, 206, 224], np.float32), np.array([58, 118, 172], np.float32)
-DEEPEST = 5.0  # m, from which on water has its deepest colour
+DEEPEST = 5.0  # m; deeper water has the same colour
 CONTOUR, WATERLINE, OUTLINE = (
     np.array(color, np.float32) for color in ((122, 84, 46), (44, 92, 140), (52, 38, 34))
 )
 LEAST_SLOPE = 0.006  # m up per m; a contour line on flatter ground would be a blot
 # Roofs by storeys, from one to four.
 STOREYS = np.array([[240, 176, 70], [222, 104, 62], [172, 52, 76], [98, 46, 112]], np.float32)
-INSIDE = {  # what is seen in an opened house
+INSIDE = {  # the inside of an opened house
     Kind.FLOOR: (246, 238, 222),
     Kind.WALL: (222, 214, 200),
     Kind.STAIR: (226, 184, 126),
@@ -41,21 +41,21 @@ INSIDE = {  # what is seen in an opened house
 }
 BRIGHTER = np.float32(1.22)  # than in the game's own light
 CUT_WALL = (58, 50, 48)
-SHADE = np.array([0.60, 0.65, 0.76], np.float32)  # what is left in the shadow
+SHADE = np.array([0.60, 0.65, 0.76], np.float32)  # factor of the light in shadows
 DARKEST = 0.62 * SHADE
 INDOOR_SHADE = np.array([0.84, 0.85, 0.89], np.float32)
-RELIEF = 0.72  # how much the light matters
+RELIEF = 0.72  # strength of the shading
 
 
 class Contours(NamedTuple):
     """Lines of equal height."""
 
     interval: float  # m between them
-    every: int = 5  # each so manieth is drawn thick
+    every: int = 5  # every n-th line is drawn thick
 
 
 class Style(NamedTuple):
-    """How a map is painted; the same for each part of one picture."""
+    """The parameters for painting a map, the same for every part of one picture."""
 
     lowest: float  # m, of the ground
     highest: float
@@ -67,7 +67,7 @@ class Style(NamedTuple):
 
 
 def style_of(game_map: GameMap, step: float) -> Style:
-    """Return how a map is painted at a scale, m between samples."""
+    """Return the style for painting a map at ``step`` m between samples."""
     heights = game_map.world.heights
     lowest, highest = float(heights.min()), float(heights.max())
     return Style(
@@ -82,12 +82,12 @@ def style_of(game_map: GameMap, step: float) -> Style:
 
 
 def contour_interval(relief: float) -> float:
-    """Return the metres between contour lines that suit a relief in m."""
+    """Return a suitable distance in m between contour lines for a relief in m."""
     return next((interval for interval in (0.5, 1.0, 2.0, 5.0, 10.0) if relief <= 25 * interval), 20.0)
 
 
-def paint(seen: Survey, style: Style) -> Image:
-    """Return the picture of a survey, a pixel a sample; the outermost samples have no outlines."""
+def paint(seen: TopView, style: Style) -> Image:
+    """Return the picture of a top view, one pixel per sample; the outermost samples have no outlines."""
     picture = _ground(seen, style)
     wet = seen.kind == Kind.WATER
     picture[wet] = _water(seen.depth[wet])
@@ -100,7 +100,7 @@ def paint(seen: Survey, style: Style) -> Image:
     return np.clip(picture, 0, 255)
 
 
-def _ground(seen: Survey, style: Style) -> Image:
+def _ground(seen: TopView, style: Style) -> Image:
     """Tint the ground by height; rock where it is steep, sand along the water."""
     way = (seen.ground - style.lowest) / max(style.highest - style.lowest, TINTED_RELIEF)
     place = np.clip(way, 0, 0.9999) * (len(TINTS) - 1)
@@ -118,7 +118,7 @@ def _water(depth: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(SHALLOW + (DEEP - SHALLOW) * way, np.float32)
 
 
-def _draw_contours(picture: Image, seen: Survey, style: Style) -> None:
+def _draw_contours(picture: Image, seen: TopView, style: Style) -> None:
     """Draw lines of equal height on the ground, faintly under water, and the shore."""
     interval, every = style.contours
     number = np.round(seen.ground / interval)
@@ -126,7 +126,7 @@ def _draw_contours(picture: Image, seen: Survey, style: Style) -> None:
     rise = np.maximum(seen.slope, LEAST_SLOPE) * style.step  # m a sample
     beside = np.abs(seen.ground - number * interval) / rise  # samples from the line
     ink = np.clip(np.where(thick, 1.75, 1.15) - beside, 0, 1) * np.where(thick, 0.75, 0.5)
-    # Where lines would lie closer than a few samples, thin ones make a blot: they fade away.
+    # Thin lines fade out where they would be only a few samples apart.
     ink *= np.where(thick, 1, np.clip(interval / rise / 4 - 0.6, 0, 1))
     wet = seen.kind == Kind.WATER
     _ink(picture, CONTOUR, np.where(wet, 0, ink))
@@ -139,8 +139,8 @@ def _ink(picture: Image, color: NDArray[np.float32], share: NDArray[np.floating]
     picture += (color - picture) * share[..., None].astype(np.float32)
 
 
-def _solids(seen: Survey, style: Style, chosen: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Return (N, 3) colours of what stands on the ground."""
+def _solids(seen: TopView, style: Style, chosen: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Return (N, 3) colours of the samples that show solids."""
     solid, kind = seen.solid[chosen], seen.kind[chosen]
     colors = style.solids[solid]
     house = style.house_of[solid]
@@ -156,8 +156,8 @@ def _solids(seen: Survey, style: Style, chosen: NDArray[np.bool_]) -> NDArray[np
     return colors
 
 
-def _light(seen: Survey) -> Image:
-    """Return how bright each sample is, by its slope and the shadows."""
+def _light(seen: TopView) -> Image:
+    """Return the brightness of each sample, by its slope and the shadows."""
     light = ((1 - RELIEF) + RELIEF * np.clip(seen.light, 0, 1.5))[..., None]
     shadow = ~seen.sunny[..., None]
     outside = np.where(shadow, np.maximum(light * SHADE, DARKEST), np.clip(light, 0.45, 1.12))
@@ -166,8 +166,8 @@ def _light(seen: Survey) -> Image:
     return np.asarray(np.where(is_inside, inside, outside), np.float32)
 
 
-def _draw_outlines(picture: Image, seen: Survey, style: Style) -> None:
-    """Draw the edges of houses, and of what stands in an opened one."""
+def _draw_outlines(picture: Image, seen: TopView, style: Style) -> None:
+    """Draw the edges of houses, and of the solids in opened ones."""
     house = np.full(seen.solid.shape, -1, np.int16)
     on_solid = seen.solid >= 0
     house[on_solid] = style.house_of[seen.solid[on_solid]]
@@ -187,6 +187,6 @@ def _draw_outlines(picture: Image, seen: Survey, style: Style) -> None:
 
 
 def _shifted(array: NDArray[Value], axis: int, by: int) -> NDArray[Value]:
-    """Return all of an array but its last (0) or its first (1) row or column."""
+    """Return an array without its last (0) or its first (1) row or column."""
     chosen = slice(by, array.shape[axis] - 1 + by)
     return array[chosen] if axis == 0 else array[:, chosen]

@@ -1,15 +1,15 @@
-"""The sheet that a map is printed on: title, frame with coordinates, legend, scale bar and north arrow."""
+"""The sheet around a map's picture: title, frame with coordinates, legend, scale bar and north arrow."""
 
 from typing import NamedTuple
 
 from PIL import Image, ImageDraw, ImageFont
 
 from wildscav_engine.maps.picture.paint import PAPER
-from wildscav_engine.maps.picture.survey import Window
+from wildscav_engine.maps.picture.top_view import Window
 
 INK, SOFT_INK = (44, 40, 38), (120, 112, 104)
 OUTLINE = (52, 38, 34)
-BASE_WIDTH = 1200  # pixels; everything grows with the width of the sheet
+BASE_WIDTH = 1200  # pixels; everything scales with the width of the sheet
 MARGIN, TITLE, FOOT, LABELS = 34, 56, 66, 26  # at that width: around the map, above, below, for coordinates
 TEXT, TITLE_TEXT, SMALL_TEXT = 16, 24, 13
 
@@ -23,7 +23,7 @@ class Entry(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Where things are on a sheet, in pixels."""
+    """The layout of a sheet, in pixels."""
 
     scale: float  # of everything, 1 at the base width
     left: int
@@ -37,7 +37,7 @@ class Layout(NamedTuple):
 
 
 def lay_out(width: int, aspect: float) -> Layout:
-    """Return where the map lies on a sheet of some width, for a map so many times as high as wide."""
+    """Return the layout of a sheet of a width, for a map whose height is ``aspect`` times its width."""
     scale = width / BASE_WIDTH
     left = round((MARGIN + LABELS) * scale)
     columns = width - left - round(MARGIN * scale)
@@ -47,7 +47,7 @@ def lay_out(width: int, aspect: float) -> Layout:
 def print_sheet(
     picture: Image.Image, layout: Layout, window: Window, title: str, note: str, legend: list[Entry]
 ) -> Image.Image:
-    """Return a map's picture on its sheet."""
+    """Return a sheet with a map's picture."""
     width = layout.left + layout.columns + layout.pixels(MARGIN)
     lines = _wrapped(legend, layout)
     foot = layout.pixels(LABELS + FOOT + 26 * (len(lines) - 1))
@@ -73,7 +73,7 @@ def font(layout: Layout, size: float) -> ImageFont.ImageFont | ImageFont.FreeTyp
 
 
 def round_length(longest: float) -> float:
-    """Return the greatest of 1, 2, 5, 10, 20, 50, … (or 0.5, 0.2, …) that is no longer."""
+    """Return the greatest of …, 0.2, 0.5, 1, 2, 5, 10, 20, 50, … that is not greater than ``longest``."""
     power = 1.0
     while power > longest:
         power /= 10
@@ -130,7 +130,7 @@ def _scale_bar(draw: ImageDraw.ImageDraw, layout: Layout, window: Window) -> Non
 
 
 def _legend_area(layout: Layout) -> tuple[int, int]:
-    """Return where the legend begins and how wide it may be."""
+    """Return the left edge and the greatest width of the legend."""
     left = layout.left + layout.columns // 5 + layout.pixels(44)
     return left, layout.left + layout.columns - left - layout.pixels(40)
 
@@ -178,7 +178,7 @@ def _symbol(draw: ImageDraw.ImageDraw, layout: Layout, entry: Entry, x: int, y: 
 
 
 def _north_arrow(sheet: Image.Image, layout: Layout) -> None:
-    """Draw a small needle to the north at the lower right, at four times its size for smooth edges."""
+    """Draw a small north arrow at the lower right, enlarged fourfold and scaled down for smooth edges."""
     size = layout.pixels(34)
     needle = Image.new("RGB", (4 * size, 4 * size), PAPER)
     draw = ImageDraw.Draw(needle)

@@ -1,1 +1,1 @@
-"""Where houses stand: towns, hamlets, farmsteads, and the streets between them."""
+"""The sites of houses: towns, hamlets, farmsteads, and the streets between them."""

@@ -1,4 +1,4 @@
-"""The rectangles that houses and placed things stand on, and how near two of them are."""
+"""Footprints: the rectangles that houses and placements stand on, and the distances between them."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,11 +12,11 @@ from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.ground.terrain import LEVEL_MARGIN, distance_to_footprint
 from wildscav_engine.specs.map_spec import MapConfig
 
-WIDEST = {"block": 0.0, "tree": 0.5, "bush": 1.2, "rock": 2.2}  # m, how far one reaches from its axis at most
+WIDEST = {"block": 0.0, "tree": 0.5, "bush": 1.2, "rock": 2.2}  # m, greatest reach from the axis
 
 
 class Site(NamedTuple):
-    """Where one house stands."""
+    """The site of one house."""
 
     pose: Pose
     yaw: float  # degrees
@@ -25,7 +25,7 @@ class Site(NamedTuple):
 
     @property
     def footprint(self) -> tuple[float, float, float, float, float, float]:
-        """The row that kernels take: x, z, sine and cosine of the yaw, half of each size."""
+        """The footprint as a row for kernels: x, z, sine and cosine of the yaw, half of each size."""
         return (*self.pose, self.size[0] * 0.5, self.size[1] * 0.5)
 
 
@@ -35,7 +35,7 @@ def footprints_of(sites: Sequence[Site]) -> NDArray[np.float64]:
 
 
 def placed_footprints(config: MapConfig) -> NDArray[np.float64]:
-    """Return (P, 6) the ground that may be taken by everything but houses that a config places by hand."""
+    """Return (P, 6) the greatest possible footprints of a config's placements, except houses."""
     rows = [
         (*pose(*placed.location, placed.orientation), *(side * 0.5 + WIDEST[placed.kind] for side in area))
         for placed in config.placements
@@ -81,7 +81,7 @@ def gap_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 @kernel
 def _is_parted(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    """Return whether a side of one footprint has all of the other beyond it (separating axes)."""
+    """Return whether all of the other footprint lies beyond one side of the first (separating axes)."""
     least_across, most_across, least_along, most_along = np.inf, -np.inf, np.inf, -np.inf
     for number in range(4):
         x, z = corner_of(other, number)
@@ -125,7 +125,7 @@ def heights_under(
 
 @kernel
 def nearest_on_lane(lane: NDArray[np.float64], x: float, z: float) -> tuple[float, float]:
-    """Return x and z in m of the point of a segment (x and z of both its ends) that is nearest to (x, z)."""
+    """Return x and z in m of the point nearest to (x, z) on a segment, given by x and z of both its ends."""
     east, north = lane[2] - lane[0], lane[3] - lane[1]
     length = east * east + north * north
     share = ((x - lane[0]) * east + (z - lane[1]) * north) / length if length > 0.0 else 0.0

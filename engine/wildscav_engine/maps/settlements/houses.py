@@ -1,4 +1,4 @@
-"""The houses of a map as everything else sees them: where each stands, and its rooms."""
+"""The houses of a finished map: their positions, sizes and rooms."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,7 +7,7 @@ from wildscav_engine.geometry.shapes import Pose, Rectangle, pose
 
 
 class Room(NamedTuple):
-    """A room of a house: what lies between its walls."""
+    """A room of a house: the area between its walls."""
 
     level: int  # 0 is the ground floor
     area: Rectangle  # m, in the axes of the house
@@ -15,7 +15,7 @@ class Room(NamedTuple):
 
 @dataclass(frozen=True)
 class House:
-    """Where a house stands: a rectangle turned about its middle."""
+    """A house on the map: a rectangle rotated about its middle."""
 
     center: tuple[float, float]  # m, x and z
     size: tuple[float, float]  # m, width and depth before turning
@@ -28,5 +28,5 @@ class House:
 
     @property
     def pose(self) -> Pose:
-        """Its own axes: across, and along to its front."""
+        """The axes of the house: across, and along towards its front."""
         return pose(*self.center, self.yaw)

@@ -1,4 +1,4 @@
-"""Which places a house can stand on: dry, fairly level ground, clear of everything that stands already."""
+"""Finding plots for houses: dry, fairly level ground, clear of everything built so far."""
 
 from collections.abc import Sequence
 
@@ -27,20 +27,20 @@ from wildscav_engine.maps.settlements.footprints import (
 from wildscav_engine.specs.map_spec import MapConfig
 
 EDGE_MARGIN = 3.0  # m between a house and the edge of the map
-PLACED_MARGIN = 3.0  # m between a house and what is placed by hand
+PLACED_MARGIN = 3.0  # m between a house and a placement
 LANE_MARGIN = 3.2  # m between a house and the axis of a street that it does not face
 SHORE_MARGIN = 0.25  # m that the natural ground under a house lies above the water
 STEEPEST_GROUND = 5.0  # m, greatest difference of natural heights under a house
-STEEPEST_JOIN = 0.3  # m up per m between the levels of two houses that are near each other
-JOIN_REACH = 24.0  # m between their levels, from where on it may be steeper
-SHARED_LEVEL = 2.0 * LEVEL_MARGIN + 0.5  # m between two houses; nearer ones have one level
+STEEPEST_JOIN = 0.3  # m up per m between the level grounds of two houses that are near each other
+JOIN_REACH = 24.0  # m between their level grounds; beyond, the join may be steeper
+SHARED_LEVEL = 2.0 * LEVEL_MARGIN + 0.5  # m between two houses; nearer ones share one level
 DEEPEST_CUT = 1.5  # m between the level of a house and the mean height of the ground
 
 Place = tuple[float, float, float]  # x and z in m, and a yaw in degrees
 
 
 class Plots:
-    """The ground of a map with the houses that stand on it so far."""
+    """The ground of a map with the houses placed on it so far."""
 
     def __init__(
         self,
@@ -50,7 +50,7 @@ class Plots:
         most: int,
         avoided: Sequence[Site] = (),
     ) -> None:
-        """Start with houses that stand already and sites to keep off; there will be at most so many more."""
+        """Start with ``fixed`` houses and sites to avoid; at most ``most`` more houses can be placed."""
         self.terrain = terrain
         self.sites: list[Site] = []
         self._placed = np.concatenate([placed_footprints(config), footprints_of(avoided)])
@@ -62,24 +62,24 @@ class Plots:
         self._grounds[: len(fixed)] = [site.ground for site in fixed]
 
     def keep_off(self, points: NDArray[np.float64]) -> None:
-        """Keep further houses off points (N, 2) in m of a street's axis."""
+        """Keep further houses away from points (N, 2) in m of a street's axis."""
         self._lanes = np.concatenate([self._lanes, points])
 
     def is_taken(self, x: float, z: float, margin: float) -> bool:
-        """Return whether a house or something placed by hand is nearer to a point than a margin in m."""
+        """Return whether a house or a placement is nearer to a point than a margin in m."""
         taken = _is_near(self._footprints[: self._count], x, z, margin)
         return taken or _is_near(self._placed, x, z, margin)
 
-    def stand(self, places: Sequence[Place], size: tuple[float, float], gap: float) -> int:
-        """Put a house on the first of some places that has room.
+    def place_house(self, places: Sequence[Place], size: tuple[float, float], gap: float) -> int:
+        """Place a house at the first of some places where it fits.
 
         Args:
-            places: Where its middle could be, and its yaw.
+            places: Candidates for its middle and its yaw.
             size: m, across and along.
             gap: m to every other house.
 
         Returns:
-            The number of the place; -1 if none has room.
+            The number of the place; -1 if it fits nowhere.
         """
         rows = np.empty((len(places), 6))
         rows[:, 4:] = size[0] * 0.5, size[1] * 0.5
@@ -141,7 +141,7 @@ def _is_clear(footprint: NDArray[np.float64], others: NDArray[np.float64], gap: 
 
 @kernel
 def _may_meet(one: NDArray[np.float64], other: NDArray[np.float64], gap: float) -> bool:
-    """Return whether the circles around two footprints are nearer than a gap: a quick first test."""
+    """Return whether the circles around two footprints are nearer than a gap: a cheap first test."""
     reach = half_diagonal(one) + half_diagonal(other) + gap
     east, north = one[0] - other[0], one[1] - other[1]
     return bool(east * east + north * north < reach * reach)
@@ -195,7 +195,7 @@ def level_for(
 
 @kernel
 def _most_apart(apart: float) -> float:
-    """Return how much in m the levels of two houses may differ whose level margins are ``apart`` m apart."""
+    """Return how much in m the levels of two houses may differ if their margins are ``apart`` m apart."""
     if apart >= JOIN_REACH:
         return room_of_join(apart)
     return min(room_of_join(apart), STEEPEST_JOIN * max(0.0, apart))

@@ -1,4 +1,4 @@
-"""Where houses stand: in towns and hamlets along streets, or on farmsteads far apart."""
+"""Choosing the sites of houses: in towns and hamlets along streets, or on farmsteads far apart."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -32,16 +32,16 @@ from wildscav_engine.specs.map_spec import MapConfig
 __all__ = ["CLOSE_GAP", "EDGE_MARGIN", "Settlement", "Site", "corner_of", "footprints_of", "gap_between"]
 
 SCATTERED_GAP, CLOSE_GAP = 9.0, 4.0  # m between houses, on farmsteads and in towns
-WIDEST_SCATTER = 60.0  # m between farmsteads, where there is room
-LARGEST_HAMLET = 12  # houses; more may make several hamlets
+WIDEST_SCATTER = 60.0  # m between farmsteads, if there is enough space
+LARGEST_HAMLET = 12  # houses; more may be split into several hamlets
 TOWN_APART = 110.0  # m of the map's side for each town
 TOWN_CHOICES = 40
-SPARE_TOWNS = 3  # more towns than planned, where one had no room for all its houses
-DARTS = 40  # places tried at random at each distance
+SPARE_TOWNS = 3  # additional towns, if one had no space for all its houses
+RANDOM_PLACES = 40  # tried at each distance
 ATTEMPTS = 3
 LANE_STEP = 2  # points of a street for each segment of a lane
 LONGEST_PATH = 16.0  # m from a door to a lane
-FORECOURT = 8.0  # m that a street goes on after its last house
+FORECOURT = 8.0  # m that a street continues after its last house
 
 Size = tuple[float, float]  # m, across and along
 
@@ -61,7 +61,7 @@ def place_houses(
     fixed: Sequence[Site] = (),
     avoided: Sequence[Site] = (),
 ) -> list[Site]:
-    """Return a site for as many houses of the given sizes in m as have room, see ``settle``."""
+    """Return sites for as many houses of the given sizes in m as fit; see ``settle``."""
     return settle(config, seed, terrain, sizes, fixed, avoided).sites
 
 
@@ -73,18 +73,18 @@ def settle(
     fixed: Sequence[Site] = (),
     avoided: Sequence[Site] = (),
 ) -> Settlement:
-    """Find places for houses, and lay the lanes between them.
+    """Find sites for houses, and lay the lanes between them.
 
     Args:
         config: Of the map.
         seed: Of the map.
         terrain: Before any ground is levelled.
         sizes: m, of each house.
-        fixed: Houses that stand already; they are not returned.
-        avoided: Where no house shall stand.
+        fixed: Sites of houses placed before; they are not returned.
+        avoided: Sites where no house may stand.
 
     Returns:
-        A site for as many of the houses, in their order, as have room.
+        Sites for as many of the houses, in their order, as fit; and the lanes.
     """
     best = Settlement([], np.zeros((0, 4)))
     for attempt in range(ATTEMPTS):
@@ -111,7 +111,7 @@ def room_for(
     fixed: Sequence[Site] = (),
     avoided: Sequence[Site] = (),
 ) -> int:
-    """Return how many of the houses, counted from the first, surely find room when no more are asked for."""
+    """Return how many of the houses, counted from the first, certainly fit if no more are asked for."""
     asked = len(sizes)
     while True:
         found = len(place_houses(config, seed, terrain, sizes[:asked], fixed, avoided))
@@ -127,7 +127,7 @@ def _segments(lanes: list[NDArray[np.float64]]) -> NDArray[np.float64]:
 
 
 def _build_towns(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> list[NDArray[np.float64]]:
-    """Build one town after the other until all houses stand; return their lanes."""
+    """Build one town after another until all houses are placed; return their lanes."""
     most = max(1, int(-2.0 * plots.terrain.corner[0] / TOWN_APART)) ** 2
     towns = 1
     if len(sizes) > LARGEST_HAMLET:
@@ -156,7 +156,7 @@ def _build_towns(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> list[NDArra
 def _road_between(
     plots: Plots, older: NDArray[np.float64], newer: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
-    """Return a road from a new town to the nearest lane, given by points (N, 2); None if it finds no way."""
+    """Return a road from a new town to the nearest lane, as points (N, 2); None if no route is found."""
     east = newer[:, None, 0] - older[None, :, 0]
     north = newer[:, None, 1] - older[None, :, 1]
     start, end = np.unravel_index(int(np.argmin(east * east + north * north)), east.shape)
@@ -166,7 +166,7 @@ def _road_between(
 def _build_town(
     dice: Dice, plots: Plots, sizes: Sequence[Size], houses: int, center: Place
 ) -> list[NDArray[np.float64]]:
-    """Build so many houses along the streets of one town; return its lanes, none if no house has room."""
+    """Build ``houses`` houses along the streets of one town; return its lanes, none if no house fits."""
     streets = draw_streets(dice, plots, houses, center)
     for street in streets:
         for points in (street.points, *_sides_of_square(street)):
@@ -176,11 +176,11 @@ def _build_town(
     for _ in range(houses):
         size = sizes[len(plots.sites)]
         places = [_fronting(streets[slot.street], slot, size) for slot in slots]
-        chosen = plots.stand(places, size, CLOSE_GAP)
+        chosen = plots.place_house(places, size, CLOSE_GAP)
         if chosen < 0:
             break
         used.setdefault(slots[chosen].street, []).append(slots[chosen].station)
-        # What is nearer to the middle has had no room for this house; smaller ones come there at the end.
+        # This house did not fit on slots nearer to the middle; smaller houses may get them in the end.
         slots = [slot for slot in slots if not _is_near_place(streets, slot, plots.sites[-1])]
     return [
         lane for number, stations in used.items() for lane in _lanes_of(streets[number], number, stations)
@@ -198,7 +198,7 @@ class _Slot(NamedTuple):
 
 
 def _slots(dice: Dice, streets: list[Street], center: Place) -> list[_Slot]:
-    """Return the places along streets, nearest to the middle of the town first."""
+    """Return the slots along streets, nearest to the middle of the town first."""
     slots = []
     for number, street in enumerate(streets):
         for station in range(len(street.points)):
@@ -213,7 +213,7 @@ def _slots(dice: Dice, streets: list[Street], center: Place) -> list[_Slot]:
 
 
 def _fronting(street: Street, slot: _Slot, size: Size) -> Place:
-    """Return where a house of a size stands that faces its street."""
+    """Return the place of a house of a size that faces its street."""
     x, z = street.points[slot.station].tolist()
     yaw = float(street.yaws[slot.station]) - slot.side * 90.0 + slot.skew
     away = slot.setback + size[1] / 2.0
@@ -221,14 +221,14 @@ def _fronting(street: Street, slot: _Slot, size: Size) -> Place:
 
 
 def _is_near_place(streets: list[Street], slot: _Slot, site: Site) -> bool:
-    """Return whether a house at a slot would stand in one that is there."""
+    """Return whether a house at a slot would overlap an existing one."""
     x, z, _ = _fronting(streets[slot.street], slot, (8.0, 8.0))
     across, along = site.pose.inside(x, z)
     return abs(across) < site.size[0] / 2.0 + 4.0 and abs(along) < site.size[1] / 2.0 + 4.0
 
 
 def _lanes_of(street: Street, number: int, stations: list[int]) -> list[NDArray[np.float64]]:
-    """Return the axis of a street as far as houses stand at it, and the sides of its square."""
+    """Return the axis of a street as far as it has houses, and the sides of its square."""
     forecourt = int(FORECOURT / STATION)
     first = 0 if number else max(0, min(stations) - forecourt)
     last = min(len(street.points) - 1, max(stations) + forecourt)
@@ -237,7 +237,7 @@ def _lanes_of(street: Street, number: int, stations: list[int]) -> list[NDArray[
 
 
 def _sides_of_square(street: Street) -> list[NDArray[np.float64]]:
-    """Return points (N, 2) in m on both sides of a street's square, where one goes along its houses."""
+    """Return points (N, 2) in m along the houses on both sides of a street's square."""
     start, end = street.square
     if end <= start:
         return []
@@ -254,13 +254,15 @@ def _scatter(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
     span = -2.0 * plots.terrain.corner[0]
     gap = min(WIDEST_SCATTER, 0.5 * span / float(np.sqrt(max(1, len(sizes)))))
     for size in sizes:
-        while plots.stand(_darts(dice, plots, DARTS), size, max(gap, SCATTERED_GAP)) < 0:
+        while (
+            plots.place_house(_random_places(dice, plots, RANDOM_PLACES), size, max(gap, SCATTERED_GAP)) < 0
+        ):
             if gap <= SCATTERED_GAP:
                 return
             gap *= 0.8
 
 
-def _darts(dice: Dice, plots: Plots, count: int) -> list[Place]:
+def _random_places(dice: Dice, plots: Plots, count: int) -> list[Place]:
     half = -plots.terrain.corner[0] - EDGE_MARGIN - 4.0
     return [
         (dice.uniform(-half, half), dice.uniform(-half, half), dice.uniform(-180.0, 180.0))
@@ -269,7 +271,7 @@ def _darts(dice: Dice, plots: Plots, count: int) -> list[Place]:
 
 
 def _squeeze_in(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
-    """Put the houses that have no place yet wherever there is room; stop at the first that has none."""
+    """Place the remaining houses wherever they fit; stop at the first that does not."""
     if len(plots.sites) == len(sizes):
         return
     half = -plots.terrain.corner[0] - EDGE_MARGIN - 4.0
@@ -278,15 +280,15 @@ def _squeeze_in(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
     grid = [half * (2.0 * step / steps - 1.0) for step in range(steps + 1)]
     everywhere = [(x, z, yaw) for z in grid for x in grid for yaw in (0.0, turn)]
     for size in sizes[len(plots.sites) :]:
-        for places in (_darts(dice, plots, 5 * DARTS), everywhere):
-            if plots.stand(places, size, CLOSE_GAP) >= 0:
+        for places in (_random_places(dice, plots, 5 * RANDOM_PLACES), everywhere):
+            if plots.place_house(places, size, CLOSE_GAP) >= 0:
                 break
         else:
             return
 
 
 def door_paths(lanes: NDArray[np.float64], doorsteps: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (K, 4) m the paths from doorsteps (D, 2) to the nearest lane, for those that are near one."""
+    """Return (K, 4) m the paths from doorsteps (D, 2) to the nearest lane, for those near one."""
     paths = np.zeros((len(doorsteps), 4))
     return paths[: _find_paths(lanes, doorsteps, paths)]
 

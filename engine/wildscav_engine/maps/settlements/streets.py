@@ -1,4 +1,4 @@
-"""The streets of towns and hamlets: a winding main street, side streets, now and then a square; and roads."""
+"""The streets of towns and hamlets: a winding main street, side streets, sometimes a square; and roads."""
 
 from typing import NamedTuple
 
@@ -14,16 +14,16 @@ from wildscav_engine.maps.settlements.plots import Place, Plots
 
 STATION = 2.0  # m between the points of a street
 STREET_WIDTH = 8.0  # m between the fronts of its two sides
-STREET_APART = 27.0  # m between two streets of a town, beyond where they part
+STREET_APART = 27.0  # m between two streets of a town, away from their junction
 EDGE_MARGIN = 11.0  # m between a street and the edge of the map
 SHORE_MARGIN = 0.4  # m of a street above the water
 STEEPEST_STREET, STEEPEST_ROAD = 0.3, 0.55  # m up per m
 SHARPEST_BEND = 0.8  # degrees per m
 FRONTAGE = 16.5  # m of a street that a house takes, with the gap to the next
 SIDE_STREETS_FROM = 7  # houses
-SWAY, SWAY_STEP = 18.0, 6.5  # degrees that a road winds, and degrees of its winding a stride
+SWAY, SWAY_STEP = 18.0, 6.5  # degrees, amplitude of a road's winding, and its phase per stride
 LONGEST_MAIN = 170.0  # m
-SQUARE, SQUARE_DEPTH = 13.0, 6.0  # m along the main street to both sides of the middle, and m it is widened
+SQUARE, SQUARE_DEPTH = 13.0, 6.0  # m, half its length along the main street, and its width on each side
 
 
 class Street(NamedTuple):
@@ -31,7 +31,7 @@ class Street(NamedTuple):
 
     points: NDArray[np.float64]  # (N, 2) m, x and z
     yaws: NDArray[np.float64]  # (N,) degrees, its direction at each
-    square: tuple[int, int]  # its first and last point on the square; (0, -1) without one
+    square: tuple[int, int]  # index of its first and last point on the square; (0, -1) without one
 
 
 def draw_streets(dice: Dice, plots: Plots, houses: int, center: Place) -> list[Street]:
@@ -39,12 +39,12 @@ def draw_streets(dice: Dice, plots: Plots, houses: int, center: Place) -> list[S
 
     Args:
         dice: For the choices.
-        plots: What the streets must keep off.
-        houses: How many shall stand along them, about.
+        plots: What the streets must avoid.
+        houses: Approximate number of houses along them.
         center: The middle of the town, and the yaw of its main street.
 
     Returns:
-        Streets; those that find no way are left out.
+        The streets; those that are blocked are left out.
     """
     wanted = FRONTAGE * (houses + 1) / 2.0
     length = wanted if houses < SIDE_STREETS_FROM else min(LONGEST_MAIN, 0.6 * wanted + 16.0)
@@ -68,7 +68,7 @@ def _street(places: list[Place], square: tuple[int, int]) -> Street:
 
 
 def _side_streets(dice: Dice, plots: Plots, main: list[Place], middle: int, wanted: float) -> list[Street]:
-    """Let streets part from the main street, to both sides in turn, nearest to the middle first."""
+    """Branch streets off the main street, on both sides in turn, nearest to the middle first."""
     streets: list[Street] = []
     taken = [main]
     side = 1.0 if dice.uniform() < 0.5 else -1.0
@@ -93,17 +93,17 @@ def _side_streets(dice: Dice, plots: Plots, main: list[Place], middle: int, want
 
 
 def _walk(dice: Dice, plots: Plots, start: Place, length: float, streets: list[list[Place]]) -> list[Place]:
-    """Walk a winding way until it is long enough or something is in the way.
+    """Trace a winding street until it is long enough or something blocks it.
 
     Args:
         dice: For the bends.
-        plots: What to keep off.
-        start: Where the way starts, and its first yaw.
+        plots: What to avoid.
+        start: Where the street starts, and its first yaw.
         length: m.
-        streets: To keep well away from, once the start is left behind.
+        streets: Streets to stay well away from, except near the start.
 
     Returns:
-        The way; its first place is the start.
+        The places along the street; the first is the start.
     """
     terrain = plots.terrain
     x, z, yaw = start
@@ -125,13 +125,13 @@ def _walk(dice: Dice, plots: Plots, start: Place, length: float, streets: list[l
 
 
 def _is_free(plots: Plots, x: float, z: float) -> bool:
-    """Return whether a street may lead over a place, as far as the map's edge and its houses go."""
+    """Return whether a place is far enough from the map's edge and its houses for a street."""
     half = -plots.terrain.corner[0] - EDGE_MARGIN
     return max(abs(x), abs(z)) <= half and not plots.is_taken(x, z, STREET_WIDTH / 2.0)
 
 
 def _comes_near(streets: list[list[Place]], start: Place, x: float, z: float) -> bool:
-    """Return whether a place is nearer to a street than streets should be, its start apart."""
+    """Return whether a place is too near to another street, except near the start."""
     away = (x - start[0]) * (x - start[0]) + (z - start[1]) * (z - start[1])
     limit = min(STREET_APART * STREET_APART, 0.5 * away)
     return any(
@@ -144,7 +144,7 @@ def _comes_near(streets: list[list[Place]], start: Place, x: float, z: float) ->
 def draw_road(
     plots: Plots, start: tuple[float, float], end: tuple[float, float]
 ) -> NDArray[np.float64] | None:
-    """Return points (N, 2) in m of a road that keeps to dry and gentle ground; None if it finds no way."""
+    """Return points (N, 2) in m of a road over dry and gentle ground; None if no route is found."""
     x, z = start
     points = [start]
     stride = 2.0 * STATION
@@ -161,7 +161,7 @@ def draw_road(
 
 
 def _onward(plots: Plots, x: float, z: float, towards: float, stride: float) -> tuple[float, float] | None:
-    """Return the next point of a road: as near to its direction in degrees as the ground allows."""
+    """Return the next point of a road, as near to the direction ``towards`` in ° as the ground allows."""
     terrain = plots.terrain
     height = height_at(terrain.corner, terrain.heights, x, z)
     for turn in (0.0, 20.0, -20.0, 40.0, -40.0, 65.0, -65.0, 95.0, -95.0):
@@ -175,7 +175,7 @@ def _onward(plots: Plots, x: float, z: float, towards: float, stride: float) -> 
 
 @kernel
 def height_at(corner: tuple[float, float], heights: NDArray[np.float64], x: float, z: float) -> float:
-    """Return the height in m of the ground at a place, between the four cell corners around it."""
+    """Return the height in m of the ground at a place, interpolated between the corners of its cell."""
     column, row = (x - corner[0]) / CELL, (z - corner[1]) / CELL
     west = min(heights.shape[1] - 2, max(0, int(column)))
     south = min(heights.shape[0] - 2, max(0, int(row)))
@@ -187,14 +187,14 @@ def height_at(corner: tuple[float, float], heights: NDArray[np.float64], x: floa
 
 
 def town_center(dice: Dice, terrain: Terrain, radius: float, others: list[Place], choices: int) -> Place:
-    """Return the middle of a new town, and the yaw of its main street: of some places, the best to build on.
+    """Return the middle of a new town and the yaw of its main street: the best of some random places.
 
     Args:
         dice: For the places.
         terrain: Of the map.
         radius: m, of the town.
-        others: Towns from which it shall be away.
-        choices: How many places to look at.
+        others: Towns to stay away from.
+        choices: Number of places to compare.
 
     Returns:
         The place.
@@ -227,7 +227,7 @@ def _town_score(
     cosine_of_yaw: float,
     radius: float,
 ) -> float:
-    """Return how good a place for a town is, up to 1: the share of it that can be built on."""
+    """Return the score of a place for a town, up to 1: the share of it that can be built on."""
     good, count = 0.0, 0.0
     half = -corner[0] - EDGE_MARGIN
     for row in range(-4, 5):

@@ -1,1 +1,1 @@
-"""Trees, bushes and rocks: what they look like and where they grow."""
+"""Trees, bushes and rocks: their shapes and positions."""

@@ -1,4 +1,4 @@
-"""What plants must keep off, and where they grow."""
+"""The ground for plants: where they grow and what they must stay away from."""
 
 from typing import NamedTuple
 
@@ -10,26 +10,26 @@ from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.footprints import corner_of
 from wildscav_engine.maps.vegetation.woods import PATCH
 
-TREES, BUSHES, ROCKS = range(3)  # what is scattered
-NEAR = 10.0  # m from a house, a doorstep or a lane, from where on none is looked for
+TREES, BUSHES, ROCKS = range(3)  # categories of plants
+NEAR = 10.0  # m; houses, doorsteps and lanes farther away need no test
 
 
 class Fields(NamedTuple):
-    """What grows where, on patches of 4 m."""
+    """What grows where, on a grid of Q by Q patches of 4 m."""
 
-    weights: NDArray[np.float64]  # (3, Q, Q) chance that trees, bushes or rocks take to a patch
+    weights: NDArray[np.float64]  # (3, Q, Q) chance that a tree, bush or rock is accepted on a patch
     conifers: NDArray[np.float64]  # (Q, Q) chance that a tree in a wood is a conifer
     shore: NDArray[np.bool_]  # (Q, Q)
 
 
-class Land(NamedTuple):
-    """What plants must keep off, and where they grow."""
+class GrowingGround(NamedTuple):
+    """The ground for plants: where they grow and what they must stay away from."""
 
     corner: tuple[float, float]  # m
     heights: NDArray[np.float64]  # (R + 1, C + 1) m
     water_level: float  # m
     houses: NDArray[np.float64]  # (H, 6) footprints
-    placed: NDArray[np.float64]  # (P, 6) footprints of what is placed by hand
+    placed: NDArray[np.float64]  # (P, 6) footprints of placements
     doorsteps: NDArray[np.float64]  # (D, 2) m
     lanes: NDArray[np.float64]  # (L, 4) m
     near: NDArray[np.bool_]  # (Q, Q) patches near any of these
@@ -43,14 +43,14 @@ def land_of(
     doorsteps: NDArray[np.float64],
     lanes: NDArray[np.float64],
     fields: Fields,
-) -> Land:
-    """Return a land (see ``Land``); marks the patches near what plants must keep off."""
+) -> GrowingGround:
+    """Return the growing ground, with the patches near obstacles marked."""
     near = np.zeros(fields.shore.shape, np.bool_)
     _mark_near(terrain.corner, houses, near)
     _mark_near(terrain.corner, placed, near)
     _mark_near_points(terrain.corner, doorsteps, near)
     _mark_near_lanes(terrain.corner, lanes, near)
-    return Land(
+    return GrowingGround(
         terrain.corner,
         terrain.heights,
         terrain.water_level,
@@ -110,8 +110,8 @@ def _mark_box(
 
 
 @kernel
-def patch_of(land: Land, x: float, z: float) -> tuple[int, int]:
-    """Return the row and the column of the patch of a place; outside the map, of the nearest one."""
+def patch_of(land: GrowingGround, x: float, z: float) -> tuple[int, int]:
+    """Return the row and column of a place's patch; outside the map, of the nearest one."""
     count = land.near.shape[0]
     return _patch(land.corner[1], z, count), _patch(land.corner[0], x, count)
 

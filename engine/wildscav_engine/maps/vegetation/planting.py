@@ -1,16 +1,23 @@
-"""Trees, bushes and rocks: in woods and clearings, never in water, houses, doorways or lanes."""
+"""Planting a map with trees, bushes and rocks, never in water, houses, doorways or lanes."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.stacks import allocate_stacks, solids_of
+from wildscav_engine.geometry.ring_stacks import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.world import Solid
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.footprints import Site, footprints_of, placed_footprints
 from wildscav_engine.maps.settlements.sites import door_paths
-from wildscav_engine.maps.vegetation.growing_ground import BUSHES, ROCKS, TREES, Fields, Land, land_of
+from wildscav_engine.maps.vegetation.growing_ground import (
+    BUSHES,
+    ROCKS,
+    TREES,
+    Fields,
+    GrowingGround,
+    land_of,
+)
 from wildscav_engine.maps.vegetation.scatter import (
     allocate_spots,
     scatter,
@@ -19,8 +26,8 @@ from wildscav_engine.maps.vegetation.species import PARTS, grow
 from wildscav_engine.maps.vegetation.woods import shores, slow_noise, steepness, wooded
 from wildscav_engine.specs.map_spec import MapConfig
 
-SHARES = {ROCKS: 0.003, TREES: 0.0075, BUSHES: 0.004}  # a m², with vegetation 1; large things come first
-KEYS = 2**24  # plants of each sort have keys of their own, from this on
+SHARES = {ROCKS: 0.003, TREES: 0.0075, BUSHES: 0.004}  # per m², with vegetation 1; large ones come first
+KEYS = 2**24  # number of keys for the plants of each category
 NO_LANES = np.zeros((0, 4))
 
 
@@ -39,22 +46,24 @@ def plant(
         seed: Of the map.
         terrain: With levelled ground.
         sites: Of all houses.
-        doorsteps: (D, 2) m, x and z before each outer doorway.
+        doorsteps: (D, 2) m, x and z in front of each outer doorway.
         lanes: (L, 4) m, see ``sites.Settlement``.
 
     Returns:
-        One to three solids a tree, one a bush or a rock.
+        One to three solids per tree, one per bush or rock.
     """
     land = _land(config, seed, terrain, sites, doorsteps, lanes)
     area = float(config.size * config.size) * config.vegetation
-    wanted = {what: int(share * area + 0.5) for what, share in SHARES.items()}
+    wanted = {category: int(share * area + 0.5) for category, share in SHARES.items()}
     spots = allocate_spots(config.size, sum(wanted.values()))
     half = config.size / 2.0
     everywhere = np.array([0.0, 0.0, 0.0, 1.0, half, half])
     found = 0
-    for what, count in wanted.items():
-        found = scatter(np.uint64(seed), (what + 1) * KEYS, what, count, everywhere, land, spots, found)
-    stacks = allocate_stacks(PARTS * found)
+    for category, count in wanted.items():
+        found = scatter(
+            np.uint64(seed), (category + 1) * KEYS, category, count, everywhere, land, spots, found
+        )
+    stacks = allocate_ring_stacks(PARTS * found)
     return solids_of(stacks, grow(spots.rows, found, stacks))
 
 
@@ -65,7 +74,7 @@ def _land(
     sites: Sequence[Site],
     doorsteps: NDArray[np.float64],
     lanes: NDArray[np.float64],
-) -> Land:
+) -> GrowingGround:
     woods = wooded(seed, config.size, config.vegetation)
     shore, steep = shores(terrain, len(woods)), steepness(terrain, len(woods))
     trees = np.maximum(np.maximum(woods, 0.03), np.where(shore, 0.45, 0.0))
@@ -78,7 +87,7 @@ def _land(
 
 
 def conifers(config: MapConfig, seed: int, terrain: Terrain) -> NDArray[np.float64]:
-    """Return (Q, Q) the chance that a tree is a conifer: in some woods, and rather high up."""
+    """Return (Q, Q) the chance that a tree is a conifer: higher in some woods and at greater heights."""
     noise = slow_noise(seed, config.size, 1)
     heights = terrain.heights[::2, ::2]
     lowest, highest = heights.min(), heights.max()

@@ -1,4 +1,4 @@
-"""Where each plant and rock stands: by trial, where it grows, clear of houses, lanes, water, each other."""
+"""Scattering plants and rocks by rejection sampling, clear of houses, lanes, water and each other."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.ground.terrain import distance_to_footprint
 from wildscav_engine.maps.settlements.footprints import nearest_on_lane
 from wildscav_engine.maps.settlements.streets import height_at
-from wildscav_engine.maps.vegetation.growing_ground import BUSHES, NEAR, ROCKS, TREES, Land, patch_of
+from wildscav_engine.maps.vegetation.growing_ground import BUSHES, NEAR, ROCKS, TREES, GrowingGround, patch_of
 from wildscav_engine.maps.vegetation.species import (
     BESIDE,
     BLOCK,
@@ -47,27 +47,27 @@ from wildscav_engine.maps.vegetation.species import (
 STREAM = int(Stream.VEGETATION)
 TRIES = 40  # places tried for each plant
 EDGE_MARGIN = 2.0  # m from the edge of the map
-WALK = 1.6  # m between two things that stand on the ground, so that one walks between
-HOUSE_MARGIN, CROWN_MARGIN = 1.7, 0.8  # m between a house and what stands on the ground, or a crown
-DOORSTEP_MARGIN, LANE_MARGIN = 3.0, 3.0  # m from the place before a door, and from a lane's axis
+WALK = 1.6  # m between two plants, so that bodies can walk between them
+HOUSE_MARGIN, CROWN_MARGIN = 1.7, 0.8  # m between a house and a plant's foot, or its crown
+DOORSTEP_MARGIN, LANE_MARGIN = 3.0, 3.0  # m from a doorstep, and from a lane's axis
 SHORE_MARGIN = 0.1  # m above the water
 STEEPEST, STEEPEST_FOR_ROCKS = 0.8, 1.2  # m up per m
-LINK = 4.0  # m, side of the cells in which plants are found; things farther than two of them never meet
-HEDGE_STEP = 1.35  # between the bushes of a hedge, by their radius
-MOST_AROUND = 4  # things that touch the first of their group
-TOUCH = 0.68  # distance between the axes of two things that touch, by the sum of their radii
+LINK = 4.0  # m, side of the cells that index plants; plants more than two cells apart never touch
+HEDGE_STEP = 1.35  # distance between the bushes of a hedge, in radii
+MOST_AROUND = 4  # members that touch the first of their group
+TOUCH = 0.68  # distance between the axes of two touching plants, in sums of their radii
 
 
 class Spots(NamedTuple):
-    """The plants that stand so far, linked by the 4 m cells they stand in."""
+    """The plants placed so far, with linked lists of those in each cell of 4 m."""
 
-    rows: NDArray[np.float64]  # (N, COLUMNS), see ``plants``
+    rows: NDArray[np.float64]  # (N, COLUMNS), see ``species``
     first: NDArray[np.int64]  # (K, K) a plant in each cell, -1 for none
     following: NDArray[np.int64]  # (N,) the next plant in the same cell, -1 for none
 
 
 def allocate_spots(size: int, most: int) -> Spots:
-    """Return room for so many plants on a map of a size in m."""
+    """Return empty tables for ``most`` plants on a map of a size in m."""
     cells = int(size / LINK) + 1
     return Spots(np.zeros((most, COLUMNS)), np.full((cells, cells), -1), np.full(most, -1))
 
@@ -76,27 +76,27 @@ def allocate_spots(size: int, most: int) -> Spots:
 def scatter(
     seed: np.uint64,
     first_key: int,
-    what: int,
+    category: int,
     wanted: int,
     area: NDArray[np.float64],
-    land: Land,
+    land: GrowingGround,
     spots: Spots,
     found: int,
 ) -> int:
-    """Add plants of one sort, by trial; those without a place are left out.
+    """Add plants of one category by rejection sampling; those without a place are left out.
 
     Args:
         seed: Of the map.
-        first_key: The key of the first; the others have the next ones.
-        what: TREES, BUSHES or ROCKS.
-        wanted: How many at most.
-        area: (6,) the footprint that they fill.
-        land: What they must keep off, and where they grow.
-        spots: Those that stand already; added to, as far as there is room.
-        found: How many stand already.
+        first_key: The key of the first plant; the others have consecutive keys.
+        category: TREES, BUSHES or ROCKS.
+        wanted: Greatest number to add.
+        area: (6,) the footprint to fill.
+        land: The growing ground.
+        spots: The plants placed so far; added to, up to its capacity.
+        found: Their number.
 
     Returns:
-        How many stand then.
+        The new number of plants.
     """
     last = min(found + wanted, spots.rows.shape[0])
     for number in range(wanted):
@@ -104,7 +104,7 @@ def scatter(
             break
         spot = spots.rows[found]
         for trial in range(TRIES):
-            if not _try_place(seed, first_key + number, trial, what, area, land, spot):
+            if not _try_place(seed, first_key + number, trial, category, area, land, spot):
                 continue
             if can_stand(land, spots, found, found):
                 link(land, spots, found)
@@ -118,48 +118,55 @@ def _try_place(
     seed: np.uint64,
     key: int,
     trial: int,
-    what: int,
+    category: int,
     area: NDArray[np.float64],
-    land: Land,
+    land: GrowingGround,
     spot: NDArray[np.float64],
 ) -> bool:
-    """Draw a place in an area, and the plant there; return whether it takes to that patch."""
+    """Draw a place in an area, and the plant there; return whether the patch accepts it."""
     for draw in range(5):
         spot[DRAWS + draw] = uniform(seed, STREAM, key, trial, draw)
     across, along = area[4] * (2.0 * spot[DRAWS] - 1.0), area[5] * (2.0 * spot[DRAWS + 1] - 1.0)
     x = area[0] + across * area[3] + along * area[2]
     z = area[1] - across * area[2] + along * area[3]
     row, column = patch_of(land, x, z)
-    if spot[DRAWS + 2] >= land.fields.weights[what, row, column]:
+    if spot[DRAWS + 2] >= land.fields.weights[category, row, column]:
         return False
     spot[X], spot[Z], spot[KEY], spot[MEMBER] = x, z, key, 0
-    spot[SPECIES] = _species(what, land, row, column, spot[DRAWS + 3], spot[DRAWS + 4])
+    spot[SPECIES] = _species(category, land, row, column, spot[DRAWS + 3], spot[DRAWS + 4])
     draw_size(seed, spot)
     return True
 
 
 @kernel
 def place_one(
-    seed: np.uint64, key: int, what: int, x: float, z: float, land: Land, spots: Spots, found: int
+    seed: np.uint64,
+    key: int,
+    category: int,
+    x: float,
+    z: float,
+    land: GrowingGround,
+    spots: Spots,
+    found: int,
 ) -> None:
-    """Put one plant exactly at a place in m, whatever is there."""
+    """Put one plant exactly at a place in m, without any test."""
     row, column = patch_of(land, x, z)
     spot = spots.rows[found]
     spot[X], spot[Z], spot[KEY], spot[MEMBER] = x, z, key, 0
     for draw in range(2):
         spot[DRAWS + draw] = uniform(seed, STREAM, key, 0, draw)
-    spot[SPECIES] = _species(what, land, row, column, spot[DRAWS], spot[DRAWS + 1])
+    spot[SPECIES] = _species(category, land, row, column, spot[DRAWS], spot[DRAWS + 1])
     draw_size(seed, spot)
     survey(land, spot)
     link(land, spots, found)
 
 
 @kernel
-def _species(what: int, land: Land, row: int, column: int, choice: float, chance: float) -> int:
-    """Return what exactly a plant is, by two random numbers of 0 to 1 and where it stands."""
-    if what == BUSHES:
+def _species(category: int, land: GrowingGround, row: int, column: int, choice: float, chance: float) -> int:
+    """Return the species of a plant, by two random numbers from 0 to 1 and its patch."""
+    if category == BUSHES:
         return BUSH
-    if what == ROCKS:
+    if category == ROCKS:
         return STEPPING_STONE if choice < 0.3 else BLOCK if choice < 0.6 else BOULDER
     if chance < 0.04:
         return DEAD
@@ -170,17 +177,17 @@ def _species(what: int, land: Land, row: int, column: int, choice: float, chance
 
 
 @kernel
-def can_stand(land: Land, spots: Spots, number: int, group: int) -> bool:
-    """Return whether a plant has room where it is; fills in the heights of its ground.
+def can_stand(land: GrowingGround, spots: Spots, number: int, group: int) -> bool:
+    """Return whether a plant can stand at its place; also writes the heights of its ground.
 
     Args:
-        land: What it must keep off.
+        land: The growing ground.
         spots: All plants.
-        number: Of the plant; only those before ``group`` count as others.
-        group: The first plant of its group, whose members may touch it.
+        number: Index of the plant; only those before ``group`` count as others.
+        group: Index of the first plant of its group, whose members may touch it.
 
     Returns:
-        Whether it has room.
+        Whether it can stand there.
     """
     spot = spots.rows[number]
     half = -land.corner[0] - EDGE_MARGIN
@@ -198,16 +205,16 @@ def can_stand(land: Land, spots: Spots, number: int, group: int) -> bool:
 
 
 @kernel
-def survey(land: Land, spot: NDArray[np.float64]) -> None:
-    """Fill in the heights of a plant's ground: at its axis, under its foot and under its crown."""
+def survey(land: GrowingGround, spot: NDArray[np.float64]) -> None:
+    """Write the heights of a plant's ground: at its axis, under its foot and under its crown."""
     spot[GROUND] = height_at(land.corner, land.heights, spot[X], spot[Z])
     spot[LOWEST] = heights_within(land, spot[X], spot[Z], spot[RADIUS])[0]
     spot[HIGHEST] = heights_within(land, spot[X], spot[Z], spot[CROWN])[1]
 
 
 @kernel
-def heights_within(land: Land, x: float, z: float, reach: float) -> tuple[float, float]:
-    """Return the least and the greatest height in m of the cells within reach of a place."""
+def heights_within(land: GrowingGround, x: float, z: float, reach: float) -> tuple[float, float]:
+    """Return the least and greatest height in m of the cells within reach of a place."""
     heights, corner = land.heights, land.corner
     first_row = max(0, int((z - reach - corner[1]) / CELL))
     last_row = min(heights.shape[0] - 1, int((z + reach - corner[1]) / CELL) + 1)
@@ -221,7 +228,7 @@ def heights_within(land: Land, x: float, z: float, reach: float) -> tuple[float,
 
 
 @kernel
-def _is_clear(land: Land, spot: NDArray[np.float64]) -> bool:
+def _is_clear(land: GrowingGround, spot: NDArray[np.float64]) -> bool:
     x, z, radius, crown = spot[X], spot[Z], spot[RADIUS], spot[CROWN]
     from_house = max(radius + HOUSE_MARGIN, crown + CROWN_MARGIN)
     for house in range(land.houses.shape[0]):
@@ -244,19 +251,19 @@ def _is_clear(land: Land, spot: NDArray[np.float64]) -> bool:
 
 @kernel
 def least_distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Return how far in m the axes of two plants of different groups must be apart."""
+    """Return the least distance in m between the axes of two plants of different groups."""
     apart = one[RADIUS] + other[RADIUS] + WALK
     if is_tree(one[SPECIES]) and is_tree(other[SPECIES]):
         return float(max(apart, 0.55 * (one[CROWN] + other[CROWN])))
-    # One climbs rocks, so no crown hangs over them.
+    # Bodies climb rocks, so no crown hangs over them.
     if is_rock(one[SPECIES]) or is_rock(other[SPECIES]):
         return float(max(apart, one[RADIUS] + other[CROWN], one[CROWN] + other[RADIUS]))
     return float(apart)
 
 
 @kernel
-def _is_crowded(land: Land, spots: Spots, spot: NDArray[np.float64], group: int) -> bool:
-    """Return whether another plant is too near; looks at the 25 cells around."""
+def _is_crowded(land: GrowingGround, spots: Spots, spot: NDArray[np.float64], group: int) -> bool:
+    """Return whether another plant is too near; it searches the 25 cells around."""
     row, column = int((spot[Z] - land.corner[1]) / LINK), int((spot[X] - land.corner[0]) / LINK)
     for near_row in range(max(0, row - 2), min(spots.first.shape[0], row + 3)):
         for near_column in range(max(0, column - 2), min(spots.first.shape[1], column + 3)):
@@ -271,8 +278,8 @@ def _is_crowded(land: Land, spots: Spots, spot: NDArray[np.float64], group: int)
 
 
 @kernel
-def link(land: Land, spots: Spots, number: int) -> None:
-    """Enter a plant into the cell it stands in."""
+def link(land: GrowingGround, spots: Spots, number: int) -> None:
+    """Insert a plant into the list of its cell."""
     row = int((spots.rows[number, Z] - land.corner[1]) / LINK)
     column = int((spots.rows[number, X] - land.corner[0]) / LINK)
     spots.following[number] = spots.first[row, column]
@@ -281,9 +288,9 @@ def link(land: Land, spots: Spots, number: int) -> None:
 
 @kernel
 def _add_group(
-    seed: np.uint64, land: Land, spots: Spots, found: int, last: int, area: NDArray[np.float64]
+    seed: np.uint64, land: GrowingGround, spots: Spots, found: int, last: int, area: NDArray[np.float64]
 ) -> int:
-    """Let more of its kind touch the plant added last: a hedge, a clump, or smaller rocks at a boulder."""
+    """Add plants that touch the one added last: a hedge, a clump, or smaller rocks around a boulder."""
     group = found - 1
     leader = spots.rows[group]
     more = _members(land, leader)
@@ -313,8 +320,8 @@ def _add_group(
 
 
 @kernel
-def _members(land: Land, leader: NDArray[np.float64]) -> int:
-    """Return how many more a group has; that many only a hedge has."""
+def _members(land: GrowingGround, leader: NDArray[np.float64]) -> int:
+    """Return the number of further members of a group; more than MOST_AROUND means a hedge."""
     if leader[SPECIES] == BUSH:
         row, column = patch_of(land, leader[X], leader[Z])
         if leader[GROUP] < (0.5 if land.near[row, column] else 0.08):
@@ -331,8 +338,8 @@ def _is_in(area: NDArray[np.float64], x: float, z: float) -> bool:
 
 
 @kernel
-def _yaw_of_hedge(land: Land, leader: NDArray[np.float64]) -> float:
-    """Return the yaw in degrees of a hedge: in line with the nearest house, where there is one near."""
+def _yaw_of_hedge(land: GrowingGround, leader: NDArray[np.float64]) -> float:
+    """Return the yaw in degrees of a hedge: aligned with the nearest house, if one is near."""
     yaw = 360.0 * leader[HEDGE]
     nearest = 1.5 * NEAR
     for house in range(land.houses.shape[0]):

@@ -1,4 +1,4 @@
-"""What plants and rocks look like: species, sizes and shapes, drawn by key."""
+"""The species, sizes and shapes of plants and rocks, drawn by key."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.arithmetic.random_numbers import Stream, uniform
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.stacks import MOST_SIDES, Stacks
+from wildscav_engine.geometry.ring_stacks import MOST_SIDES, RingStacks
 from wildscav_engine.geometry.world import Kind
 
 STREAM = int(Stream.VEGETATION)
@@ -16,26 +16,26 @@ TRUNK, LEAVES, LEAFY, STONE = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH), 
 
 BROADLEAF, CONIFER, POPLAR, DEAD, BUSH, STEPPING_STONE, BLOCK, BOULDER = range(8)
 
-# The columns of a spot, where one plant or rock stands.
+# The columns of a spot, the row of one plant or rock.
 X, Z = 0, 1  # m
 GROUND, HIGHEST, LOWEST = (
     2,
     3,
     4,
-)  # m: of the ground at its axis, under its crown at most, under its foot at least
+)  # m: heights of the ground at its axis, the highest under its crown, the lowest under its foot
 SPECIES = 5
-RADIUS, CROWN = 6, 7  # m, of what stands on the ground (its corners), and of the crown
-HEIGHT = 8  # m: of a crown from its bottom to its top, else above the ground
-KEY, MEMBER = 9, 10  # which plant it is, and which of its group
-DRAWS = 11  # here and in the columns that follow: random numbers of 0 to 1 for its size, shape and group
+RADIUS, CROWN = 6, 7  # m, circumradius of its foot, and of its crown
+HEIGHT = 8  # m: of a crown, from its bottom to its top; else above the ground
+KEY, MEMBER = 9, 10  # key of the plant, and its number in its group
+DRAWS = 11  # the first of the random numbers from 0 to 1 for its size, shape and group
 COLUMNS = 30
 SIZE, SHAPE, TURN, LIFT, SIDES, STRETCH_TURN, STRETCH, CORNERS = 11, 12, 13, 14, 15, 16, 17, 18
-BESIDE, GROUP, MORE, HEDGE = 26, 27, 28, 29  # where it touches its group, and what the group is like
+BESIDE, GROUP, MORE, HEDGE = 26, 27, 28, 29  # where it touches its group, and the properties of the group
 
 CROWN_CLEARANCE = 2.4  # m between the ground and a crown
 WIDEST_CROWN, WIDEST_ROCK = 2.9, 2.2  # m, radius
-PARTS = 3  # solids of a plant, at most
-ROOT = 0.3  # m that everything reaches into the lowest ground under it
+PARTS = 3  # greatest number of solids of a plant
+ROOT = 0.3  # m that every plant reaches into the lowest ground under it
 
 
 @kernel
@@ -52,7 +52,7 @@ def is_rock(species: float) -> bool:
 
 @kernel
 def draw_size(seed: np.uint64, spot: NDArray[np.float64]) -> None:
-    """Draw a plant's random numbers by its key and its number in its group, and so its radius and height."""
+    """Draw a plant's random numbers by its key and group number, and set its radius and height from them."""
     key, agent, species = int(spot[KEY]), SHAPES + int(spot[MEMBER]), int(spot[SPECIES])
     for column in range(DRAWS, COLUMNS):
         spot[column] = uniform(seed, STREAM, key, agent, column)
@@ -80,8 +80,8 @@ def draw_size(seed: np.uint64, spot: NDArray[np.float64]) -> None:
 
 
 @kernel
-def grow(spots: NDArray[np.float64], count: int, stacks: Stacks) -> int:
-    """Write the shapes of the first so many plants; return how many shapes that makes."""
+def grow(spots: NDArray[np.float64], count: int, stacks: RingStacks) -> int:
+    """Write the shapes of the first ``count`` plants; return the number of shapes."""
     written = 0
     for number in range(count):
         spot = spots[number]
@@ -100,21 +100,21 @@ def _between(low: float, high: float, share: float) -> float:
 
 
 @kernel
-def _begin(stacks: Stacks, row: int, kind: int, spot: NDArray[np.float64]) -> None:
+def _begin(stacks: RingStacks, row: int, kind: int, spot: NDArray[np.float64]) -> None:
     stacks.kind[row] = kind
     stacks.axis[row, 0], stacks.axis[row, 1] = spot[X], spot[Z]
     stacks.levels[row] = 0
 
 
 @kernel
-def _ring(stacks: Stacks, row: int, height: float, scale: float) -> None:
+def _ring(stacks: RingStacks, row: int, height: float, scale: float) -> None:
     stacks.rings[row, stacks.levels[row], 0] = height
     stacks.rings[row, stacks.levels[row], 1] = scale
     stacks.levels[row] += 1
 
 
 @kernel
-def _round_outline(stacks: Stacks, row: int, sides: int, turn: float) -> None:
+def _round_outline(stacks: RingStacks, row: int, sides: int, turn: float) -> None:
     stacks.sides[row] = sides
     for corner in range(sides):
         yaw = turn + corner * 360.0 / sides
@@ -122,8 +122,8 @@ def _round_outline(stacks: Stacks, row: int, sides: int, turn: float) -> None:
 
 
 @kernel
-def _rough_outline(spot: NDArray[np.float64], stacks: Stacks, row: int) -> None:
-    """An irregular outline; the circle inside has at least 0.7 of the radius of the one around."""
+def _rough_outline(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> None:
+    """Write an irregular outline whose incircle has at least 0.7 of the radius of its circumcircle."""
     sides = min(MOST_SIDES, 7 + int(2.0 * spot[SIDES]))
     stacks.sides[row] = sides
     turn, across = 360.0 * spot[STRETCH_TURN], _between(0.86, 1.0, spot[STRETCH])
@@ -135,8 +135,8 @@ def _rough_outline(spot: NDArray[np.float64], stacks: Stacks, row: int) -> None:
 
 
 @kernel
-def _grow_tree(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
-    """A tapering trunk in a crown of one or two solids; a dead one has none."""
+def _grow_tree(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> int:
+    """Write a tapering trunk with a crown of one or two solids; a dead tree has no crown."""
     species, crown, height = int(spot[SPECIES]), spot[CROWN], spot[HEIGHT]
     turn = 60.0 * spot[TURN]
     bottom = spot[HIGHEST] + CROWN_CLEARANCE + 0.8 * spot[LIFT]
@@ -179,8 +179,8 @@ def _grow_tree(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
 
 
 @kernel
-def _grow_bush(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
-    """A low dome."""
+def _grow_bush(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> int:
+    """Write a low dome."""
     ground, radius, height = spot[GROUND], spot[RADIUS], spot[HEIGHT]
     _begin(stacks, row, LEAFY, spot)
     _rough_outline(spot, stacks, row)
@@ -192,14 +192,14 @@ def _grow_bush(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
 
 
 @kernel
-def _lay_rock(spot: NDArray[np.float64], stacks: Stacks, row: int) -> int:
-    """An irregular block with a level top at least 1 m across."""
+def _lay_rock(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> int:
+    """Write an irregular block with a level top at least 1 m across."""
     ground, radius, height = spot[GROUND], spot[RADIUS], spot[HEIGHT]
     _begin(stacks, row, STONE, spot)
     _rough_outline(spot, stacks, row)
     _ring(stacks, row, spot[LOWEST] - ROOT, radius)
     if spot[SPECIES] == STEPPING_STONE:
-        # Upright: a body that walks slowly does not get over a sloping side within a frame.
+        # Upright, because a slowly walking body cannot get over a sloping side within a frame.
         _ring(stacks, row, ground + height, 0.985 * radius)
         return row + 1
     is_boulder = spot[SPECIES] == BOULDER

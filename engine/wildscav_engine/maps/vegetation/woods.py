@@ -1,4 +1,4 @@
-"""Where woods, meadows, stony slopes and shores are: slow noise, and what the ground is like."""
+"""Woods, meadows, stony slopes and shores, from low-frequency noise and the terrain."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +10,14 @@ from wildscav_engine.maps.ground.terrain import Terrain
 
 STREAM = int(Stream.VEGETATION)
 PATCH = 4.0  # m, side of the squares that are wooded or not
-LARGEST_WOODS, SMALLEST_WOODS = 80.0, 18.0  # m, size of woods and clearings, about
-LEAST_WOODED, MOST_WOODED = 0.08, 0.42  # share of the map under woods, with next to no and full vegetation
-EDGE = 0.05  # of the noise, over which a wood thins out
+LARGEST_WOODS, SMALLEST_WOODS = 80.0, 18.0  # m, approximate size of woods and clearings
+LEAST_WOODED, MOST_WOODED = 0.08, 0.42  # share of the map under woods, with minimal and full vegetation
+EDGE = 0.05  # range of the noise over which a wood thins out
 SHORE_REACH = 2  # patches from the water that are shore
 
 
 def wooded(seed: int, size: int, vegetation: float) -> NDArray[np.float64]:
-    """Return how wooded each patch is, 0 to 1: distinct woods with narrow edges."""
+    """Return the density of woods on each patch, 0 to 1: distinct woods with narrow edges."""
     noise = slow_noise(seed, size, 0)
     ascending = np.sort(noise, axis=None, kind="stable")
     share = LEAST_WOODED + (MOST_WOODED - LEAST_WOODED) * vegetation
@@ -27,7 +27,7 @@ def wooded(seed: int, size: int, vegetation: float) -> NDArray[np.float64]:
 
 
 def slow_noise(seed: int, size: int, layer: int) -> NDArray[np.float64]:
-    """Return (P, P) noise of 0 to 1 that changes slowly from patch to patch."""
+    """Return (P, P) noise from 0 to 1 that changes slowly from patch to patch."""
     patches = int(size / PATCH) + 1
     wave = max(SMALLEST_WOODS, min(LARGEST_WOODS, size / 4.0)) / PATCH
     noise = np.zeros((patches, patches))
@@ -38,7 +38,7 @@ def slow_noise(seed: int, size: int, layer: int) -> NDArray[np.float64]:
 
 @array_kernel
 def _add_noise(seed: np.uint64, layer: int, wave: float, weight: float, noise: NDArray[np.float64]) -> None:
-    """Add random values on a grid so many patches wide, blended between its points."""
+    """Add value noise with a wavelength of ``wave`` patches."""
     patches = noise.shape[0]
     points = int(1.4 * patches / wave) + 3
     values = np.empty((points, points))
@@ -49,7 +49,7 @@ def _add_noise(seed: np.uint64, layer: int, wave: float, weight: float, noise: N
     shift_z = uniform(seed, STREAM, 0, layer * 4096 + points, 1)
     for row in range(patches):
         for column in range(patches):
-            # The grid is turned, so that no wood's edge runs along the map's.
+            # The grid is rotated, so that edges of woods do not align with the map's.
             x = (0.8 * column + 0.6 * row) / wave + shift_x
             z = (0.8 * row + 0.6 * (patches - 1 - column)) / wave + shift_z
             west, south = int(x), int(z)

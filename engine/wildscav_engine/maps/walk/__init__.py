@@ -1,4 +1,4 @@
-"""Where a body can go: the walkable graph of a map, what of it can be reached and left, and shortest ways."""
+"""Where a body can go: the walkable graph of a map, reachability, and shortest paths."""
 
 from wildscav_engine.maps.walk.graph import WalkGraph, build_graph
 from wildscav_engine.maps.walk.paths import Leg, Path, find_path, is_reached, leads_out, node_near

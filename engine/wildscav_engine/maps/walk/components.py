@@ -1,4 +1,4 @@
-"""The strongly connected parts of the walkable graph."""
+"""The strongly connected components of the walkable graph."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ def successor(
     leap_start: NDArray[np.int64],
     leap_end: NDArray[np.int32],
 ) -> int:
-    """Return where the edge or leap of a number leads to: -1 for nowhere, -2 past the last."""
+    """Return the node that the edge or leap of a number leads to; -1 for none, -2 past the last."""
     if number < DIRECTIONS:
         return max(-1, int(edges[node, number]))
     leap = leap_start[node] + number - DIRECTIONS
@@ -28,8 +28,8 @@ def strong_components(
 ) -> NDArray[np.int32]:
     """Return (N,) the number of the strongly connected component of every node.
 
-    Tarjan, "Depth-First Search and Linear Graph Algorithms", SIAM J. Comput. 1 (1972), with a stack of its
-    own in place of recursion.
+    Tarjan, "Depth-First Search and Linear Graph Algorithms", SIAM J. Comput. 1 (1972), with an explicit stack
+    instead of recursion.
 
     Args:
         edges: (N, 8) nodes, negative for none.
@@ -38,10 +38,10 @@ def strong_components(
     """
     count = edges.shape[0]
     component = np.full(count, -1, np.int32)
-    order = np.full(count, -1, np.int32)  # in which nodes were entered
-    low = np.empty(count, np.int32)  # the earliest node on the stack that is known to be reached from one
-    following = np.zeros(count, np.int32)  # number of the next edge to look at
-    path = np.empty(count, np.int32)  # from the root to the node that is looked at
+    order = np.full(count, -1, np.int32)  # the order in which nodes were entered
+    low = np.empty(count, np.int32)  # the earliest node on the stack known to be reachable from each
+    following = np.zeros(count, np.int32)  # number of the next edge to follow
+    path = np.empty(count, np.int32)  # from the root to the current node
     stack = np.empty(count, np.int32)  # entered, but not yet in a component
     entered, stacked, components = 0, 0, 0
     for root in range(count):

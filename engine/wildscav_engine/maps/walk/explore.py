@@ -1,15 +1,15 @@
 """Exploring a map by walking: from the open ground into houses, up stairs and over rocks.
 
-Ground nodes are there from the start. From each node that is near anything, a body walks towards the eight
-neighbouring lattice points with the engine's own motion; where it arrives is the node at the other end of
-the edge, a new one if nobody has stood there yet. Over open ground nothing can be in the way, so edges
-between gentle neighbours need no walk.
+Ground nodes exist from the start. From each node near a solid, a body walks towards the eight neighbouring
+lattice points with the engine's own motion. Where it arrives is the node at the other end of the edge; it is
+added if it does not exist yet. On open ground nothing can be in the way, so edges between gentle neighbours
+need no walk.
 """
 
 import numpy as np
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.clearance import has_room, is_clear, is_free
+from wildscav_engine.geometry.clearance import has_clearance, is_clear, is_free
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
@@ -34,22 +34,23 @@ from wildscav_engine.motion.collision import Bodies, Point
 from wildscav_engine.motion.walking import on_steep_ground, walk
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, COS_SLOPE_LIMIT, TAN_SLOPE_LIMIT
 
-ROOM = 0.04  # m around a node and to each side of an edge that a body may be off, and still arrive
-MIDDLE_ROOM = 0.05  # m half way along a diagonal, so that bodies there and at its ends cover it
-ARRIVAL = 0.02  # m, nearer than this to a lattice point is there
-A_STEP = 0.25  # m, heights that differ less are neighbouring steps of a flight at most
-RISE = 0.66  # m, more than steps or slopes rise or drop over an edge
-WAIST = 1.0  # m, less than a body's height above what is RISE lower
-SMALL_STRIDE = 0.02  # m, of a body that walks at 1 m/s
+SIDE_CLEARANCE = 0.04  # m that a body may be off a node or to the side of an edge and still arrive
+MIDDLE_CLEARANCE = 0.05  # m halfway along a diagonal, so that bodies there and at its ends cover it
+ARRIVAL = 0.02  # m; a body nearer than this to a lattice point has arrived
+STEP_RISE = 0.25  # m; heights that differ by less are at most neighbouring steps of a flight
+RISE = 0.66  # m; steps and slopes rise or drop by less over an edge
+WAIST = 1.0  # m; less than the height of a body that stands RISE lower
+SMALL_STRIDE = 0.02  # m per frame, of a body that walks at 1 m/s
 EVEN, HALF_EDGE = 0.4, 0.7072  # m up per m, and m of the longest edges
-LEVEL = 0.02  # m, a difference that is no step
-STEEP_DROP = 0.7  # m down in a metre is looked at as a way to get down
-FLAT_DIAGONAL = 0.45  # m between the ends of a diagonal that needs no walk where all sides can be walked
+LEVEL = 0.02  # m; smaller differences are no steps
+STEEP_DROP = 0.7  # m down within a metre; steeper edges are candidates for getting down
+# m, greatest height difference over a diagonal that needs no walk if all sides can be walked
+FLAT_DIAGONAL = 0.45
 
 
 @kernel
 def add_ground(world: World, lattice: Lattice, nodes: Nodes, row: int) -> None:
-    """Add the ground nodes of one row of whole metres: where the slope is gentle and a body fits."""
+    """Add the ground nodes of one row of whole-metre points: where the slope is gentle and a body fits."""
     for column in range(BORDER, lattice.side - BORDER, 2):
         point = row * lattice.side + column
         x, z = place_of(world, lattice, point)
@@ -63,30 +64,30 @@ def add_ground(world: World, lattice: Lattice, nodes: Nodes, row: int) -> None:
 
 @kernel
 def _is_open_around(world: World, x: float, height: float, z: float) -> bool:
-    """Return whether nothing stands near the halves of all edges from here, and the ground is even."""
+    """Return whether no solid is near the first halves of all edges from here, and the ground is even."""
     rise = EVEN * HALF_EDGE
     if not is_gentle(world, x, z, EVEN):
         return False
-    return is_free(world, x, height - rise, height + BODY_HEIGHT + rise, z, HALF_EDGE + ROOM)
+    return is_free(world, x, height - rise, height + BODY_HEIGHT + rise, z, HALF_EDGE + SIDE_CLEARANCE)
 
 
 @kernel
-def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, room: int) -> int:
-    """Find the edges of the nodes from ``start`` on, and of all nodes that are found on the way.
+def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int) -> int:
+    """Find the edges of the nodes from ``start`` on, and of all nodes found in the process.
 
     Args:
         world: The static world.
-        nobody: No bodies.
+        nobody: An empty set of bodies.
         lattice: Of the map.
         nodes: Filled.
         start: First node without edges.
-        room: Nodes that the tables have room for.
+        capacity: Number of nodes that the tables can hold.
 
     Returns:
-        The first node without edges: all have theirs, or there is no room left for eight more nodes.
+        The first node without edges; the search stops early if eight more nodes would not fit.
     """
     node = start
-    while node < nodes.found[0] and nodes.found[0] + DIRECTIONS < room:
+    while node < nodes.found[0] and nodes.found[0] + DIRECTIONS < capacity:
         for direction in range(0, DIRECTIONS, 2):
             nodes.edges[node, direction] = _edge(world, nobody, lattice, nodes, node, direction)
         node += 1
@@ -95,12 +96,12 @@ def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start:
 
 @kernel
 def join_diagonals(
-    world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, room: int
+    world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int
 ) -> int:
     """Find the diagonal edges of nodes that have their straight ones; see ``explore``."""
     last = int(nodes.found[0])
     for node in range(start, last):
-        if nodes.found[0] + DIRECTIONS >= room:
+        if nodes.found[0] + DIRECTIONS >= capacity:
             return node
         for direction in range(1, DIRECTIONS, 2):
             across = _across_square(lattice, nodes, node, direction)
@@ -112,10 +113,9 @@ def join_diagonals(
 
 @kernel
 def _across_square(lattice: Lattice, nodes: Nodes, node: int, direction: int) -> int:
-    """Return the far corner of a square whose four sides can all be walked, -1 if it is not such a square.
+    """Return the opposite corner of a square if all four sides can be walked, else -1.
 
-    Nothing stands in such a square: whatever keeps a body's middle out of a disc of its radius also
-    reaches a side.
+    No solid stands in such a square: one that blocked its inside would also block a side.
     """
     left = nodes.edges[node, (direction + 1) % DIRECTIONS]
     right = nodes.edges[node, direction - 1]
@@ -143,26 +143,28 @@ def _edge(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, node: in
         return NO_EDGE
     if lattice.marks[point] == OPEN and lattice.marks[target] == OPEN:
         return _edge_over_open_ground(world, lattice, nodes, node, target)
-    other = _known_the_other_way(lattice, nodes, node, target, direction)
+    other = _reverse_edge(lattice, nodes, node, target, direction)
     if other >= 0:
         return other
     x, z = place_of(world, lattice, point)
     to_x, to_z = place_of(world, lattice, target)
     start = Point(x, nodes.height[node], z)
     if lattice.marks[point] == FINE or lattice.marks[target] == FINE:
-        return _edge_among_things(world, nobody, lattice, nodes, node, start, target, direction)
+        return _edge_among_obstacles(world, nobody, lattice, nodes, node, start, target, direction)
     other = int(nodes.first[target])
-    if other >= 0 and _is_roomy(world, start, to_x, to_z, nodes.height[other]):
+    if other >= 0 and _is_clear_between(world, start, to_x, to_z, nodes.height[other]):
         return other
     reached = walk_straight(world, nobody, start, to_x, to_z, SPACING)
     if np.isnan(reached):
         return FALLS
-    arrives = abs(reached) < np.inf and leaves_room(world, nobody, start, to_x, to_z, reached, ROOM, SPACING)
+    arrives = abs(reached) < np.inf and leaves_clearance(
+        world, nobody, start, to_x, to_z, reached, SIDE_CLEARANCE, SPACING
+    )
     return other if arrives else NO_EDGE
 
 
 @kernel
-def _edge_among_things(
+def _edge_among_obstacles(
     world: World,
     nobody: Bodies,
     lattice: Lattice,
@@ -172,13 +174,13 @@ def _edge_among_things(
     target: int,
     direction: int,
 ) -> int:
-    """Return the node that a walk in a house or on a rock leads to, NO_EDGE or FALLS; it may be a new one."""
+    """Return the node that a walk in a house or on a rock leads to, NO_EDGE or FALLS; the node may be new."""
     x, z = place_of(world, lattice, target)
     reached = _height_if_free(world, start, x, z)
     if reached == -np.inf:
         if not is_free(world, x, start.y + RISE, start.y + WAIST, z, 0.0):
-            return NO_EDGE  # whatever it stands on there, a body would have to be in there
-        back = _leads_here(nodes, node, target, direction)
+            return NO_EDGE  # at any possible height there, a body would overlap a solid
+        back = _node_leading_here(nodes, node, target, direction)
         reached = _walk_up_or_down(world, nobody, start, x, z, back >= 0)
     if np.isnan(reached):
         return FALLS
@@ -192,11 +194,11 @@ def _edge_among_things(
 
 @kernel
 def _height_if_free(world: World, start: Point, x: float, z: float) -> float:
-    """Return the height in m at a place that is on the same level floor, or on the ground as the start is.
+    """Return the height in m of a place on the same level floor as the start, or on the ground like it.
 
-    It is -inf where it is on neither, or where anything stands near the way. No walk is needed there: bodies
-    that have room at both ends and half way cover the way between. The ground on the way is gentle if it is
-    gentle around both ends, because every triangle of the terrain that the way crosses reaches one of them.
+    It is -inf if neither holds, or if a solid is near the path. Otherwise no walk is needed: if bodies fit at
+    both ends and halfway, they cover the path between. The ground on the path is gentle if it is gentle
+    around both ends, because every triangle of the terrain that the path crosses reaches one of them.
     """
     middle_x, middle_z = 0.5 * (start.x + x), 0.5 * (start.z + z)
     height, middle = start.y, start.y
@@ -208,14 +210,16 @@ def _height_if_free(world: World, start: Point, x: float, z: float) -> float:
             return -np.inf
     elif not (_is_floored(world, x, height, z) and _is_floored(world, middle_x, height, middle_z)):
         return -np.inf
-    if has_room(world, x, height, z, ROOM) and has_room(world, middle_x, middle, middle_z, MIDDLE_ROOM):
+    if has_clearance(world, x, height, z, SIDE_CLEARANCE) and has_clearance(
+        world, middle_x, middle, middle_z, MIDDLE_CLEARANCE
+    ):
         return height
     return -np.inf
 
 
 @kernel
 def _is_floored(world: World, x: float, height: float, z: float) -> bool:
-    """Return whether a body at a place in m stands on something that the ground does not cover."""
+    """Return whether a body at a place in m stands on a solid that the ground does not cover."""
     if ground_at(world, x, z).height > height:
         return False
     contact = sweep_world(world, x, height, z, 0.0, -LEVEL, 0.0)
@@ -224,48 +228,50 @@ def _is_floored(world: World, x: float, height: float, z: float) -> bool:
 
 @kernel
 def _walk_up_or_down(world: World, nobody: Bodies, start: Point, x: float, z: float, back: bool) -> float:
-    """Return what ``walk_straight`` does, for ways over steps and slopes of things; they leave room.
+    """Do the same as ``walk_straight`` on steps and slopes of solids, with clearance on both sides.
 
-    There, small strides may get less far than great ones, so both have to arrive. Where the way ``back`` is
-    known to be like that, one walk is enough.
+    On such paths, small strides may get less far than large ones, so both have to arrive. If the edge
+    ``back`` is already known to be walkable, one walk is enough.
     """
     reached = walk_straight(world, nobody, start, x, z, SPACING)
     if back or not abs(reached) < np.inf:
         return reached
-    # Right behind the end, the next step of a flight may begin.
-    if not is_free(world, x, reached + A_STEP, reached + BODY_HEIGHT, z, ROOM):
+    # The next step of a flight may begin right behind the end.
+    if not is_free(world, x, reached + STEP_RISE, reached + BODY_HEIGHT, z, SIDE_CLEARANCE):
         return -np.inf
     reached = walk_straight(world, nobody, start, x, z, SMALL_STRIDE)
-    if abs(reached) < np.inf and not leaves_room(world, nobody, start, x, z, reached, ROOM, SPACING):
+    if abs(reached) < np.inf and not leaves_clearance(
+        world, nobody, start, x, z, reached, SIDE_CLEARANCE, SPACING
+    ):
         return -np.inf
     return reached
 
 
 @kernel
-def _is_roomy(world: World, start: Point, x: float, z: float, height: float) -> bool:
-    """Return whether nothing is near the way from a point to a place at a height in m."""
+def _is_clear_between(world: World, start: Point, x: float, z: float, height: float) -> bool:
+    """Return whether no solid is near the path from a point to a place at a height in m."""
     half = 0.5 * np.sqrt((x - start.x) * (x - start.x) + (z - start.z) * (z - start.z))
     middle = 0.5 * (start.y + height)
     middle_x, middle_z = 0.5 * (start.x + x), 0.5 * (start.z + z)
-    if has_room(world, middle_x, middle, middle_z, half + ROOM):
+    if has_clearance(world, middle_x, middle, middle_z, half + SIDE_CLEARANCE):
         return True
-    # Three bodies as wide as this cover the way, and ROOM beside it.
-    wide = BODY_RADIUS + ROOM
-    room = np.sqrt(0.25 * half * half + wide * wide) - BODY_RADIUS
+    # Three bodies widened by this cover the path and SIDE_CLEARANCE beside it.
+    wide = BODY_RADIUS + SIDE_CLEARANCE
+    margin = np.sqrt(0.25 * half * half + wide * wide) - BODY_RADIUS
     return (
-        has_room(world, middle_x, middle, middle_z, room)
-        and has_room(world, x, height, z, room)
-        and has_room(world, start.x, start.y, start.z, room)
+        has_clearance(world, middle_x, middle, middle_z, margin)
+        and has_clearance(world, x, height, z, margin)
+        and has_clearance(world, start.x, start.y, start.z, margin)
     )
 
 
 @kernel
-def _known_the_other_way(lattice: Lattice, nodes: Nodes, node: int, target: int, direction: int) -> int:
-    """Return the node from which an edge leads here that can be walked back, -1 if there is none.
+def _reverse_edge(lattice: Lattice, nodes: Nodes, node: int, target: int, direction: int) -> int:
+    """Return the node from which an edge leads here that can also be walked back, -1 if there is none.
 
-    A way that is free on the ground or on a level floor is so both ways; steps are another matter.
+    A free path on the ground or on a level floor is free in both directions; one over steps may not be.
     """
-    other = _leads_here(nodes, node, target, direction)
+    other = _node_leading_here(nodes, node, target, direction)
     if other < 0 or abs(nodes.height[other] - nodes.height[node]) <= LEVEL:
         return other
     on_ground = lattice.marks[nodes.point[node]] != FINE and lattice.marks[target] != FINE
@@ -273,8 +279,8 @@ def _known_the_other_way(lattice: Lattice, nodes: Nodes, node: int, target: int,
 
 
 @kernel
-def _leads_here(nodes: Nodes, node: int, target: int, direction: int) -> int:
-    """Return the node over a point from which an edge leads to another, against a direction, or -1."""
+def _node_leading_here(nodes: Nodes, node: int, target: int, direction: int) -> int:
+    """Return the node over the point ``target`` from which an edge leads to ``node``, or -1."""
     other = int(nodes.first[target])
     while other >= 0 and nodes.edges[other, (direction + DIRECTIONS // 2) % DIRECTIONS] != node:
         other = int(nodes.following[other])
@@ -283,7 +289,7 @@ def _leads_here(nodes: Nodes, node: int, target: int, direction: int) -> int:
 
 @kernel
 def _edge_over_open_ground(world: World, lattice: Lattice, nodes: Nodes, node: int, target: int) -> int:
-    """Return the ground node over a point; FALLS where the ground there, or right behind, drops steeply."""
+    """Return the ground node over a point; FALLS if the ground drops steeply there or right behind it."""
     if nodes.first[target] >= 0:
         return int(nodes.first[target])
     here_x, here_z = place_of(world, lattice, int(nodes.point[node]))
@@ -299,23 +305,23 @@ def walk_straight(world: World, nobody: Bodies, start: Point, x: float, z: float
 
     Args:
         world: The static world.
-        nobody: No bodies.
+        nobody: An empty set of bodies.
         start: m.
-        x: m, where to.
+        x: m, the destination; so z.
         z: m.
-        stride: m, of each move at most.
+        stride: m, greatest length of each move.
 
     Returns:
-        m, the height it arrives at; -inf if it does not, NaN if it walks off an edge or slides on the way.
+        m, the height at which it arrives; -inf if it does not arrive, NaN if it walks off an edge or slides.
     """
     at = start
     far = np.sqrt((x - start.x) * (x - start.x) + (z - start.z) * (z - start.z))
     moves = int(np.ceil(far / stride))
     for done in range(moves):
         share = 1.0 / (moves - done)
-        way_x, way_z = (x - at.x) * share, (z - at.z) * share
-        moved = walk(world, nobody, at, way_x, way_z)
-        short = abs(moved.x - at.x - way_x) + abs(moved.z - at.z - way_z)
+        delta_x, delta_z = (x - at.x) * share, (z - at.z) * share
+        moved = walk(world, nobody, at, delta_x, delta_z)
+        short = abs(moved.x - at.x - delta_x) + abs(moved.z - at.z - delta_z)
         at = Point(moved.x, moved.y, moved.z)
         if short > ARRIVAL:
             return -np.inf
@@ -325,15 +331,22 @@ def walk_straight(world: World, nobody: Bodies, start: Point, x: float, z: float
 
 
 @kernel
-def leaves_room(
-    world: World, nobody: Bodies, start: Point, x: float, z: float, height: float, room: float, stride: float
+def leaves_clearance(
+    world: World,
+    nobody: Bodies,
+    start: Point,
+    x: float,
+    z: float,
+    height: float,
+    margin: float,
+    stride: float,
 ) -> bool:
-    """Return whether a straight walk arrives about as high if it runs ``room`` m to the left or right."""
+    """Return whether a straight walk arrives about as high if shifted ``margin`` m to the left and right."""
     east, north = x - start.x, z - start.z
-    share = room / np.sqrt(east * east + north * north)
+    share = margin / np.sqrt(east * east + north * north)
     for side in (-share, share):
         beside = Point(start.x - side * north, start.y, start.z + side * east)
         reached = walk_straight(world, nobody, beside, x - side * north, z + side * east, stride)
-        if not abs(reached - height) <= A_STEP:
+        if not abs(reached - height) <= STEP_RISE:
             return False
     return True

@@ -1,4 +1,4 @@
-"""The walkable graph of a map: every place where a body can stand, and what leads from one to another."""
+"""The walkable graph of a map: the places where a body can stand, and the walks and leaps between them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,17 +22,17 @@ from wildscav_engine.maps.walk.lattice import (
 from wildscav_engine.maps.walk.leaps import Leaps, find_leaps
 from wildscav_engine.motion.collision import Bodies
 
-LAYERS = 2.0  # nodes over a lattice point in a house to begin with; tables grow where it is more
+LAYERS = 2.0  # initial capacity, in nodes per lattice point in a house; tables grow when needed
 Number = TypeVar("Number", bound=np.generic)
 
-LEAPS_PER_NODE = 0.1  # to begin with
+LEAPS_PER_NODE = 0.1  # initial capacity
 
 
 @dataclass(frozen=True, eq=False)
 class WalkGraph:
-    """Where a body can stand, and what it can walk, climb, drop and jump to from there.
+    """Where a body can stand, and where it can walk, climb, drop and jump to from there.
 
-    Edges and leaps go one way: who drops from a roof may have no way back.
+    Edges and leaps are directed: after a drop from a roof there may be no path back.
     """
 
     world: World
@@ -48,26 +48,26 @@ class WalkGraph:
 
     @cached_property
     def component(self) -> NDArray[np.int32]:
-        """(N,) the number of each node's strongly connected part: from any of its nodes to any, and back."""
+        """(N,) the number of each node's strongly connected component."""
         return strong_components(self.nodes.edges, self.leap_start, self.leap_end)
 
     @cached_property
     def connected(self) -> NDArray[np.bool_]:
-        """(N,) whether a node is in the largest strongly connected part."""
+        """(N,) whether a node is in the largest strongly connected component."""
         if len(self) == 0:
             return np.zeros(0, np.bool_)
         return np.asarray(self.component == np.bincount(self.component).argmax())
 
     @property
     def ground_share(self) -> float:
-        """The share of the map's ground that is connected, 0–1: nodes on whole metres by all whole metres."""
+        """The share of the map's ground that is connected, 0–1, counted at whole-metre points."""
         row, column = self.nodes.point // self.lattice.side, self.nodes.point % self.lattice.side
         whole = self.connected & (row % 2 == 0) & (column % 2 == 0)
         across = (self.lattice.side - 1 - 2 * BORDER) // 2 + 1
         return len(np.unique(self.nodes.point[whole])) / (across * across)
 
     def positions(self, chosen: ArrayLike | None = None) -> NDArray[np.float64]:
-        """Return (N, 3) m where some nodes (or all) are, soles."""
+        """Return (N, 3) m the positions of some nodes (or all), soles."""
         which = np.arange(len(self)) if chosen is None else np.asarray(chosen)
         point = self.nodes.point[which]
         places = np.empty((len(point), 3))
@@ -78,7 +78,7 @@ class WalkGraph:
 
 
 def build_graph(world: World) -> WalkGraph:
-    """Find everything that the engine's motion can walk, climb, drop and jump to on a map."""
+    """Find every place that the engine's motion can walk, climb, drop and jump to on a map."""
     lattice = make_lattice(world)
     whole = lattice.side // 2 + 1
     fine = np.count_nonzero(lattice.marks == FINE)
@@ -90,57 +90,65 @@ def build_graph(world: World) -> WalkGraph:
     return _finish(world, lattice, nodes, leaps)
 
 
-def _no_nodes(lattice: Lattice, room: int) -> Nodes:
+def _no_nodes(lattice: Lattice, capacity: int) -> Nodes:
     return Nodes(
         first=np.full(lattice.side * lattice.side, -1, np.int32),
-        point=np.empty(room, np.int32),
-        height=np.empty(room),
-        following=np.empty(room, np.int32),
-        edges=np.empty((room, DIRECTIONS), np.int32),
+        point=np.empty(capacity, np.int32),
+        height=np.empty(capacity),
+        following=np.empty(capacity, np.int32),
+        edges=np.empty((capacity, DIRECTIONS), np.int32),
         found=np.zeros(1, np.int64),
     )
 
 
-def _no_leaps(room: int) -> Leaps:
+def _no_leaps(capacity: int) -> Leaps:
     return Leaps(
-        np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.bool_), np.zeros(1, np.int64)
+        np.empty(capacity, np.int32),
+        np.empty(capacity, np.int32),
+        np.empty(capacity, np.bool_),
+        np.zeros(1, np.int64),
     )
 
 
 def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> tuple[Nodes, Leaps]:
-    """Walk straight, across and by leaps from every node, until no new one is found."""
+    """Find straight edges, diagonal edges and leaps from every node, until no new node is found."""
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     body = Bodies(np.zeros((1, 3)), np.zeros(0, np.int32), 0)
     walked = joined = leapt = 0
     while leapt < nodes.found[0]:
-        room = len(nodes.point)
-        walked = explore(world, nobody, lattice, nodes, walked, room)
+        capacity = len(nodes.point)
+        walked = explore(world, nobody, lattice, nodes, walked, capacity)
         if walked == nodes.found[0]:
-            joined = join_diagonals(world, nobody, lattice, nodes, joined, room)
+            joined = join_diagonals(world, nobody, lattice, nodes, joined, capacity)
         if joined == nodes.found[0]:
-            leapt = find_leaps(world, body, lattice, nodes, leaps, leapt, (room, len(leaps.start)))
-        if nodes.found[0] + 2 * DIRECTIONS >= room:
-            nodes = _with_room(nodes, room + room // 2)
+            leapt = find_leaps(world, body, lattice, nodes, leaps, leapt, (capacity, len(leaps.start)))
+        if nodes.found[0] + 2 * DIRECTIONS >= capacity:
+            nodes = _with_capacity(nodes, capacity + capacity // 2)
         if leaps.found[0] + 2 * DIRECTIONS >= len(leaps.start):
             leaps = _with_more_leaps(leaps, 2 * len(leaps.start) + 64)
     return nodes, leaps
 
 
-def _with_room(nodes: Nodes, room: int) -> Nodes:
+def _with_capacity(nodes: Nodes, capacity: int) -> Nodes:
     return nodes._replace(
-        point=_longer(nodes.point, room),
-        height=_longer(nodes.height, room),
-        following=_longer(nodes.following, room),
-        edges=_longer(nodes.edges, room),
+        point=_longer(nodes.point, capacity),
+        height=_longer(nodes.height, capacity),
+        following=_longer(nodes.following, capacity),
+        edges=_longer(nodes.edges, capacity),
     )
 
 
-def _with_more_leaps(leaps: Leaps, room: int) -> Leaps:
-    return Leaps(_longer(leaps.start, room), _longer(leaps.end, room), _longer(leaps.jump, room), leaps.found)
+def _with_more_leaps(leaps: Leaps, capacity: int) -> Leaps:
+    return Leaps(
+        _longer(leaps.start, capacity),
+        _longer(leaps.end, capacity),
+        _longer(leaps.jump, capacity),
+        leaps.found,
+    )
 
 
-def _longer(table: NDArray[Number], room: int) -> NDArray[Number]:
-    longer = np.empty((room, *table.shape[1:]), table.dtype)
+def _longer(table: NDArray[Number], capacity: int) -> NDArray[Number]:
+    longer = np.empty((capacity, *table.shape[1:]), table.dtype)
     longer[: len(table)] = table
     return longer
 

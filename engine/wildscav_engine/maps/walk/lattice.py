@@ -1,8 +1,8 @@
-"""The lattice that the walkable graph is laid out on, and the table of its nodes.
+"""The lattice under the walkable graph, and the table of its nodes.
 
-Lattice points lie half a metre apart. In and around houses and on rocks (*fine* cells) a body may stand at
-any of them; elsewhere at every other one, so nodes are a metre apart there. Over one point there may be
-several nodes: a floor above a floor.
+Lattice points are half a metre apart. In and around houses and on rocks (*fine* cells) every point may have
+nodes; elsewhere only every other one, so nodes are a metre apart there. One point may have several nodes, on
+floors above each other.
 """
 
 from typing import NamedTuple
@@ -21,15 +21,16 @@ BORDER = 2  # lattice points along the edge of the map without nodes
 DIRECTIONS = 8  # east, north-east, north … south-east; a diagonal has an odd number
 EAST = (1, 1, 0, -1, -1, -1, 0, 1)
 NORTH = (0, 1, 1, 1, 0, -1, -1, -1)
-SAME_SURFACE = 0.15  # m, nodes over one point are farther apart than this
+SAME_SURFACE = 0.15  # m; nodes over one point are farther apart than this
 
-OPEN, NEAR, FINE = 0, 1, 2  # cells: nothing to walk into; plants; things to walk in and on
-# Edges that lead to no node. FALLS: a body walks off something there; GETS_DOWN: and a leap is known for it.
+OPEN, NEAR, FINE = 0, 1, 2  # cells with no obstacle; with plants; with solids to walk in and on
+# Edges that lead to no node. FALLS: a body walks off an edge there; GETS_DOWN: the same, and a leap down is
+# known.
 NO_EDGE, FALLS, GETS_DOWN = -1, -2, -3
 
 ROCK, TRUNK, CROWN, BUSH = int(Kind.ROCK), int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
 NEAR_REACH = 1.05  # m around a plant: no edge between open cells comes as near as a body's radius
-FINE_REACH = BODY_RADIUS + 0.15  # m around what is built
+FINE_REACH = BODY_RADIUS + 0.15  # m around built solids
 SLOPE_PROBE = 0.05  # m around a node where the ground must be gentle
 
 
@@ -41,7 +42,7 @@ class Lattice(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """The nodes found so far, N of them in tables with room for more."""
+    """The N nodes found so far, in tables with spare capacity."""
 
     first: NDArray[np.int32]  # (side * side,) the first node over each lattice point, -1: none
     point: NDArray[np.int32]  # (N,) lattice point: row * side + column
@@ -53,7 +54,7 @@ class Nodes(NamedTuple):
 
 @array_kernel
 def classify_cells(world: World) -> NDArray[np.uint8]:
-    """Return (R, C) what stands in and around each cell: OPEN, NEAR or FINE."""
+    """Return (R, C) the mark of each cell by the solids in and around it: OPEN, NEAR or FINE."""
     rows, columns = world.water.shape
     cells = np.zeros((rows, columns), np.uint8)
     for solid in range(world.solid_kind.shape[0]):
@@ -75,7 +76,7 @@ def _mark(
     reach: float,
     mark: int,
 ) -> None:
-    """Mark the cells around a box, but not those where it hangs so high that one walks below."""
+    """Mark the cells around a box, except where it is so high that a body can walk under it."""
     rows, columns = cells.shape
     for row in range(
         cell_of(world.corner[1], low[2] - reach, rows), cell_of(world.corner[1], high[2] + reach, rows) + 1
@@ -91,7 +92,7 @@ def _mark(
 
 
 def make_lattice(world: World) -> Lattice:
-    """Return the lattice of a world; a point on the line between cells is what the greater of them is."""
+    """Return the lattice of a world; a point between cells has the greatest of their marks."""
     cells = classify_cells(world).repeat(POINTS, axis=0).repeat(POINTS, axis=1)
     marks = np.zeros((len(cells) + 1, len(cells) + 1), np.uint8)
     for row in (0, 1):
@@ -103,7 +104,7 @@ def make_lattice(world: World) -> Lattice:
 
 @kernel
 def is_gentle(world: World, x: float, z: float, limit: float) -> bool:
-    """Return whether all the ground right around a point rises less than a limit, m up per m."""
+    """Return whether all ground right around a point is less steep than a limit, m up per m."""
     for north in (-SLOPE_PROBE, SLOPE_PROBE):
         for east in (-SLOPE_PROBE, SLOPE_PROBE):
             ground = ground_at(world, x + east, z + north)
@@ -126,7 +127,8 @@ def place_of(world: World, lattice: Lattice, point: int) -> tuple[float, float]:
 def neighbour(lattice: Lattice, point: int, direction: int) -> int:
     """Return the lattice point that an edge in a direction leads to, -1 if there is none.
 
-    In fine cells it is the next one, elsewhere the one after it, which must then both be on whole metres.
+    In fine cells it is the next point. Elsewhere it is the second next, and both points must be at whole
+    metres.
     """
     row, column = point // lattice.side, point % lattice.side
     if lattice.marks[point] == FINE:
@@ -157,7 +159,7 @@ def node_at(nodes: Nodes, point: int, height: float) -> int:
 
 @kernel
 def add_node(nodes: Nodes, point: int, height: float) -> int:
-    """Add a node over a point and return it. There must be room."""
+    """Add a node over a point and return it. The tables must have capacity for it."""
     node = int(nodes.found[0])
     nodes.found[0] = node + 1
     nodes.point[node], nodes.height[node] = point, height

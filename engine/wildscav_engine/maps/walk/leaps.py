@@ -1,8 +1,8 @@
-"""Leaps: getting down from an edge or a cliff, and jumping onto something.
+"""Leaps: getting down from an edge or a cliff, and jumping onto a solid.
 
-A leap is one straight way to a lattice point that is steered at like by any agent: a jump at the start or
-none, then towards the point until standing on it. It is played frame by frame with the engine's motion, so
-it is there exactly if it works.
+A leap is a straight move to a lattice point that any agent can make: it may begin with a jump, and then
+steers towards the point until the body stands there. Leaps are simulated frame by frame with the engine's
+motion, so the graph has exactly those that work.
 """
 
 from typing import NamedTuple
@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.clearance import has_room, is_clear
+from wildscav_engine.geometry.clearance import has_clearance, is_clear
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import ROOM
+from wildscav_engine.maps.walk.explore import SIDE_CLEARANCE
 from wildscav_engine.maps.walk.lattice import (
     DIRECTIONS,
     EAST,
@@ -41,16 +41,16 @@ from wildscav_engine.specs.body import COS_SLOPE_LIMIT, STEP_HEIGHT, TAN_SLOPE_L
 from wildscav_engine.specs.rules import FRAME
 
 LEAP_SPEED = 5.0  # m/s, of a body that leaps
-JUMP_HEIGHT = 1.2  # m, what is jumped onto at most: a little less than a jump is high
-FARTHEST_LEAP = 4  # edges' lengths that a leap spans at most
-DROP_FRAMES, JUMP_FRAMES = 150, 60  # that a leap takes at most
-PROGRESS = 1e-3  # m, a body that gets less far in a frame on its feet is held up
-ARRIVED = 0.01  # m from the point, standing, is there
-IN_WATER = 0.5  # what is left of the speed in water, for leaps
+JUMP_HEIGHT = 1.2  # m, greatest height to jump onto: slightly less than the height of a jump
+FARTHEST_LEAP = 4  # greatest length of a leap, in edges
+DROP_FRAMES, JUMP_FRAMES = 150, 60  # longest duration of a leap
+PROGRESS = 1e-3  # m; a standing body that moves less in a frame is stopped by something
+ARRIVED = 0.01  # m; a standing body this near to the point has arrived
+IN_WATER = 0.5  # factor of the speed in water, for leaps
 
 
 class Leaps(NamedTuple):
-    """The leaps found so far, L of them in tables with room for more."""
+    """The L leaps found so far, in tables with spare capacity."""
 
     start: NDArray[np.int32]  # (L,) node
     end: NDArray[np.int32]  # (L,) node
@@ -66,30 +66,30 @@ def find_leaps(
     nodes: Nodes,
     leaps: Leaps,
     start: int,
-    room: tuple[int, int],
+    capacity: tuple[int, int],
 ) -> int:
     """Find the leaps from the nodes that have all their edges, beginning with ``start``.
 
     Args:
         world: The static world.
-        body: One body, to move about.
+        body: One body, which is moved.
         lattice: Of the map.
         nodes: With edges; nodes that only leaps lead to are added.
         leaps: Filled.
         start: First node whose leaps are not known.
-        room: Nodes and leaps that the tables have room for.
+        capacity: Numbers of nodes and leaps that the tables can hold.
 
     Returns:
-        The first node whose leaps are not known, as ``explore`` does.
+        The first node whose leaps are not known, like ``explore``.
     """
     last = int(nodes.found[0])
     for node in range(start, last):
-        if nodes.found[0] + DIRECTIONS >= room[0] or leaps.found[0] + DIRECTIONS >= room[1]:
+        if nodes.found[0] + DIRECTIONS >= capacity[0] or leaps.found[0] + DIRECTIONS >= capacity[1]:
             return node
         is_down = False
         for direction in range(DIRECTIONS):
             if nodes.edges[node, direction] == FALLS and not is_down:
-                # One way down from around here is enough.
+                # One leap down per neighbourhood is enough.
                 is_down = _neighbour_gets_down(nodes, node)
                 is_down = is_down or _get_down(world, body, lattice, nodes, leaps, node, direction)
             elif nodes.edges[node, direction] == NO_EDGE:
@@ -99,7 +99,7 @@ def find_leaps(
 
 @kernel
 def _neighbour_gets_down(nodes: Nodes, node: int) -> bool:
-    """Return whether one can walk to a node from which a way down is known already."""
+    """Return whether a neighbouring node already has a known leap down."""
     for direction in range(DIRECTIONS):
         other = nodes.edges[node, direction]
         if other >= 0:
@@ -113,7 +113,7 @@ def _neighbour_gets_down(nodes: Nodes, node: int) -> bool:
 def _get_down(
     world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, direction: int
 ) -> bool:
-    """Leap to the nearest point in a direction where a body that walks off an edge comes to stand, if any."""
+    """Find a leap to the nearest point in a direction where a body that walks off an edge lands, if any."""
     point = int(nodes.point[node])
     away = abs(neighbour(lattice, point, direction) - point)
     units = 1 if away == 1 or abs(away - lattice.side) <= 1 else 2
@@ -135,7 +135,7 @@ def _get_down(
 
 @kernel
 def landing_height(world: World, x: float, z: float, top: float) -> float:
-    """Return the height in m at which a body that falls straight down from ``top`` m comes to stand.
+    """Return the height in m at which a body that falls straight down from ``top`` m lands.
 
     It is -inf where the body does not fit at the top, or would land on something too steep.
     """
@@ -150,20 +150,20 @@ def landing_height(world: World, x: float, z: float, top: float) -> float:
 
 @kernel
 def _can_be_node(world: World, lattice: Lattice, nodes: Nodes, target: int, height: float) -> bool:
-    """Return whether there is or may be a node over a point at a height in m."""
+    """Return whether a node exists or can exist over a point at a height in m."""
     if node_at(nodes, target, height) >= 0:
         return True
     x, z = place_of(world, lattice, target)
-    return bool(lattice.marks[target] == FINE and has_room(world, x, height, z, ROOM))
+    return bool(lattice.marks[target] == FINE and has_clearance(world, x, height, z, SIDE_CLEARANCE))
 
 
 @kernel
 def _get_up(
     world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, direction: int
 ) -> None:
-    """Jump onto what there is to stand on over a point, higher than a step and not than a jump.
+    """Find a jump onto a surface over a point that is higher than a step but not higher than a jump.
 
-    It must not be known already: one jump onto a thing is enough.
+    Surfaces that already have a node are skipped: one jump onto a solid is enough.
     """
     target = neighbour(lattice, int(nodes.point[node]), direction)
     if target < 0 or lattice.marks[target] != FINE:
@@ -187,12 +187,12 @@ def _leap(
     target: int,
     jump: bool,
 ) -> bool:
-    """Try a leap to a lattice point; return whether it arrives there, and write it down if so."""
+    """Try a leap to a lattice point; record it if it arrives, and return whether it does."""
     x, z = place_of(world, lattice, int(nodes.point[node]))
     to_x, to_z = place_of(world, lattice, target)
     start = Point(x, nodes.height[node], z)
     height = leap_height(world, body, start, to_x, to_z, jump)
-    if height == -np.inf or not _leaves_room(world, body, start, to_x, to_z, jump, height):
+    if height == -np.inf or not _leaves_clearance(world, body, start, to_x, to_z, jump, height):
         return False
     other = node_at(nodes, target, height)
     if other < 0 and _can_be_node(world, lattice, nodes, target, height):
@@ -206,12 +206,12 @@ def _leap(
 
 
 @kernel
-def _leaves_room(
+def _leaves_clearance(
     world: World, body: Bodies, start: Point, x: float, z: float, jump: bool, height: float
 ) -> bool:
-    """Return whether a leap arrives from a little beside its start too."""
+    """Return whether a leap also arrives from slightly beside its start."""
     east, north = x - start.x, z - start.z
-    share = ROOM / np.sqrt(east * east + north * north)
+    share = SIDE_CLEARANCE / np.sqrt(east * east + north * north)
     for side in (-share, share):
         beside = Point(start.x - side * north, start.y, start.z + side * east)
         if not abs(leap_height(world, body, beside, x, z, jump) - height) <= SAME_SURFACE:
@@ -221,7 +221,7 @@ def _leaves_room(
 
 @kernel
 def leap_height(world: World, body: Bodies, start: Point, x: float, z: float, jump: bool) -> float:
-    """Play a leap and return the height in m at which a body comes to stand at (x, z), -inf if not."""
+    """Simulate a leap; return the height in m at which the body stands at (x, z), -inf if it fails."""
     place = body.position[body.mover]
     place[0], place[1], place[2] = start.x, start.y, start.z
     rise, on_ground, before = 0.0, True, np.inf
@@ -233,7 +233,7 @@ def leap_height(world: World, body: Bodies, start: Point, x: float, z: float, ju
             return -np.inf if on_steep_ground(world, at) else at.y
         fell_short = jump and place[1] < start.y + STEP_HEIGHT
         if on_ground and frame > 0 and (fell_short or left > before - PROGRESS):
-            return -np.inf  # held up by something
+            return -np.inf  # stopped by something
         before = left
         speed = min(LEAP_SPEED, left / FRAME)
         heading = arctangent(east, north)

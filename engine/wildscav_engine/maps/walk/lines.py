@@ -1,7 +1,7 @@
-"""Straight lines over the walkable graph: which nodes lie along one, if nothing keeps a body off it.
+"""Straight lines over the walkable graph: the nodes along a line, if a body can walk it.
 
-A line runs along the edges nearest to it. It counts as free where the edges to both of its sides can be
-walked; a walk by the engine's motion has the last word (``search.pull_straight``).
+A line follows the edges nearest to it. It counts as free where the edges on both sides of it can be walked; a
+walk with the engine's motion decides finally (``search.pull_straight``).
 """
 
 import numpy as np
@@ -21,14 +21,14 @@ def follow_line(
     end: int,
     along: NDArray[np.int32],
 ) -> int:
-    """Return how many edges lead straight from a node to another; 0 if the line is not free.
+    """Return the number of edges on the straight line from a node to another; 0 if it is not free.
 
     Args:
         places: (N, 3) m, of the nodes.
         edges: (N, 8) nodes, negative for none.
         start: Node.
-        end: Another one.
-        along: (M,) the nodes behind the start up to the end, written as far as there is room.
+        end: Another node.
+        along: (M,) the nodes after the start up to the end, written up to its size.
     """
     east, north = places[end, 0] - places[start, 0], places[end, 2] - places[start, 2]
     most = int(2.0 * (abs(east) + abs(north)) / SPACING) + 2
@@ -65,7 +65,7 @@ def _next_along(
 
 @kernel
 def _directions(east: float, north: float) -> tuple[int, int]:
-    """Return the straight and the diagonal direction (of ``lattice.DIRECTIONS``) that a way lies between."""
+    """Return the straight and the diagonal direction (of ``lattice.DIRECTIONS``) that enclose a vector."""
     across, along = 0 if east > 0.0 else 4, 2 if north > 0.0 else 6
     straight = across if abs(east) >= abs(north) else along
     if east > 0.0:
@@ -75,7 +75,7 @@ def _directions(east: float, north: float) -> tuple[int, int]:
 
 @kernel
 def _off_line(places: NDArray[np.float64], start: int, end: int, node: int) -> float:
-    """Return how far a node lies off a line, in m times the line's length."""
+    """Return the distance of a node from a line, in m times the line's length."""
     east, north = places[end, 0] - places[start, 0], places[end, 2] - places[start, 2]
     to_east, to_north = places[node, 0] - places[start, 0], places[node, 2] - places[start, 2]
     return float(abs(east * to_north - north * to_east))

@@ -1,4 +1,4 @@
-"""Paths: how to get from one place of a map to another, and how far that is."""
+"""Shortest paths between places of a map, and their lengths."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from wildscav_engine.maps.walk.explore import walk_straight
 from wildscav_engine.maps.walk.graph import WalkGraph
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
-from wildscav_engine.maps.walk.search import is_edge, pull_straight, shortest_way
-from wildscav_engine.maps.walk.tighten import tighten
+from wildscav_engine.maps.walk.search import is_edge, pull_straight, shortest_route
+from wildscav_engine.maps.walk.string_pulling import pull_tight
 from wildscav_engine.motion.collision import Bodies, Point
 
-ATTACH = 1.5  # m, how far a place may lie from the node that stands for it
+ATTACH = 1.5  # m, greatest distance of a place from the node that represents it
 ON_NODE = 1e-6  # m
 
 Place = Sequence[float] | NDArray[np.float64]  # x, y, z in m, soles
@@ -24,13 +24,13 @@ class Leg(NamedTuple):
     """A straight part of a path."""
 
     end: tuple[float, float, float]  # m, soles
-    leap: bool = False  # whether it gets down or up: go at LEAP_SPEED, whatever the way
-    jump: bool = False  # whether to jump when setting out; only in a leap
+    leap: bool = False  # whether it gets down or up: go at LEAP_SPEED
+    jump: bool = False  # whether to jump at the start; only in a leap
 
 
 @dataclass(frozen=True)
 class Path:
-    """A way that the engine's motion can go, straight from point to point."""
+    """A path that the engine's motion can follow, straight from point to point."""
 
     start: tuple[float, float, float]  # m, soles
     legs: tuple[Leg, ...]
@@ -43,16 +43,16 @@ class Path:
     @property
     def length(self) -> float:
         """In m, horizontal, as a seat's ``walked`` counts it."""
-        ways = np.diff(self.points[:, ::2], axis=0)
-        return float(np.sqrt(ways[:, 0] * ways[:, 0] + ways[:, 1] * ways[:, 1]).sum())
+        offsets = np.diff(self.points[:, ::2], axis=0)
+        return float(np.sqrt(offsets[:, 0] * offsets[:, 0] + offsets[:, 1] * offsets[:, 1]).sum())
 
 
 def find_path(graph: WalkGraph, start: Place, end: Place) -> Path | None:
     """Return the shortest known path between two places of a map.
 
-    The shortest way over the graph is pulled straight wherever a straight walk arrives too, and its turns are
-    moved as near to the corners as leaves some room. A shorter way may lead through a gap so narrow that it
-    lies between the graph's nodes; none that keeps 0.25 m off everything is more than 2 % shorter.
+    The shortest route over the graph is straightened wherever a straight walk also arrives, and its turns are
+    moved close to the corners. A shorter path may exist through a gap so narrow that it lies between the
+    graph's nodes; no path that stays 0.25 m away from everything is more than 2 % shorter.
 
     Args:
         graph: Of the map.
@@ -60,27 +60,29 @@ def find_path(graph: WalkGraph, start: Place, end: Place) -> Path | None:
         end: The same.
 
     Returns:
-        The path; None if there is none, or if nobody can stand at one of the places.
+        The path; None if there is none, or if no body can stand at one of the places.
     """
     first, last = node_near(graph, start, leave=True), node_near(graph, end, leave=False)
     if first is None or last is None:
         return None
     places = graph.positions()
-    way = shortest_way(places, graph.nodes.edges, graph.leap_start, graph.leap_end, first, last)
-    if len(way) == 0:
+    route = shortest_route(places, graph.nodes.edges, graph.leap_start, graph.leap_end, first, last)
+    if len(route) == 0:
         return None
-    is_leap = [not is_edge(graph.nodes.edges, int(way[at]), int(way[at + 1])) for at in range(len(way) - 1)]
+    is_leap = [
+        not is_edge(graph.nodes.edges, int(route[at]), int(route[at + 1])) for at in range(len(route) - 1)
+    ]
     if not _is_at(start, places[first]):
         places = np.concatenate([places, [start]])
-        way, is_leap = np.insert(way, 0, len(places) - 1), [False, *is_leap]
+        route, is_leap = np.insert(route, 0, len(places) - 1), [False, *is_leap]
     if not _is_at(end, places[last]):
         places = np.concatenate([places, [end]])
-        way, is_leap = np.append(way, len(places) - 1), [*is_leap, False]
-    return Path(_triple(start), tuple(_legs(graph, places, way.astype(np.int32), is_leap)))
+        route, is_leap = np.append(route, len(places) - 1), [*is_leap, False]
+    return Path(_triple(start), tuple(_legs(graph, places, route.astype(np.int32), is_leap)))
 
 
 def is_reached(graph: WalkGraph, place: Place, distance: float) -> bool:
-    """Return whether one gets to a place (or within a distance in m of it) from all over the map.
+    """Return whether a place (or a point within a distance in m of it) can be reached from all over the map.
 
     Args:
         graph: Of the map.
@@ -90,22 +92,22 @@ def is_reached(graph: WalkGraph, place: Place, distance: float) -> bool:
     node = node_near(graph, place, leave=False)
     if node is not None and graph.connected[node]:
         return True
-    ways = graph.positions(np.nonzero(graph.connected)[0]) - np.asarray(place, np.float64)
-    return bool(((ways * ways).sum(axis=1) <= distance * distance).any())
+    offsets = graph.positions(np.nonzero(graph.connected)[0]) - np.asarray(place, np.float64)
+    return bool(((offsets * offsets).sum(axis=1) <= distance * distance).any())
 
 
 def leads_out(graph: WalkGraph, place: Place) -> bool:
-    """Return whether from a place (x, y, z in m, soles) one gets all over the map."""
+    """Return whether all of the map can be reached from a place (x, y, z in m, soles)."""
     node = node_near(graph, place, leave=True)
     if node is None or graph.connected[node]:
         return node is not None
     anywhere = int(np.argmax(graph.connected))
     tables = graph.nodes.edges, graph.leap_start, graph.leap_end
-    return len(shortest_way(graph.positions(), *tables, node, anywhere)) > 0
+    return len(shortest_route(graph.positions(), *tables, node, anywhere)) > 0
 
 
 def node_near(graph: WalkGraph, place: Place, *, leave: bool) -> int | None:
-    """Return the nearest node that can be walked to straight from a place (or from where it can be), or None.
+    """Return the nearest node connected to a place by a straight walk, or None.
 
     Args:
         graph: Of the map.
@@ -115,8 +117,8 @@ def node_near(graph: WalkGraph, place: Place, *, leave: bool) -> int | None:
     x, y, z = (float(value) for value in place)
     nodes = _nodes_around(graph, x, z)
     places = graph.positions(nodes)
-    ways = places - (x, y, z)
-    for index in np.argsort((ways * ways).sum(axis=1), kind="stable"):
+    offsets = places - (x, y, z)
+    for index in np.argsort((offsets * offsets).sum(axis=1), kind="stable"):
         here, there = Point(x, y, z), Point(*places[index])
         start, end = (here, there) if leave else (there, here)
         if abs(there.y - y) <= ATTACH and _leads_to(graph, start, end):
@@ -125,7 +127,7 @@ def node_near(graph: WalkGraph, place: Place, *, leave: bool) -> int | None:
 
 
 def _nodes_around(graph: WalkGraph, x: float, z: float) -> NDArray[np.int64]:
-    """Return all nodes over the lattice points within reach of a place."""
+    """Return all nodes over the lattice points within ATTACH of a place."""
     column, row = (x - graph.world.corner[0]) / SPACING, (z - graph.world.corner[1]) / SPACING
     reach, side = ATTACH / SPACING, graph.lattice.side
     found = []
@@ -145,36 +147,36 @@ def _leads_to(graph: WalkGraph, start: Point, end: Point) -> bool:
 
 
 def _legs(
-    graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32], is_leap: Sequence[bool]
+    graph: WalkGraph, places: NDArray[np.float64], route: NDArray[np.int32], is_leap: Sequence[bool]
 ) -> list[Leg]:
-    """Return the legs along a way: its leaps as they are, the walks between them pulled straight."""
+    """Return the legs along a route: its leaps unchanged, the walks between them straightened."""
     legs = []
     first = 0
     for at, leaps in enumerate([*is_leap, True]):
         if leaps:
-            legs += [Leg(_triple(turn)) for turn in _pulled(graph, places, way[first : at + 1])[1:]]
+            legs += [Leg(_triple(turn)) for turn in _pulled(graph, places, route[first : at + 1])[1:]]
             first = at + 1
-            if first < len(way):
-                jump = _begins_with_jump(graph, int(way[at]), int(way[first]))
-                legs.append(Leg(_triple(places[way[first]]), True, jump))
+            if first < len(route):
+                jump = _begins_with_jump(graph, int(route[at]), int(route[first]))
+                legs.append(Leg(_triple(places[route[first]]), True, jump))
     return legs
 
 
-def _pulled(graph: WalkGraph, places: NDArray[np.float64], way: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Return (P, 3) m the turns of a walk that are left when it is pulled straight and tight."""
+def _pulled(graph: WalkGraph, places: NDArray[np.float64], route: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Return (P, 3) m the turns of a walk after it is pulled straight and tight."""
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     while True:
-        kept = pull_straight(graph.world, nobody, places, way)
-        if len(kept) == len(way):
+        kept = pull_straight(graph.world, nobody, places, route)
+        if len(kept) == len(route):
             break
-        way = kept
-    turns = tighten(graph.world, nobody, places[way])
+        route = kept
+    turns = pull_tight(graph.world, nobody, places[route])
     kept = pull_straight(graph.world, nobody, turns, np.arange(len(turns), dtype=np.int32))
     return np.asarray(turns[kept])
 
 
 def _begins_with_jump(graph: WalkGraph, start: int, end: int) -> bool:
-    """Return whether the leap between two nodes has to be jumped."""
+    """Return whether the leap between two nodes begins with a jump."""
     leaps = slice(graph.leap_start[start], graph.leap_start[start + 1])
     return bool(graph.leap_jump[leaps][graph.leap_end[leaps] == end].all())
 

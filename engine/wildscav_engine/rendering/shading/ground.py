@@ -1,4 +1,4 @@
-"""The look of the ground: a colour and a smooth normal at each corner of the cells."""
+"""The appearance of the ground: a colour and a smooth normal at each corner of the cells."""
 
 from typing import NamedTuple
 
@@ -8,22 +8,22 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World, cell_of
 from wildscav_engine.rendering.palette import of_terrain
-from wildscav_engine.rendering.shading.color_sums import Color, Vector, clipped, dimmed
+from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed
 from wildscav_engine.rendering.shading.noise import noise
 from wildscav_engine.rendering.shading.surfaces import sharpness
 
 SHORE = 3  # cells around water that show sand
 
 
-class GroundLook(NamedTuple):
-    """What the ground of R by C cells looks like, at their corners."""
+class GroundAppearance(NamedTuple):
+    """The appearance of R by C cells of ground, at their corners."""
 
     color: NDArray[np.float32]  # (R + 1, C + 1, 3) red, green, blue 0-255, unlit
     normal: NDArray[np.float32]  # (R + 1, C + 1, 3) unit vectors
 
 
-def ground_look(world: World) -> GroundLook:
-    """Return the look of a world's ground."""
+def ground_appearance(world: World) -> GroundAppearance:
+    """Return the appearance of a world's ground."""
     slope_north, slope_east = np.gradient(world.heights, CELL)
     up = 1.0 / np.sqrt(1.0 + slope_east * slope_east + slope_north * slope_north)
     normal = np.stack([-slope_east * up, up, -slope_north * up], axis=-1)
@@ -31,7 +31,7 @@ def ground_look(world: World) -> GroundLook:
     _write_dryness(dryness)
     over_water = world.heights - _water_nearby(world)
     color = of_terrain(over_water.ravel(), up.ravel(), dryness.ravel())
-    return GroundLook(color.reshape(normal.shape).astype(np.float32), normal.astype(np.float32))
+    return GroundAppearance(color.reshape(normal.shape).astype(np.float32), normal.astype(np.float32))
 
 
 def _water_nearby(world: World) -> NDArray[np.float64]:
@@ -52,7 +52,7 @@ def _water_nearby(world: World) -> NDArray[np.float64]:
 
 @kernel
 def _write_dryness(dryness: NDArray[np.float64]) -> None:
-    """Write soft patches, 0-1, for each cell corner, and a little grain."""
+    """Write the dryness of each cell corner, 0-1: soft patches with a little grain."""
     for row in range(dryness.shape[0]):
         for column in range(dryness.shape[1]):
             wide = noise(column / 23.0, row / 23.0) + 0.6 * noise(column / 9.0 + 40.0, row / 9.0)
@@ -61,14 +61,14 @@ def _write_dryness(dryness: NDArray[np.float64]) -> None:
 
 
 @inlined_kernel
-def ground_color(world: World, look: GroundLook, place: Vector, pixel: float) -> Color:
-    """Return the colour of the ground at a place, its grain included, where a pixel is so large in m."""
+def ground_color(world: World, appearance: GroundAppearance, place: Vector, pixel: float) -> Color:
+    """Return the colour of the ground at a place, with its grain; ``pixel`` is a pixel's size there in m."""
     x, _, z = place
     row, column, north, east = _in_cell(world, x, z)
     color = (
-        _between(look.color, row, column, north, east, 0),
-        _between(look.color, row, column, north, east, 1),
-        _between(look.color, row, column, north, east, 2),
+        _between(appearance.color, row, column, north, east, 0),
+        _between(appearance.color, row, column, north, east, 1),
+        _between(appearance.color, row, column, north, east, 2),
     )
     grain = 1.0
     for size, strength in ((0.11, 0.34), (0.45, 0.26), (2.3, 0.20)):
@@ -79,19 +79,19 @@ def ground_color(world: World, look: GroundLook, place: Vector, pixel: float) ->
 
 
 @inlined_kernel
-def ground_normal(world: World, look: GroundLook, place: Vector) -> Vector:
+def ground_normal(world: World, appearance: GroundAppearance, place: Vector) -> Vector:
     """Return the unit normal of the ground at a place, smooth across the edges of its triangles."""
     row, column, north, east = _in_cell(world, place[0], place[2])
-    x = _between(look.normal, row, column, north, east, 0)
-    y = _between(look.normal, row, column, north, east, 1)
-    z = _between(look.normal, row, column, north, east, 2)
+    x = _between(appearance.normal, row, column, north, east, 0)
+    y = _between(appearance.normal, row, column, north, east, 1)
+    z = _between(appearance.normal, row, column, north, east, 2)
     length = np.sqrt(x * x + y * y + z * z)
     return x / length, y / length, z / length
 
 
 @inlined_kernel
 def _in_cell(world: World, x: float, z: float) -> tuple[int, int, float, float]:
-    """Return the row and column of a place's cell, and how far north and east in it the place is, 0-1."""
+    """Return the row and column of a place's cell, and its position in it northwards and eastwards, 0-1."""
     rows, columns = world.water.shape
     row, column = cell_of(world.corner[1], z, rows), cell_of(world.corner[0], x, columns)
     north = (z - world.corner[1]) / CELL - row
@@ -103,7 +103,7 @@ def _in_cell(world: World, x: float, z: float) -> tuple[int, int, float, float]:
 def _between(
     corners: NDArray[np.float32], row: int, column: int, north: float, east: float, channel: int
 ) -> float:
-    """Return what lies between the values at the four corners of a cell."""
+    """Return the bilinear interpolation of the values at the four corners of a cell."""
     south_west, south_east = corners[row, column, channel], corners[row, column + 1, channel]
     north_west, north_east = corners[row + 1, column, channel], corners[row + 1, column + 1, channel]
     south = south_west + (south_east - south_west) * east

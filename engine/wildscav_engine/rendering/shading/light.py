@@ -1,4 +1,4 @@
-"""How much light falls on a surface: from the sun, from the sky, and what is in the way of both."""
+"""Light on a surface: from the sun and the sky, and what blocks it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,18 +14,18 @@ from wildscav_engine.geometry.rays import (
 )
 from wildscav_engine.geometry.world import BLOCK, Kind, World, cell_of
 from wildscav_engine.rendering.palette import SKYLIGHT, SUNLIGHT
-from wildscav_engine.rendering.shading.color_sums import Color, Vector, dot
-from wildscav_engine.rendering.shading.sky import SUN_WAY
+from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, dot
+from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 from wildscav_engine.rendering.tracing.solids import Solids
 
 SUN_COLOR = (float(SUNLIGHT[0]), float(SUNLIGHT[1]), float(SUNLIGHT[2]))
-DIRECT = 0.90  # share of the palette's sunlight: pictures show more of what lies in the shade
+DIRECT = 0.90  # share of the palette's sunlight: less contrast, so that pictures show more of shaded places
 SKY_COLOR = (float(SKYLIGHT[0]), float(SKYLIGHT[1]), float(SKYLIGHT[2]))
-ASIDE = (-0.10, -0.04)  # what a surface that faces east, or north, has more of the light from all around
-SHADOW_REACH = 80.0  # m, from how far away a thing casts a shadow
-THING_REACH = 40.0  # m, how far from the eye moving things cast shadows
+SIDE_LIGHT = (-0.10, -0.04)  # additional ambient light on surfaces that face east, and north
+SHADOW_REACH = 80.0  # m, up to which an object casts a shadow
+MOVING_REACH = 40.0  # m from the eye, up to which moving solids cast shadows
 FLOOR, ROOF = int(Kind.FLOOR), int(Kind.ROOF)
-LIFT = 0.004  # m, how far off its surface a ray of light starts
+LIFT = 0.004  # m off the surface, where a shadow ray starts
 
 
 @inlined_kernel
@@ -34,11 +34,11 @@ def lit(base: Color, normal: Vector, sun: float, sky: float) -> Color:
 
     Args:
         base: Its own colour.
-        normal: Unit vector away from it.
-        sun: Share of the sun's light that comes to it, 0-1.
-        sky: Light from all around, 1 for a roof under the open sky.
+        normal: Its unit normal.
+        sun: Share of the sun's light that reaches it, 0-1.
+        sky: Ambient light, 1 for a roof under the open sky.
     """
-    direct = DIRECT * sun * max(0.0, dot(normal, SUN_WAY))
+    direct = DIRECT * sun * max(0.0, dot(normal, SUN_DIRECTION))
     return (
         base[0] * (direct * SUN_COLOR[0] + sky * SKY_COLOR[0]),
         base[1] * (direct * SUN_COLOR[1] + sky * SKY_COLOR[1]),
@@ -48,12 +48,12 @@ def lit(base: Color, normal: Vector, sun: float, sky: float) -> Color:
 
 @inlined_kernel
 def skylight(normal: Vector, roofed: bool) -> float:
-    """Return how much light comes to a surface from all around.
+    """Return the ambient light on a surface.
 
-    Under the open sky most comes from above; in a house it comes from all walls. It is a little brighter on
-    one side, so that one sees where two walls meet.
+    Under the open sky most of it comes from above, in a house from all walls. It is slightly brighter on one
+    side, so that the edge between two walls is visible.
     """
-    aside = ASIDE[0] * normal[0] + ASIDE[1] * normal[2]
+    aside = SIDE_LIGHT[0] * normal[0] + SIDE_LIGHT[1] * normal[2]
     if roofed:
         return 0.94 + 0.06 * normal[1] + aside
     return 0.90 + 0.30 * normal[1] + aside
@@ -61,17 +61,16 @@ def skylight(normal: Vector, roofed: bool) -> float:
 
 @inlined_kernel
 def sun_is_clear(world: World, place: Vector) -> bool:
-    """Return whether nothing of the static world stands between a place and the sun.
+    """Return whether the static world leaves the line from a place to the sun free.
 
-    The same walk through the grid as ``rays.cast_ray``, but whatever is met first ends it, and the way only
-    rises.
+    It traverses the grid as ``rays.cast_ray`` does, but ends at any hit and relies on the ray's rising.
     """
     x, y, z = place
-    ray = make_ray(world, x, y, z, SUN_WAY[0], SUN_WAY[1], SUN_WAY[2])
+    ray = make_ray(world, x, y, z, SUN_DIRECTION[0], SUN_DIRECTION[1], SUN_DIRECTION[2])
     rows, columns = world.water.shape
     step = Step(0.0, int(np.floor(ray.north)), int(np.floor(ray.east)))
     while step.at < SHADOW_REACH and 0 <= step.row < rows and 0 <= step.column < columns:
-        row, column, height = step.row // BLOCK, step.column // BLOCK, y + SUN_WAY[1] * step.at
+        row, column, height = step.row // BLOCK, step.column // BLOCK, y + SUN_DIRECTION[1] * step.at
         if height > world.block_top[row, column]:
             step = leave_square(ray, step, row * BLOCK, column * BLOCK, BLOCK, SHADOW_REACH)
             continue
@@ -84,7 +83,7 @@ def sun_is_clear(world: World, place: Vector) -> bool:
 
 @inlined_kernel
 def _is_stopped(world: World, ray: Ray, step: Step, leave: float) -> bool:
-    """Return whether the way to the sun meets anything in a cell, which it leaves at ``leave``."""
+    """Return whether the ray to the sun hits anything in a cell, which it leaves at ``leave``."""
     if meet_terrain(world, ray, step, leave)[0] < np.inf:
         return True
     cell, height = step.row * world.water.shape[1] + step.column, ray.y + ray.dy * step.at
@@ -124,50 +123,50 @@ def _is_below(world: World, solid: int, place: Vector) -> bool:
 
 
 @kernel
-def find_near(moving: Solids, eye: NDArray[np.float64], near: NDArray[np.int64]) -> int:
-    """Write which moving solids are near enough to an eye to cast shadows; return how many.
+def find_shadow_casters(moving: Solids, eye: NDArray[np.float64], casters: NDArray[np.int64]) -> int:
+    """Write the moving solids that are near enough to an eye to cast shadows; return how many.
 
     Args:
         moving: S solids.
         eye: (3,) m.
-        near: (S,) solids, written.
+        casters: (S,) indices of solids, written.
     """
     count = 0
     for solid in range(moving.kind.shape[0]):
         dx, dz = moving.low[solid, 0] - eye[0], moving.low[solid, 2] - eye[2]
-        if dx * dx + dz * dz < THING_REACH * THING_REACH:
-            near[count] = solid
+        if dx * dx + dz * dz < MOVING_REACH * MOVING_REACH:
+            casters[count] = solid
             count += 1
     return count
 
 
 @inlined_kernel
-def shades(moving: Solids, near: NDArray[np.int64], count: int, place: Vector) -> bool:
-    """Return whether one of some moving solids stands between a place and the sun."""
+def is_shaded_by(moving: Solids, casters: NDArray[np.int64], count: int, place: Vector) -> bool:
+    """Return whether one of the first ``count`` casters stands between a place and the sun."""
     for item in range(count):
-        solid = near[item]
+        solid = casters[item]
         above = moving.high[solid, 1] - place[1]
         if above < 0.0:
             continue
-        # Where the way to the sun comes as high as the solid's top, it is this far aside.
-        along = above / SUN_WAY[1]
-        x, z = place[0] + SUN_WAY[0] * along, place[2] + SUN_WAY[2] * along
+        # The horizontal position of the ray to the sun at the height of the solid's top.
+        along = above / SUN_DIRECTION[1]
+        x, z = place[0] + SUN_DIRECTION[0] * along, place[2] + SUN_DIRECTION[2] * along
         if max(x, place[0]) < moving.low[solid, 0] or min(x, place[0]) > moving.high[solid, 0]:
             continue
         if max(z, place[2]) < moving.low[solid, 2] or min(z, place[2]) > moving.high[solid, 2]:
             continue
-        if _is_in_the_way(moving, solid, place):
+        if _blocks_sun(moving, solid, place):
             return True
     return False
 
 
 @inlined_kernel
-def _is_in_the_way(moving: Solids, solid: int, place: Vector) -> bool:
-    """Clip the way to the sun by a solid's faces, as ``geometry.rays.meet_solid`` does."""
+def _blocks_sun(moving: Solids, solid: int, place: Vector) -> bool:
+    """Return whether a solid blocks the ray to the sun, clipped as in ``geometry.rays.meet_solid``."""
     enter, leave = 0.0, np.inf
     for face in range(moving.face_start[solid], moving.face_start[solid + 1]):
         normal = (moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2])
-        outside, speed = dot(normal, place) - moving.faces[face, 3], dot(normal, SUN_WAY)
+        outside, speed = dot(normal, place) - moving.faces[face, 3], dot(normal, SUN_DIRECTION)
         if speed < 0.0:
             enter = max(enter, -outside / speed)
         elif outside > 0.0:

@@ -1,4 +1,4 @@
-"""What the surfaces of a map look like: a colour for each solid, the way its grain runs, and the ground."""
+"""The appearance of a map's surfaces: the colour and grain direction of each solid, and the ground."""
 
 from typing import NamedTuple
 
@@ -8,21 +8,21 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.palette import of_solids
-from wildscav_engine.rendering.shading.ground import GroundLook, ground_look
+from wildscav_engine.rendering.shading.ground import GroundAppearance, ground_appearance
 
 UPRIGHT = 1e-6  # a face whose normal rises less than this stands upright
 
 
 class Materials(NamedTuple):
-    """The look of a map with S solids."""
+    """The appearance of a map with S solids."""
 
     color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255, unlit
     axis: NDArray[np.float64]  # (S, 2) level unit vector (x, z) that a solid's boards run along
-    ground: GroundLook
+    ground: GroundAppearance
 
 
 def materials_of(world: World, solid_house: NDArray[np.int16]) -> Materials:
-    """Return what a map is made of.
+    """Return the materials of a map.
 
     Args:
         world: Of the map.
@@ -30,12 +30,12 @@ def materials_of(world: World, solid_house: NDArray[np.int16]) -> Materials:
     """
     axis = np.empty((len(world.solid_kind), 2))
     _write_axes(world, axis)
-    return Materials(of_solids(world.solid_kind, solid_house), axis, ground_look(world))
+    return Materials(of_solids(world.solid_kind, solid_house), axis, ground_appearance(world))
 
 
 @kernel
 def _write_axes(world: World, axis: NDArray[np.float64]) -> None:
-    """Write the normal of each solid's first upright face; it runs east if it has none."""
+    """Write the normal of each solid's first upright face; east for solids without one."""
     for solid in range(axis.shape[0]):
         axis[solid, 0], axis[solid, 1] = 1.0, 0.0
         for face in range(world.solid_start[solid], world.solid_start[solid + 1]):

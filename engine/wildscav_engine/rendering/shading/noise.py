@@ -1,4 +1,4 @@
-"""Noise that is the same everywhere: grain for the surfaces of pictures."""
+"""Deterministic noise for the grain of surfaces in pictures."""
 
 import math
 
@@ -9,7 +9,7 @@ LOW_32 = 0xFFFFFFFF
 
 @kernel
 def grain(x: int, y: int, z: int) -> float:
-    """Return a number in [0, 1) for a point of the integer lattice, unlike those of its neighbours."""
+    """Return a pseudo-random number in [0, 1) for a point of the integer lattice."""
     mixed = x * 374761393 + y * 668265263 + z * 974634533 & LOW_32
     mixed = (mixed ^ mixed >> 13) * 1274126177 & LOW_32
     return (mixed ^ mixed >> 16) / 4294967296.0
@@ -29,7 +29,7 @@ def noise(x: float, z: float) -> float:
 def noise_in_space(x: float, y: float, z: float) -> float:
     """Return smooth noise in [0, 1) in space, with features of length 1."""
     level = math.floor(y)
-    # Two planes of noise, far apart from each other, and what lies between them.
+    # Interpolates between two planes of noise taken from distant parts of the plane.
     below = noise(x + 57.0 * (level & 63), z + 113.0 * (level & 31))
     above = noise(x + 57.0 * (level + 1 & 63), z + 113.0 * (level + 1 & 31))
     return below + (above - below) * _eased(y - level)

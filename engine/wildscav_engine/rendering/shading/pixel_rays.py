@@ -1,4 +1,4 @@
-"""The rays of one camera's pixels, the same that ``trace`` follows."""
+"""The rays of one camera's pixels, the same as those of ``trace``."""
 
 from typing import NamedTuple
 
@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.shading.color_sums import Vector
+from wildscav_engine.rendering.shading.color_arithmetic import Vector
 
 
 class View(NamedTuple):
-    """One camera with its pixels."""
+    """One camera and its image size."""
 
     eye: Vector  # m
     sin_yaw: float
@@ -26,7 +26,7 @@ class View(NamedTuple):
 
 @kernel
 def view_of(cameras: Cameras, image: int, height: int, width: int) -> View:
-    """Return one of some cameras."""
+    """Return the view of one of the cameras."""
     yaw, pitch = cameras.yaws[image], cameras.pitches[image]
     eye = (cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2])
     pixel = 2.0 * cameras.half_width / width
@@ -34,7 +34,7 @@ def view_of(cameras: Cameras, image: int, height: int, width: int) -> View:
 
 
 @kernel
-def way_of(view: View, row: int, column: int) -> Vector:
+def direction_of(view: View, row: int, column: int) -> Vector:
     """Return the unit vector of a pixel's ray."""
     up = (view.height * 0.5 - row - 0.5) * view.pixel
     right = (column + 0.5 - view.width * 0.5) * view.pixel
@@ -48,14 +48,20 @@ def way_of(view: View, row: int, column: int) -> Vector:
 
 
 @kernel
-def write_ways(view: View, ways: NDArray[np.float64]) -> None:
+def write_directions(view: View, directions: NDArray[np.float64]) -> None:
     """Write (H, W, 3) the unit vectors of all rays."""
     for row in range(view.height):
         for column in range(view.width):
-            ways[row, column, 0], ways[row, column, 1], ways[row, column, 2] = way_of(view, row, column)
+            directions[row, column, 0], directions[row, column, 1], directions[row, column, 2] = direction_of(
+                view, row, column
+            )
 
 
 @kernel
-def place_on(eye: Vector, way: Vector, distance: float) -> Vector:
+def point_along(eye: Vector, direction: Vector, distance: float) -> Vector:
     """Return the place at a distance in m along a ray."""
-    return eye[0] + way[0] * distance, eye[1] + way[1] * distance, eye[2] + way[2] * distance
+    return (
+        eye[0] + direction[0] * distance,
+        eye[1] + direction[1] * distance,
+        eye[2] + direction[2] * distance,
+    )

@@ -1,6 +1,6 @@
-"""The grain of surfaces, from where on them a ray arrives: boards, courses, tiles, bark, leaves.
+"""Procedural textures of surfaces: boards, courses of stone, tiles, bark, leaves.
 
-What is finer than a pixel fades, so that it does not flicker.
+Details finer than a pixel fade out, so that they do not flicker.
 """
 
 import math
@@ -9,7 +9,7 @@ import numpy as np
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.rendering.shading.color_sums import Color, Vector, clipped, dimmed, mixed
+from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed, mixed
 from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
 
 WALL, FLOOR, STAIR, ROOF = int(Kind.WALL), int(Kind.FLOOR), int(Kind.STAIR), int(Kind.ROOF)
@@ -17,7 +17,7 @@ TRUNK, CROWN, BUSH = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
 ROCK, FURNITURE, BOX = int(Kind.ROCK), int(Kind.FURNITURE), int(Kind.SUPPLY_BOX)
 
 CEILING = (226.0, 222.0, 212.0)
-LEVEL = 0.9  # a face whose normal rises more than this is walked on
+LEVEL = 0.9  # least upward part of the normal of a face that can be walked on
 
 
 @kernel
@@ -25,12 +25,12 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
     """Return the colour of a solid's surface at a place.
 
     Args:
-        kind: What it is.
-        color: Of its material.
-        normal: Unit vector away from the surface.
+        kind: The kind of the solid.
+        color: The colour of its material.
+        normal: Unit normal of the surface.
         place: m, on the map.
         axis: Level unit vector that its boards run along.
-        pixel: m, how large a pixel is there.
+        pixel: m, the size of a pixel there.
     """
     x, y, z = place
     across = axis[2] * x - axis[0] * z
@@ -58,7 +58,7 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
 
 @kernel
 def sharpness(size: float, pixel: float) -> float:
-    """Return how much of a detail of some size in m is seen, 0-1, where a pixel is so large."""
+    """Return how visible a detail of some size in m is, 0-1, at a pixel size in m."""
     return clipped(1.6 - 2.4 * pixel / size, 0.0, 1.0)
 
 
@@ -74,7 +74,7 @@ def _mottled(color: Color, size: float, strength: float, place: Vector, pixel: f
 
 @kernel
 def _line(coordinate: float, spacing: float, width: float, pixel: float) -> float:
-    """Return how much of a pixel is a line, 0-1, of lines of some width in m at even distances."""
+    """Return the share of a pixel that evenly spaced lines cover, 0-1; all lengths in m."""
     phase = coordinate / spacing
     aside = abs(phase - math.floor(phase + 0.5)) * spacing
     soft = max(0.5 * pixel, 0.25 * width)
@@ -83,7 +83,7 @@ def _line(coordinate: float, spacing: float, width: float, pixel: float) -> floa
 
 @kernel
 def _boarded(color: Color, across: float, along: float, width: float, pixel: float) -> Color:
-    """Boards side by side, each of its own brightness, with dark joints."""
+    """Return the colour of boards side by side, each of its own brightness, with dark joints."""
     board = math.floor(across / width)
     length = math.floor(along / 2.6 + grain(board, 7, 3))
     own = 1.0 + 0.18 * (grain(board, length, 11) - 0.5) * sharpness(width, pixel)
@@ -94,7 +94,7 @@ def _boarded(color: Color, across: float, along: float, width: float, pixel: flo
 
 @kernel
 def _plastered(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
-    """Courses of stones under plaster, just to be seen."""
+    """Return the colour of plaster over barely visible courses of stone."""
     across = math.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
     if across < 0.5:
         return _mottled(color, 0.5, 0.08, place, pixel)
@@ -107,13 +107,13 @@ def _plastered(color: Color, normal: Vector, place: Vector, pixel: float) -> Col
 
 @kernel
 def _tiled(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
-    """Rows of tiles, dark below their lower edges; boards under the eaves and on flat roofs."""
+    """Return the colour of rows of tiles, dark at their lower edges; plain under eaves and on flat roofs."""
     if normal[1] < 0.05:
         return dimmed(color, 0.62)
     if normal[1] > 0.995:
         return _mottled(_mottled(color, 0.15, 0.2, place, pixel), 1.2, 0.12, place, pixel)
     level = np.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
-    # How far up the slope, and how far along the eaves.
+    # The distances up the slope and along the eaves.
     up, along = place[1] / level, (normal[2] * place[0] - normal[0] * place[2]) / level
     row = math.floor(up / 0.34)
     along += 0.14 * (row & 1)

@@ -1,53 +1,59 @@
-"""The look of water: its bed through it, bluer the deeper, and the sky in its ripples."""
+"""The appearance of water: the bed seen through it, bluer with depth, and the sky reflected in ripples."""
 
 import numpy as np
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.rendering.shading.color_sums import Color, Vector, clipped, dot, mixed
-from wildscav_engine.rendering.shading.ground import GroundLook, ground_color
+from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dot, mixed
+from wildscav_engine.rendering.shading.ground import GroundAppearance, ground_color
 from wildscav_engine.rendering.shading.light import lit
 from wildscav_engine.rendering.shading.noise import noise
 from wildscav_engine.rendering.shading.sky import sky
 from wildscav_engine.rendering.shading.surfaces import sharpness
 
 DEEP = (26.0, 84.0, 132.0)
-CLEAR = 0.9  # m of depth through which some of the bed is still seen
+CLEAR = 0.9  # m of depth at which a quarter of the bed's colour is still seen
 UP = (0.0, 1.0, 0.0)
 WAVES = 0.9  # m from one ripple to the next
 STEEPNESS = 0.16  # of ripples
-MURK = 9.0  # m, how far one sees under water
+MURK = 9.0  # m, the range of sight under water
 
 
 @kernel
 def water_color(
-    world: World, look: GroundLook, place: Vector, way: Vector, sun: float, around: float, pixel: float
+    world: World,
+    appearance: GroundAppearance,
+    place: Vector,
+    direction: Vector,
+    sun: float,
+    ambient: float,
+    pixel: float,
 ) -> Color:
     """Return the colour of a water surface.
 
     Args:
         world: The static world.
-        look: Of its ground.
+        appearance: The appearance of its ground.
         place: m, on the surface.
-        way: Unit vector of the ray that arrives.
-        sun: Share of the sun's light that comes there, 0-1.
-        around: Light from all around, as ``lit`` takes it.
-        pixel: m, how large a pixel is there.
+        direction: Unit vector of the incoming ray.
+        sun: Share of the sun's light that reaches it, 0-1.
+        ambient: Ambient light, as for ``lit``.
+        pixel: m, the size of a pixel there.
     """
     depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
-    bed = ground_color(world, look, place, pixel)
+    bed = ground_color(world, appearance, place, pixel)
     clear = CLEAR / (CLEAR + depth)
-    body = lit(mixed(DEEP, bed, clear * clear), UP, 0.6 + 0.4 * sun, around)
+    body = lit(mixed(DEEP, bed, clear * clear), UP, 0.6 + 0.4 * sun, ambient)
     normal = _rippled(place, pixel)
-    facing = clipped(-dot(way, normal), 0.0, 1.0)
+    facing = clipped(-dot(direction, normal), 0.0, 1.0)
     # Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Eurographics 1994.
     rest = 1.0 - facing
     reflected = 0.02 + 0.98 * rest * rest * rest * rest * rest
     mirrored = (
-        way[0] + 2.0 * facing * normal[0],
-        max(0.02, way[1] + 2.0 * facing * normal[1]),
-        way[2] + 2.0 * facing * normal[2],
+        direction[0] + 2.0 * facing * normal[0],
+        max(0.02, direction[1] + 2.0 * facing * normal[1]),
+        direction[2] + 2.0 * facing * normal[2],
     )
     return mixed(body, sky(mirrored), min(0.75, reflected))
 

@@ -1,1 +1,1 @@
-"""How the rays of an image find what they meet: see ``rendering.trace``."""
+"""The implementation of ``rendering.trace``: how the rays of an image find their hits."""

@@ -1,6 +1,6 @@
-"""What of the world can lie on which pixels of a camera.
+"""The view frustum of a camera: which pixels a part of the world may cover.
 
-Everything here is cautious: a pixel that is left out surely misses, one that is named may miss.
+Everything here is conservative: rays of pixels that are left out certainly miss, others may hit.
 """
 
 from typing import NamedTuple
@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel
 
-NEAREST = 1e-9  # m before the camera, what is nearer or behind has no place on the image
+NEAREST = 1e-9  # m ahead of the camera; nearer points and points behind have no position on the image
 TOUCH = 1e-6  # m
-MARGIN = 1e-3  # pixels by which everything is taken to be larger, for what is rounded
+MARGIN = 1e-3  # pixels by which everything is enlarged to allow for rounding
 
 
 Point = tuple[float, float, float]  # m
 
 
 class Camera(NamedTuple):
-    """A pinhole at one place, looking one way."""
+    """A pinhole camera at one place, looking in one direction."""
 
     x: float  # m
     y: float
@@ -29,18 +29,18 @@ class Camera(NamedTuple):
     cos_yaw: float
     sin_pitch: float
     cos_pitch: float
-    scale: float  # pixels a unit of tangent
+    scale: float  # pixels per unit of tangent
     width: int  # pixels
     height: int
-    half_width: float  # tangents of half of what it sees
+    half_width: float  # tangents of half the fields of view
     half_height: float
-    slant_x: float  # how much wider a ball seems at the image's left and right edge; and top and bottom
-    slant_y: float
-    far: float  # m along a ray, beyond which nothing is met
+    slant_x: float  # how much wider a sphere seems at the left and right edges of the image
+    slant_y: float  # the same at the top and bottom
+    far: float  # m along a ray, the greatest distance of a hit
 
 
 class Rectangle(NamedTuple):
-    """Pixels of an image; none if left is not less than right."""
+    """A rectangle of pixels; empty unless ``left`` is less than ``right``."""
 
     left: int
     right: int  # one past the last column
@@ -49,9 +49,9 @@ class Rectangle(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """What some points span in a camera's own axes (right, above, ahead) and on its image (tangents)."""
+    """The bounds of some points in a camera's axes (right, above, ahead) and on its image (tangents)."""
 
-    left: float  # tangents, of points ahead only
+    left: float  # tangents, of the points ahead only
     right: float
     lowest: float
     highest: float
@@ -64,10 +64,10 @@ class Outline(NamedTuple):
 
 
 @inlined_kernel
-def natural(number: int) -> int:
-    """Return a number that is from 0 to 2³¹ - 1 anyway, so that the compiler knows.
+def nonnegative(number: int) -> int:
+    """Return a number known to lie between 0 and 2³¹ - 1, in a form that shows the compiler that it does.
 
-    Else each index is looked at, whether it is negative and so counts from an array's end.
+    Otherwise each index would be checked for being negative, which in Python counts from an array's end.
     """
     return number & 0x7FFFFFFF
 
@@ -82,7 +82,7 @@ def camera_at(
     height: int,
     far: float,
 ) -> Camera:
-    """Return the camera at an eye (3,) m, by angles in degrees and the tangent of half its view's width."""
+    """Return the camera at an eye (3,) m, with angles in degrees; see ``Cameras`` for the half width."""
     half_height = half_width * height / width
     return Camera(
         eye[0],
@@ -104,14 +104,14 @@ def camera_at(
 
 
 @inlined_kernel
-def in_its_axes(camera: Camera, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return a point of the world as m to the camera's right, above it and ahead of it."""
-    return turned(camera, x - camera.x, y - camera.y, z - camera.z)
+def point_in_camera_axes(camera: Camera, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a point of the world in the camera's axes: m to its right, above it and ahead of it."""
+    return to_camera_axes(camera, x - camera.x, y - camera.y, z - camera.z)
 
 
 @inlined_kernel
-def turned(camera: Camera, east: float, up: float, north: float) -> tuple[float, float, float]:
-    """Return the way from a camera to a point in the camera's own axes: right, above, ahead."""
+def to_camera_axes(camera: Camera, east: float, up: float, north: float) -> tuple[float, float, float]:
+    """Return the vector from a camera to a point in the camera's axes: right, above, ahead."""
     level = camera.sin_yaw * east + camera.cos_yaw * north
     return (
         camera.cos_yaw * east - camera.sin_yaw * north,
@@ -122,17 +122,17 @@ def turned(camera: Camera, east: float, up: float, north: float) -> tuple[float,
 
 @inlined_kernel
 def may_show(camera: Camera, x: float, y: float, z: float, radius: float) -> bool:
-    """Return whether a ball in the world, m, reaches into the pyramid that the camera sees."""
-    right, above, ahead = in_its_axes(camera, x, y, z)
-    beside = abs(right) - camera.half_width * ahead - radius * camera.slant_x
+    """Return whether a sphere in the world, m, may reach into the view frustum."""
+    right, above, ahead = point_in_camera_axes(camera, x, y, z)
+    is_outside_view = abs(right) - camera.half_width * ahead - radius * camera.slant_x
     beyond = abs(above) - camera.half_height * ahead - radius * camera.slant_y
-    # One comparison: of several, some would often be guessed wrong by the processor.
-    return max(beside, beyond, -ahead - radius, ahead - camera.far - radius) <= 0.0
+    # A single comparison avoids branch mispredictions.
+    return max(is_outside_view, beyond, -ahead - radius, ahead - camera.far - radius) <= 0.0
 
 
 @inlined_kernel
-def beside(camera: Camera, a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Return whether four points in a camera's axes all lie on the outer side of one side of what it sees."""
+def is_outside_view(camera: Camera, a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Return whether four points in a camera's axes all lie outside one of the planes of its frustum."""
     wide, tall = camera.half_width, camera.half_height
     left = max(a[0] + wide * a[2], b[0] + wide * b[2], c[0] + wide * c[2], d[0] + wide * d[2])
     right = min(a[0] - wide * a[2], b[0] - wide * b[2], c[0] - wide * c[2], d[0] - wide * d[2])
@@ -142,15 +142,15 @@ def beside(camera: Camera, a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 @inlined_kernel
-def no_outline() -> Outline:
-    """Return the outline of no points."""
+def empty_outline() -> Outline:
+    """Return the bounds of no points."""
     most = np.inf
     return Outline(most, -most, most, -most, most, -most, most, -most, most, -most)
 
 
 @inlined_kernel
-def widened(outline: Outline, point: tuple[float, float, float]) -> Outline:
-    """Return an outline with one more point, in the camera's axes."""
+def extended(outline: Outline, point: tuple[float, float, float]) -> Outline:
+    """Return an outline extended by one more point, in the camera's axes."""
     x, y, z = point
     inverse = 1.0 / z
     u, v, is_ahead = x * inverse, y * inverse, z > NEAREST
@@ -170,9 +170,9 @@ def widened(outline: Outline, point: tuple[float, float, float]) -> Outline:
 
 @inlined_kernel
 def outline_of_box(camera: Camera, box: NDArray[np.float64]) -> Outline:
-    """Return the outline of a turned upright box (9,); see ``Shapes``."""
+    """Return the outline of a box (9,) rotated about its vertical axis; see ``Shapes``."""
     east, up, north = box[0] - camera.x, box[1] - camera.y, box[2] - camera.z
-    outline = no_outline()
+    outline = empty_outline()
     for corner in range(4):
         a, c = (1.0 if corner & 1 else -1.0), (1.0 if corner & 2 else -1.0)
         x, z = east + a * box[5] + c * box[7], north + a * box[6] + c * box[8]
@@ -184,27 +184,27 @@ def outline_of_box(camera: Camera, box: NDArray[np.float64]) -> Outline:
 def _with_edge(
     camera: Camera, outline: Outline, east: float, north: float, up: float, half: float
 ) -> Outline:
-    """Return an outline with the ends of an upright edge.
+    """Return an outline extended by the ends of a vertical edge.
 
-    Its middle is so many m away from the camera. What is right of the camera does not depend on the height,
-    since cameras do not roll.
+    The edge's middle is given in m from the camera. Its distance to the right does not depend on the height,
+    because cameras do not roll.
     """
-    right, above, ahead = turned(camera, east, up, north)
+    right, above, ahead = to_camera_axes(camera, east, up, north)
     rise, run = camera.cos_pitch * half, camera.sin_pitch * half
-    outline = widened(outline, (right, above + rise, ahead - run))
-    return widened(outline, (right, above - rise, ahead + run))
+    outline = extended(outline, (right, above + rise, ahead - run))
+    return extended(outline, (right, above - rise, ahead + run))
 
 
 @inlined_kernel
 def pixels_of(camera: Camera, outline: Outline) -> Rectangle:
-    """Return the pixels whose middles can lie in the convex hull of an outline's points."""
+    """Return the pixels whose centres may lie in the convex hull of an outline's points."""
     if _is_around_eye(outline):
         return Rectangle(0, camera.width, 0, camera.height)
     left, right, lowest, highest = outline.left, outline.right, outline.lowest, outline.highest
     if outline.farthest <= NEAREST:
         return Rectangle(0, 0, 0, 0)
     if outline.nearest <= NEAREST:
-        # What the plane at NEAREST cuts has its corners there, within the breadth of all points.
+        # The section by the plane at NEAREST lies within the bounds of all points.
         left, right = min(left, outline.x_least / NEAREST), max(right, outline.x_most / NEAREST)
         lowest, highest = min(lowest, outline.y_least / NEAREST), max(highest, outline.y_most / NEAREST)
     return pixels_between(camera, left, right, lowest, highest)
@@ -212,7 +212,7 @@ def pixels_of(camera: Camera, outline: Outline) -> Rectangle:
 
 @inlined_kernel
 def _is_around_eye(outline: Outline) -> bool:
-    """Return whether the eye may be in the hull of the points, or on it: then all rays meet it there."""
+    """Return whether the eye may be in or on the hull of the points: then all rays hit it there."""
     return (
         max(outline.x_least, outline.y_least, outline.nearest) <= TOUCH
         and min(outline.x_most, outline.y_most, outline.farthest) >= -TOUCH
@@ -221,7 +221,7 @@ def _is_around_eye(outline: Outline) -> bool:
 
 @inlined_kernel
 def pixels_between(camera: Camera, left: float, right: float, lowest: float, highest: float) -> Rectangle:
-    """Return the pixels whose middles lie between some tangents."""
+    """Return the pixels whose centres lie between some tangents."""
     half_width, half_height = camera.width * 0.5, camera.height * 0.5
     first = max(0.0, np.ceil(half_width + left * camera.scale - 0.5 - MARGIN))
     last = min(camera.width - 1.0, np.floor(half_width + right * camera.scale - 0.5 + MARGIN))
@@ -236,18 +236,18 @@ def pixels_between(camera: Camera, left: float, right: float, lowest: float, hig
 def pixels_of_block(
     camera: Camera, east: float, north: float, side: float, low: float, high: float
 ) -> Rectangle:
-    """Return the pixels that an upright square prism can lie on.
+    """Return the pixels that an axis-aligned square prism may cover.
 
     Args:
         camera: The camera.
         east: m from it to the prism's south-western corner.
         north: m.
-        side: m, of the square.
+        side: m, side of the square.
         low: m, height of its bottom in the world.
         high: m, of its top.
     """
     up, half = 0.5 * (low + high) - camera.y, 0.5 * (high - low)
-    outline = no_outline()
+    outline = empty_outline()
     for corner in range(4):
         x = east + side if corner & 1 else east
         z = north + side if corner & 2 else north

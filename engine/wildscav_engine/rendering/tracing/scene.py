@@ -1,6 +1,6 @@
-"""A world as images need it: blocks of cells, and all that stands in them, with balls around everything.
+"""A world prepared for tracing: blocks of cells, the solids in them, and bounding spheres.
 
-Made when somebody first looks, so it is no part of a map and of its digest.
+It is created on first use and belongs neither to a map's data nor to its digest.
 """
 
 from typing import NamedTuple
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel
 from wildscav_engine.geometry.world import BLOCK, CELL, World
+from wildscav_engine.rendering.tracing.coarse_projection import NEVER_SEEN, ROUNDED, SLACK
 from wildscav_engine.rendering.tracing.packing import (
     CORNERS,
     GROUP,
@@ -20,27 +21,26 @@ from wildscav_engine.rendering.tracing.packing import (
     Shapes,
     pack_scene,
 )
-from wildscav_engine.rendering.tracing.rough import NEVER_SEEN, ROUNDED, SLACK
 from wildscav_engine.rendering.tracing.solids import Solids, shapes_of, solids_of_world
-from wildscav_engine.rendering.tracing.workspace import Rooms
+from wildscav_engine.rendering.tracing.workspace import Workspaces
 
 NO_MEMBER = -1
 
 
 class Scene(NamedTuple):
-    """What images of a world are made from."""
+    """A world with everything that tracing needs."""
 
     world: World
-    solids: Solids  # of the world, as it counts them
-    packed: Packed  # for kernels: the same in the order of blocks, so that neighbours lie together
-    rooms: Rooms  # where they are made
+    solids: Solids  # of the world, in its order
+    packed: Packed  # for kernels: the same in the order of blocks, for locality
+    workspaces: Workspaces  # the workspaces to trace in
 
 
 def scene_of(world: World) -> Scene:
-    """Prepare a world for images."""
+    """Prepare a world for tracing."""
     solids = solids_of_world(world)
     start, members = _members_of_blocks(world)
-    # In the order of the blocks that they are in first; what is in none is never seen.
+    # In the order of the first block of each solid; solids in no block are never visible.
     _, first = np.unique(members, return_index=True)
     order = members[np.sort(first)]
     place = np.zeros(len(solids.kind), np.int64)
@@ -66,7 +66,7 @@ def scene_of(world: World) -> Scene:
         world.water.shape[1],
         _overhangs(world),
     )
-    return Scene(world, solids, pack_scene(blocks, shapes), Rooms())
+    return Scene(world, solids, pack_scene(blocks, shapes), Workspaces())
 
 
 def _overhangs(world: World) -> bool:
@@ -77,7 +77,7 @@ def _overhangs(world: World) -> bool:
 
 
 def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[np.float64]:
-    """Return (B, side * side) values of each block; beyond the map, the last ones again."""
+    """Return (B, side * side) values of each block; beyond the map, the outermost values are repeated."""
     block_rows, block_columns = world.block_top.shape
     within = np.arange(side)
     rows = np.minimum(BLOCK * np.arange(block_rows)[:, None] + within, values.shape[0] - 1)
@@ -89,7 +89,7 @@ def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[
 def _balls_of_blocks(
     world: World, spans: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return how high the middles of blocks are, and the radii of balls around them, (B,) m each."""
+    """Return the heights of the blocks' middles and the radii of their bounding spheres, (B,) m each."""
     surface = _in_blocks(world, world.water, BLOCK).max(axis=1)  # -inf where all is dry
     low, high = np.minimum(spans[:, 0], spans[:, 2]), np.maximum(spans[:, 1], spans[:, 3])
     high = np.maximum(high, surface)
@@ -98,14 +98,14 @@ def _balls_of_blocks(
 
 
 def _rounded_up(radii: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Return radii in m that hold even what is rounded."""
+    """Return radii in m enlarged to allow for rounding."""
     return (radii * (1.0 + ROUNDED) + SLACK).astype(np.float32)
 
 
 def _in_groups(
     start: NDArray[np.int64], members: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return where each block's groups start, and the members in groups of eight, -1 where there is none."""
+    """Return where each block's groups start, and the members in groups of eight, padded with -1."""
     counts = np.diff(start)
     group_start = np.concatenate([np.zeros(1, np.int64), np.cumsum(-(-counts // LANES))])
     grouped = np.full(LANES * group_start[-1], NO_MEMBER)
@@ -121,7 +121,7 @@ def _groups_of(
     group_start: NDArray[np.int64],
     grouped: NDArray[np.int64],
 ) -> NDArray[np.float32]:
-    """Return (G, 72) groups; see ``Blocks``. The lowest ground of each block is given, (B,) m."""
+    """Return (G, 72) groups; see ``Blocks``. ``ground`` is the lowest ground of each block, (B,) m."""
     columns = world.block_top.shape[1]
     boxes = np.zeros((len(grouped), 9))
     is_one = grouped != NO_MEMBER
@@ -137,7 +137,7 @@ def _groups_of(
 
 @array_kernel
 def _members_of_blocks(world: World) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return where each block's members start, and the members, each once a block."""
+    """Return where each block's members start, and the members, each once per block."""
     rows, columns = world.water.shape
     block_rows, block_columns = world.block_top.shape
     start = np.zeros(block_rows * block_columns + 1, np.int64)
@@ -162,7 +162,7 @@ def _members_of_blocks(world: World) -> tuple[NDArray[np.int64], NDArray[np.int6
 def _spans_of_blocks(
     world: World, solids: Solids, start: NDArray[np.int64], members: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return (B, 4) m: lowest and highest ground and members of each block; of no members inf and -inf."""
+    """Return (B, 4) m: lowest and highest ground and members of each block; inf and -inf without members."""
     ground = _in_blocks(world, world.heights, CORNERS)
     block = np.repeat(np.arange(len(ground)), np.diff(start))
     low, high = np.full(len(ground), np.inf), np.full(len(ground), -np.inf)

@@ -1,4 +1,4 @@
-"""Convex solids with their corners, as images need them: those of a world, and those that move in it."""
+"""Convex solids with their corners, as tracing needs them: those of a world and the moving ones."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,14 +12,14 @@ from wildscav_engine.geometry.world import Solid, World
 from wildscav_engine.rendering.tracing.packing import Shapes
 
 NO_OWNER = -1
-UPRIGHT = 1e-6  # upward part of the unit normal of an upright face, at the most
+UPRIGHT = 1e-6  # greatest upward part of the unit normal of an upright face
 
 
 class Solids(NamedTuple):
     """S convex solids with F faces and C corners in all."""
 
     kind: NDArray[np.int8]  # (S,) a Kind
-    owner: NDArray[np.int32]  # (S,) the viewer whose own body this is, and who does not see it, or NO_OWNER
+    owner: NDArray[np.int32]  # (S,) the viewer whose own body this is, which does not see it, or NO_OWNER
     low: NDArray[np.float64]  # (S, 3) m, least corner of the box around a solid
     high: NDArray[np.float64]  # (S, 3) m, greatest corner
     face_start: NDArray[np.int64]  # (S + 1,) where each solid's faces start in faces
@@ -46,7 +46,7 @@ def solids_of_world(world: World) -> Solids:
 
 
 def gather_solids(solids: Sequence[Solid], owners: Sequence[int] | None = None) -> Solids:
-    """Return some solids as arrays; nobody owns them if no owners are given."""
+    """Return solids as arrays; without ``owners`` they have none."""
     corners = [polyhedron(solid.planes)[0] for solid in solids]
     return Solids(
         np.array([solid.kind for solid in solids], np.int8),
@@ -61,12 +61,12 @@ def gather_solids(solids: Sequence[Solid], owners: Sequence[int] | None = None) 
 
 
 def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.integer]) -> Shapes:
-    """Return some solids as kernels take them.
+    """Return some solids in the form for kernels.
 
     Args:
-        solids: All.
-        order: (N,) those that are wanted, in which order.
-        names: (N,) whole numbers that go with them.
+        solids: All solids.
+        order: (N,) indices of the wanted solids, in the wanted order.
+        names: (N,) integers to name them by.
     """
     corners, corner_start = _picked(solids.corners, solids.corner_start, order)
     faces, face_start = _picked(solids.faces, solids.face_start, order)
@@ -75,7 +75,7 @@ def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.intege
 
 
 def all_shapes_of(solids: Solids) -> Shapes:
-    """Return all of some solids as kernels take them, named by their owners."""
+    """Return all solids in the form for kernels, named by their owners."""
     return _as_shapes(solids, solids.owner.astype(np.int64), solids.face_start[:-1])
 
 
@@ -93,7 +93,7 @@ def _box_in(
     corner_start: NDArray[np.int64],
     boxes: NDArray[np.float64],
 ) -> None:
-    """Write an upright box around each solid, turned like its first upright face; see ``Shapes``."""
+    """Write a bounding box of each solid, rotated like its first upright face; see ``Shapes``."""
     for solid in range(boxes.shape[0]):
         sine, cosine = 0.0, 1.0  # of the box's yaw
         for face in range(face_start[solid], face_start[solid + 1]):
@@ -121,7 +121,7 @@ def _box_in(
 def _picked(
     values: NDArray[np.float64], start: NDArray[np.int64], order: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the parts of some values that belong to what is in an order, and where these parts start."""
+    """Return the values of the solids in an order, and where the values of each start."""
     counts = (start[1:] - start[:-1])[order]
     picked = _starts(counts)
     rows = np.arange(picked[-1]) + np.repeat(start[order] - picked[:-1], counts)

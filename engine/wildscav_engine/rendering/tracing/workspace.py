@@ -1,4 +1,4 @@
-"""Room to make images in, kept for the next ones: to make it takes longer than a small image."""
+"""Workspaces for tracing images, cached because allocating one takes longer than tracing a small image."""
 
 import threading
 from typing import NamedTuple
@@ -7,33 +7,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import ArrayTable, addresses_of, expect, reader
-from wildscav_engine.rendering.tracing.canvas import allocate_rays, allocate_strips
-from wildscav_engine.rendering.tracing.image import allocate_desk
+from wildscav_engine.rendering.tracing.front_to_back import allocate_scratch
+from wildscav_engine.rendering.tracing.hit_buffer import allocate_rays, allocate_strips
 from wildscav_engine.rendering.tracing.packing import Packed, pack_nothing
 
-KEPT = 8  # rooms of a thread and a scene
-MOST_KEPT = 2**16  # rays of an image whose room is kept
+MOST_CACHED = 8  # workspaces per thread and scene
+LARGEST_CACHED = 2**16  # rays of the largest image whose workspace is cached
 
 
 class Size(NamedTuple):
-    """What room for an image depends on."""
+    """The size of an image and of its moving solids, which a workspace depends on."""
 
     height: int  # pixels
     width: int  # pixels
     half_width: float  # see ``Cameras``
-    most_faces: int = 0  # of one of the solids that move in it
+    most_faces: int = 0  # of any moving solid
 
 
-class Room(NamedTuple):
-    """Room for the images of one size, of one scene."""
+class Workspace(NamedTuple):
+    """The arrays for tracing images of one size in one scene."""
 
     numbers: NDArray[np.float64]  # the scene; see ``Packed``
     indices: NDArray[np.int64]
-    halves: NDArray[np.float32]
-    rays: NDArray[np.float64]  # the image; see ``canvas_on``
+    float32s: NDArray[np.float32]
+    rays: NDArray[np.float64]  # the image; see ``hit_buffer_in``
     met: NDArray[np.int32]
     strips: NDArray[np.float64]
-    sketch: NDArray[np.float32]  # from here on, see ``Desk``
+    projection: NDArray[np.float32]  # from here to ``done``, see ``Scratch``
     boxes: NDArray[np.float32]
     outside: NDArray[np.float64]
     shown: NDArray[np.float32]
@@ -41,30 +41,30 @@ class Room(NamedTuple):
     rings: NDArray[np.int64]
     cells: NDArray[np.int64]
     done: NDArray[np.int64]
-    moving_numbers: NDArray[np.float64]  # what moves; see ``Packed``
+    moving_numbers: NDArray[np.float64]  # the moving solids; see ``Packed``
     moving_indices: NDArray[np.int64]
-    viewers: NDArray[np.int32]  # (N,) see ``Cameras``; none where nothing moves
+    viewers: NDArray[np.int32]  # (N,) see ``Cameras``; empty without moving solids
 
 
-def allocate_room(scene: Packed, size: Size) -> Room:
-    """Return room for images of a size in which nothing moves."""
+def allocate_workspace(scene: Packed, size: Size) -> Workspace:
+    """Return a workspace for images of a size, without moving solids."""
     nothing = pack_nothing()
-    return Room(
+    return Workspace(
         scene.numbers,
         scene.indices,
-        scene.halves,
+        scene.float32s,
         allocate_rays(size.height, size.width, size.half_width),
         np.empty(size.height * size.width, np.int32),
         allocate_strips(size.height, size.width),
-        *allocate_desk(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
+        *allocate_scratch(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
         nothing.numbers,
         nothing.indices,
         np.zeros(0, np.int32),
     )
 
 
-class Moving(NamedTuple):
-    """The last arrays of a room."""
+class MovingArrays(NamedTuple):
+    """The last three arrays of a workspace."""
 
     moving_numbers: NDArray[np.float64]
     moving_indices: NDArray[np.int64]
@@ -72,44 +72,44 @@ class Moving(NamedTuple):
 
 
 NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), 0, 0, 0)
-read_room = reader(allocate_room(NOWHERE, Size(1, 1, 1.0)))
-expect(Moving(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int32)))
+read_workspace = reader(allocate_workspace(NOWHERE, Size(1, 1, 1.0)))
+expect(MovingArrays(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int32)))
 
 
-class PlacedRoom(ArrayTable):
-    """A room, and where it lies."""
+class WorkspaceTable(ArrayTable):
+    """A workspace and the table of its addresses."""
 
-    def __init__(self, room: Room) -> None:
-        """Note where it lies."""
-        super().__init__(room)
-        self.tables = self.addresses[np.newaxis]  # (1, F, 6) as kernels take those of several images
+    def __init__(self, workspace: Workspace) -> None:
+        """Store the addresses of the arrays."""
+        super().__init__(workspace)
+        self.tables = self.addresses[np.newaxis]  # (1, F, 6) in the form that kernels take for several images
 
     def with_moving(self, moving: Packed, viewers: NDArray[np.int32]) -> NDArray[np.int64]:
-        """Return ``tables`` of the same room with what moves, and who looks; both are not kept alive."""
+        """Return ``tables`` with moving solids and viewers; the caller must keep both alive."""
         tables = self.tables.copy()
-        tables[0, -3:] = addresses_of(Moving(moving.numbers, moving.indices, viewers))
+        tables[0, -3:] = addresses_of(MovingArrays(moving.numbers, moving.indices, viewers))
         return tables
 
 
-class Rooms(threading.local):
-    """The rooms of one scene, each thread's own."""
+class Workspaces(threading.local):
+    """The cached workspaces of one scene, separate for each thread."""
 
     def __init__(self) -> None:
-        self.kept: dict[Size, PlacedRoom] = {}
+        self.cached: dict[Size, WorkspaceTable] = {}
 
-    def __reduce__(self) -> tuple[type["Rooms"], tuple[()]]:
-        """Copy and pickle as what is empty."""
-        return Rooms, ()
+    def __reduce__(self) -> tuple[type["Workspaces"], tuple[()]]:
+        """Copies and pickles are empty."""
+        return Workspaces, ()
 
-    def of(self, scene: Packed, size: Size) -> PlacedRoom:
-        """Return room for images of a size, of the scene, which is always the same."""
-        return self.kept.get(size) or self.make(scene, size)
+    def of(self, scene: Packed, size: Size) -> WorkspaceTable:
+        """Return the workspace for images of a size; ``scene`` is always the same one."""
+        return self.cached.get(size) or self.make(scene, size)
 
-    def make(self, scene: Packed, size: Size) -> PlacedRoom:
-        """Make room that is not kept yet."""
-        room = PlacedRoom(allocate_room(scene, size))
-        if size.height * size.width <= MOST_KEPT:
-            if len(self.kept) >= KEPT:
-                self.kept.clear()
-            self.kept[size] = room
-        return room
+    def make(self, scene: Packed, size: Size) -> WorkspaceTable:
+        """Allocate a workspace that is not cached yet."""
+        workspace = WorkspaceTable(allocate_workspace(scene, size))
+        if size.height * size.width <= LARGEST_CACHED:
+            if len(self.cached) >= MOST_CACHED:
+                self.cached.clear()
+            self.cached[size] = workspace
+        return workspace

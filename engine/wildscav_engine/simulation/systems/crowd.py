@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.squares import Squares, link, square_of, squares_around, squares_over
+from wildscav_engine.geometry.linked_grid import Squares, link, square_of, squares_around, squares_over
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import Agents, Matches, squares_for
 from wildscav_engine.specs.actions import MAX_WALK_SPEED
@@ -19,9 +19,8 @@ from wildscav_engine.specs.rules import FRAME
 
 LAG = MAX_WALK_SPEED * FRAME + 1e-6  # m in x and in z that an agent may be from where it was indexed
 
-TOUCH = (
-    2.0 * BODY_RADIUS + 3.0 * MAX_WALK_SPEED * FRAME
-)  # m in x and in z, nobody touches one farther in a frame
+# m in x and in z, nobody touches one farther in a frame
+TOUCH = 2.0 * BODY_RADIUS + 3.0 * MAX_WALK_SPEED * FRAME
 
 _squares_for = kernel(squares_for)
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import Stream, Word, integer_in
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.squares import Squares, link, square_of, squares_around
+from wildscav_engine.geometry.linked_grid import Squares, link, square_of, squares_around
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.simulation.systems.crowd import crowd_of

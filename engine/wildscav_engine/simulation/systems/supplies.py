@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import exponential
 from wildscav_engine.arithmetic.random_numbers import Stream, Word, integer_in, uniform
 from wildscav_engine.compilation.kernel import array_kernel, inlined_kernel, kernel
-from wildscav_engine.geometry.squares import Squares, link, square_of, squares_around, squares_over, unlink
+from wildscav_engine.geometry.linked_grid import (
+    Squares,
+    link,
+    square_of,
+    squares_around,
+    squares_over,
+    unlink,
+)
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.simulation.digest import digest_box
 from wildscav_engine.simulation.state import BOX_SQUARES, Agents, Matches, Supplies

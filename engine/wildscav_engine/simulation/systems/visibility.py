@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine, wrap
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.linked_grid import Squares, column_of, row_of, squares_around
 from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray, make_ray, meet_solid
-from wildscav_engine.geometry.squares import Squares, column_of, row_of, squares_around
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.simulation.systems.crowd import Crowd, crowd_of, index_agents

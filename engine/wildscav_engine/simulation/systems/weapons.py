@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.linked_grid import columns_along, row_of
 from wildscav_engine.geometry.rays import cast_ray
-from wildscav_engine.geometry.squares import columns_along, row_of
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches
 from wildscav_engine.simulation.systems.crowd import LAG, Crowd, crowd_of

@@ -10,7 +10,7 @@ from wildscav_engine.geometry.world import CELL, Kind, World
 from wildscav_engine.maps.export.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.palette import WATER, of_solids, shaded
-from wildscav_engine.rendering.shading.ground import ground_look
+from wildscav_engine.rendering.shading.ground import ground_appearance
 from wildscav_engine.view.recording import colors, frame
 
 # The layers of solids, each to be shown or hidden by itself.
@@ -60,11 +60,11 @@ def _flat_shaded(mesh: Mesh, base: NDArray[np.float64]) -> rr.Mesh3D:
 
 def _terrain(world: World) -> rr.Mesh3D:
     mesh = terrain_mesh(world)
-    look = ground_look(world)
+    appearance = ground_appearance(world)
     return rr.Mesh3D(
         vertex_positions=frame.points(mesh.vertices),
         triangle_indices=frame.triangles(mesh.triangles),
-        vertex_colors=shaded(look.color.reshape(-1, 3), look.normal.reshape(-1, 3)),
+        vertex_colors=shaded(appearance.color.reshape(-1, 3), appearance.normal.reshape(-1, 3)),
     )
 
 

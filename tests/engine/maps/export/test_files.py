@@ -1,4 +1,4 @@
-"""Exported maps: other programs read back the very world that agents meet."""
+"""Exported maps: other programs read back exactly the world that agents play in."""
 
 import json
 from pathlib import Path
@@ -81,7 +81,7 @@ def test_what_a_ray_meets_from_above_is_in_the_mesh(game_map: GameMap, folder: P
 
 
 def highest_over(triangles: NDArray[np.float64], x: float, z: float) -> float:
-    """The greatest height of triangles, (T, 3, 3), over a point, by barycentric coordinates."""
+    """Return the greatest height of triangles, (T, 3, 3), over a point, by barycentric coordinates."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     area = (b[:, 0] - a[:, 0]) * (c[:, 2] - a[:, 2]) - (b[:, 2] - a[:, 2]) * (c[:, 0] - a[:, 0])
     a, b, c, area = (part[np.abs(area) > 1e-9] for part in (a, b, c, area))

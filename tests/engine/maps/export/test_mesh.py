@@ -26,7 +26,7 @@ def prism(sides: int, radius: float, height: float, kind: Kind) -> Solid:
 
 
 def rock(generator: np.random.Generator) -> Solid:
-    """Random planes around a point: up to twenty faces of all shapes."""
+    """Return a solid of random planes around a point: up to twenty faces of all shapes."""
     normals = generator.normal(size=(20, 3))
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     planes = np.concatenate([normals, generator.uniform(0.8, 1.2, (20, 1))], axis=1)
@@ -50,7 +50,7 @@ def normals(mesh: Mesh) -> NDArray[np.float64]:
 
 
 def is_closed(mesh: Mesh) -> bool:
-    """Every edge is run once each way: the surface has no hole and one outside."""
+    """Return whether every edge occurs once in each direction: the surface is closed."""
     edges = Counter((int(t[i]), int(t[(i + 1) % 3])) for t in mesh.triangles for i in range(3))
     return all(count == 1 and edges[b, a] == 1 for (a, b), count in edges.items())
 

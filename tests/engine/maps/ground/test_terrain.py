@@ -1,4 +1,4 @@
-"""Open country, lakes and level ground."""
+"""Natural relief, lakes and level ground."""
 
 from collections import deque
 from collections.abc import Iterable
@@ -28,7 +28,7 @@ def heights_of(seed: int = 0, **config: float) -> NDArray[np.float64]:
 
 
 def steepness(heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The steeper of the two triangles of each cell, as a tangent."""
+    """Return the steepness of the steeper triangle of each cell, as a tangent."""
     east, north = np.diff(heights, axis=1) / 2.0, np.diff(heights, axis=0) / 2.0
     return np.sqrt(np.maximum(east[:-1] ** 2 + north[:, 1:] ** 2, east[1:] ** 2 + north[:, :-1] ** 2))
 
@@ -38,26 +38,26 @@ def dry_cells(heights: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def parts(cells: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
-    """The connected parts of the true cells, the largest first."""
+    """Return the connected components of the true cells, the largest first."""
     left, found = cells.copy(), []
     for start in zip(*np.nonzero(cells), strict=True):
         if not left[start]:
             continue
-        part, waiting = np.zeros_like(cells), deque([start])
+        part, queue = np.zeros_like(cells), deque([start])
         left[start] = False
-        while waiting:
-            row, column = waiting.popleft()
+        while queue:
+            row, column = queue.popleft()
             part[row, column] = True
             for r, c in ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)):
                 if 0 <= r < cells.shape[0] and 0 <= c < cells.shape[1] and left[r, c]:
                     left[r, c] = False
-                    waiting.append((r, c))
+                    queue.append((r, c))
         found.append(part)
     return sorted(found, key=lambda part: -int(part.sum()))
 
 
 def connected_share(heights: NDArray[np.float64]) -> float:
-    """The share of dry ground that is in the largest part that can be walked (and waded)."""
+    """Return the share of dry ground in the largest component that can be walked (and waded)."""
     return float(parts(steepness(heights) < TOO_STEEP)[0][dry_cells(heights)].mean())
 
 
@@ -71,7 +71,7 @@ def test_hills_fit_the_size_of_the_map(size: int, least: float, most: float) -> 
 
 
 def test_small_maps_have_features_of_their_own_scale() -> None:
-    # What is left when the best plane is taken away still rises and falls by more than a body's height.
+    # The residual of the best-fitting plane still varies by more than a body's height.
     for seed in range(12):
         heights = heights_of(seed, size=60, water=0.0)
         row, column = np.indices(heights.shape)
@@ -125,7 +125,7 @@ def test_cliffs_of_rugged_land_are_higher_than_a_jump() -> None:
         ({"size": 60}, range(20), 0.85),
         ({"size": 100}, range(20), 0.85),
         ({"size": 300}, range(6), 0.85),
-        # Mountains ran right across the last four before ways were opened.
+        # In the last four, mountains ran right across the map before the ground was connected.
         ({"size": 100, "ruggedness": 1.0, "relief": 2.0}, (*range(10), 159, 214, 278, 343), 0.65),
         ({"size": 300, "ruggedness": 1.0, "relief": 2.0}, range(6), 0.65),
     ],
@@ -177,7 +177,7 @@ def test_the_same_seed_gives_the_same_bytes() -> None:
 
 
 def test_seeds_differ_in_structure_not_only_in_noise() -> None:
-    # Means of 50 × 50 m: where the uplands and the lowlands are. Those of two seeds have nothing in common.
+    # Means over 50 × 50 m show the uplands and lowlands. Those of two seeds are uncorrelated.
     blocks = [
         heights_of(seed, size=400)[:200, :200].reshape(8, 25, 8, 25).mean(axis=(1, 3)).ravel()
         for seed in range(16)
@@ -242,7 +242,7 @@ def test_the_ground_is_level_around_a_house_and_natural_far_away() -> None:
 def test_joins_of_two_houses_on_a_slope_can_be_walked(
     slope: float, direction: float, lift: float, gap: float, levels: float
 ) -> None:
-    """Up to 40° wherever the ground itself is under 22°, and the houses' levels under 0.3 m per m apart."""
+    """Joins are up to 40° steep where the ground is under 22° and the levels differ by under 0.3 m per m."""
     row, column = np.indices((71, 71)) * 2.0 - 70.0
     heights = slope * (np.cos(direction) * column + np.sin(direction) * row)
     footprints = np.array(

@@ -1,4 +1,4 @@
-"""One house on level ground, for tests of what houses are like."""
+"""One house on level ground, for tests of houses."""
 
 import numpy as np
 
@@ -26,5 +26,5 @@ class BuiltHouse:
         )
 
     def height(self, level: int) -> float:
-        """Height of a floor in m."""
+        """Return the height of a floor in m."""
         return FLOOR_LIFT + level * STOREY_HEIGHT

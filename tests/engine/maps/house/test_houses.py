@@ -1,4 +1,4 @@
-"""Houses that are built: their openings and stairs are open, and maps know where they are."""
+"""Built houses: their openings and stairs are open, and maps know their positions."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.house import FLOOR_LIFT, Opening, Wall, doorsteps, draw_plan, house_of
-from wildscav_engine.maps.house.builder import around_hole
+from wildscav_engine.maps.house.box_builder import around_hole
 from wildscav_engine.maps.house.plan import Roof
 from wildscav_engine.maps.house.roof import can_be_walked_to
 from wildscav_engine.maps.house.stairs import RISE
@@ -29,7 +29,7 @@ def house(request: pytest.FixtureRequest) -> BuiltHouse:
 
 
 def openings_of(house: BuiltHouse) -> list[tuple[float, Wall, Opening]]:
-    """All openings, each with the height of its floor and its wall."""
+    """Return all openings, each with the height of its floor and its wall."""
     return [
         (house.height(level), wall, opening)
         for level, storey in enumerate(house.plan.storeys)
@@ -89,7 +89,7 @@ def test_there_is_head_room_over_every_step_and_landing(house: BuiltHouse) -> No
 
 
 def test_nobody_falls_off_a_roof_or_into_stairs_by_walking(house: BuiltHouse) -> None:
-    """A ray at knee height outwards from every roof that one may walk on is stopped on all sides."""
+    """A ray at knee height outwards from every walkable roof is stopped on all sides."""
     for number, wing in enumerate(house.plan.wings):
         if not can_be_walked_to(house.plan, number):
             continue

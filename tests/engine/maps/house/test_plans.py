@@ -1,4 +1,4 @@
-"""Plans of houses: what holds for every one that can be drawn."""
+"""House plans: properties of every plan that can be drawn."""
 
 import pytest
 from hypothesis import given, settings
@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.house import HousePlan, Side, Storey, draw_plan
-from wildscav_engine.maps.house.furniture import ELSE, ROOMS, overlap
+from wildscav_engine.maps.house.furniture import ROOMS, SUBSTITUTES, overlap
 from wildscav_engine.maps.house.plan import (
-    CLEAR_WAY,
     DOOR_HEIGHT,
     DOOR_WIDTH,
     INNER_WALL,
     NARROWEST_ROOM,
+    PASSAGE_WIDTH,
     WINDOW_SILL,
     WINDOW_TOP,
     Opening,
@@ -49,7 +49,7 @@ def is_within(inner: Rectangle, outer: Rectangle) -> bool:
 
 
 def sides_of(wall: Wall, opening: Opening, depth: float) -> list[Rectangle]:
-    """The clear ways before and behind a doorway."""
+    """Return the areas that must be free in front of and behind a doorway."""
     left, back, right, front = wall.outline
     if wall.is_across:
         return [
@@ -63,7 +63,7 @@ def sides_of(wall: Wall, opening: Opening, depth: float) -> list[Rectangle]:
 
 
 def beyond(area: Rectangle, side: Side, depth: float) -> Rectangle:
-    """What lies before a side of a rectangle."""
+    """Return the strip outside a side of a rectangle."""
     left, back, right, front = area
     return {
         Side.FRONT: Rectangle(left, front, right, front + depth),
@@ -78,7 +78,7 @@ def doorways_of(storey: Storey) -> list[tuple[Wall, Opening]]:
 
 
 def rooms_joined(storey: Storey) -> list[tuple[int, int]]:
-    """The rooms on both sides of each doorway."""
+    """Return the rooms on both sides of each doorway."""
     joined = []
     for wall, door in doorways_of(storey):
         found = []
@@ -102,7 +102,7 @@ def test_rooms_fill_the_house_without_overlapping(plan: HousePlan) -> None:
         for number, room in enumerate(storey.rooms):
             assert any(is_within(room.area, inside) for inside in insides(plan, level))
             narrow = min(room.area.right - room.area.left, room.area.front - room.area.back)
-            assert narrow >= (CLEAR_WAY if room.purpose == "corridor" else NARROWEST_ROOM) - NEARLY
+            assert narrow >= (PASSAGE_WIDTH if room.purpose == "corridor" else NARROWEST_ROOM) - NEARLY
             for other in storey.rooms[:number]:
                 assert not overlap(
                     shrunk(room.area, -INNER_WALL / 2.0), shrunk(other.area, -INNER_WALL / 2.0)
@@ -148,7 +148,7 @@ def test_doorways_and_stairs_are_clear_of_stairs_and_furniture(plan: HousePlan) 
         blocked = [piece.outline for piece in storey.furniture]
         stairs = [plan.stairs.well] if plan.stairs and (storey.stairs or storey.hole) else []
         for wall, door in doorways_of(storey):
-            for way in sides_of(wall, door, CLEAR_WAY):
+            for way in sides_of(wall, door, PASSAGE_WIDTH):
                 ways = [inside for inside in insides(plan, level) if overlap(way, inside)]
                 for other in blocked + (stairs if ways else []):
                     assert not overlap(way, other)
@@ -156,7 +156,7 @@ def test_doorways_and_stairs_are_clear_of_stairs_and_furniture(plan: HousePlan) 
             hall = next(room for room in storey.rooms if room.purpose == "hall")
             for piece in storey.furniture:
                 if overlap(piece.outline, hall.area):
-                    assert not overlap(piece.outline, shrunk(plan.stairs.well, -CLEAR_WAY))
+                    assert not overlap(piece.outline, shrunk(plan.stairs.well, -PASSAGE_WIDTH))
 
 
 @settings(max_examples=60, deadline=None)
@@ -167,7 +167,7 @@ def test_furniture_stands_in_rooms_and_apart(plan: HousePlan) -> None:
             (room,) = [room for room in storey.rooms if overlap(room.area, piece.outline)]
             assert is_within(piece.outline, room.area)
             wanted = ROOMS[room.purpose]
-            assert piece.name in (*wanted, *(ELSE.get(name) for name in wanted))
+            assert piece.name in (*wanted, *(SUBSTITUTES.get(name) for name in wanted))
             assert 1 <= len(piece.blocks) <= 2
             assert all(is_within(block.area, piece.outline) for block in piece.blocks)
             assert all(0.0 <= block.bottom < block.top < 2.3 for block in piece.blocks)
@@ -201,7 +201,7 @@ def test_every_storey_has_windows_clear_of_doors_and_of_walls_behind_them(plan: 
                 assert (opening.bottom, opening.top) == (WINDOW_SILL, WINDOW_TOP)
                 assert opening.width >= 0.75
                 for way in sides_of(wall, opening, 0.05):
-                    assert not any(overlap(way, bar.outline) for bar in (*storey.inner, *storey.outer))
+                    assert not any(overlap(way, wall.outline) for wall in (*storey.inner, *storey.outer))
                     if storey.stairs:
                         assert not overlap(way, storey.stairs.well)
             ends = [place for opening in wall.openings for place in (opening.start, opening.end)]
@@ -226,11 +226,11 @@ def test_stairs_lead_up_step_by_step_and_leave_room_at_both_ends(plan: HousePlan
     for flight in stairs.flights:
         across = flight.climbs.is_across
         wide, long = flight.outline.right - flight.outline.left, flight.outline.front - flight.outline.back
-        assert (wide if across else long) == pytest.approx(CLEAR_WAY)
+        assert (wide if across else long) == pytest.approx(PASSAGE_WIDTH)
         assert (long if across else wide) == pytest.approx(GOING * len(steps_of(flight)))
     first, last = stairs.flights[0], stairs.flights[-1]
     for end, side in ((first, first.climbs.opposite), (last, last.climbs)):
-        assert is_within(beyond(end.outline, side, CLEAR_WAY), stairs.hall)
+        assert is_within(beyond(end.outline, side, PASSAGE_WIDTH), stairs.hall)
     for storey in plan.storeys[1:]:
         assert storey.hole == stairs.well
 

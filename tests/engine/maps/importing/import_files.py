@@ -1,4 +1,4 @@
-"""Files to bring in, and what is said of them."""
+"""Files to import, and the errors about them."""
 
 from pathlib import Path
 
@@ -33,7 +33,7 @@ def heights_of(imported: Imported) -> NDArray[np.float64]:
 
 
 def refusal(action: object) -> str:
-    """What an action is refused with, if it is; other errors pass through."""
+    """Return the message with which an action is refused; other errors pass through."""
     try:
         action()  # type: ignore[operator]
     except BaseError as error:
@@ -55,7 +55,7 @@ def cuboid(low: tuple[float, float, float], high: tuple[float, float, float]) ->
 
 
 def in_file(mesh: Mesh) -> object:
-    """One of our meshes as it is exported: z mirrored."""
+    """Return one of our meshes as it is exported: z mirrored."""
     return trimesh.Trimesh(mesh.vertices * [1, 1, -1], mesh.triangles[:, ::-1], process=False)
 
 

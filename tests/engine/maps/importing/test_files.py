@@ -1,4 +1,4 @@
-"""Files of the wrong kind or damaged are refused; what we export comes back the same."""
+"""Files that are damaged or of the wrong type are refused; exported files come back the same."""
 
 import io
 from pathlib import Path
@@ -52,7 +52,7 @@ def test_an_obj_of_polygons_is_read(tmp_path: Path) -> None:
     path.write_text(CUBE)
     [solid] = import_mesh(path, centered=False).base.solids
 
-    assert solid.kind is Kind.FLOOR  # only the material tells
+    assert solid.kind is Kind.FLOOR  # only the material gives the kind
     assert corners_of(solid) == [0, 0, -2, 2, 3, 0]
     assert len(solid.planes) == 6
 
@@ -149,7 +149,7 @@ def test_an_exported_map_comes_back_the_same(name: str, country: GameMap, tmp_pa
     imported = import_mesh(tmp_path / name)
     world, base = country.world, imported.base
 
-    # A solid may have faces that only touch it, which its mesh has not: so corners are compared.
+    # Corners are compared, because a solid may have faces that only touch it, which its mesh lacks.
     planes = np.split(world.faces, world.solid_start[1:-1])
     corners = [polyhedron(of_solid)[0] for of_solid in planes]
     before = np.array(

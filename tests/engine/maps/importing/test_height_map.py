@@ -1,4 +1,4 @@
-"""Pictures become ground; what is no height map is refused."""
+"""Pictures become ground; files that are no height maps are refused."""
 
 from pathlib import Path
 
@@ -42,7 +42,7 @@ def test_a_plane_stays_a_plane_however_many_pixels_it_has(pixels: int, tmp_path:
     west_to_east = np.round(np.linspace(0, 65535, pixels)).astype(np.uint16)
     heights = heights_of(height_map(tmp_path / "a.png", np.tile(west_to_east, (pixels, 1))))
 
-    # At the edges only half of the pixels around a point are there.
+    # At the edges, only half of the pixels around a point exist.
     inside = heights[:, 1:-1]
     assert inside == pytest.approx(np.tile(np.linspace(0.0, 10.0, 21)[1:-1], (21, 1)), abs=0.001)
     assert heights[0, 0] == pytest.approx(0.0, abs=0.2)

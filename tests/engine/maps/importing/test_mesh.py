@@ -1,4 +1,4 @@
-"""Meshes become ground and solids, the rest is refused."""
+"""Meshes become ground and solids; other files are refused."""
 
 from pathlib import Path
 

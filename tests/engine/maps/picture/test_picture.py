@@ -1,4 +1,4 @@
-"""Pictures of maps: what is seen from above, and that it stands in its place."""
+"""Pictures of maps: what is visible from above, and that it is at the right place."""
 
 import subprocess
 import sys
@@ -18,12 +18,12 @@ from wildscav_engine.maps.picture.draw import INDOOR_DOT
 from wildscav_engine.maps.picture.paint import STOREYS, contour_interval
 from wildscav_engine.maps.picture.raster import raster
 from wildscav_engine.maps.picture.sheet import BASE_WIDTH, lay_out, round_length
-from wildscav_engine.maps.picture.survey import (
-    Survey,
+from wildscav_engine.maps.picture.top_view import (
+    TopView,
     Window,
+    allocate_top_view,
+    cast_top_view,
     cuts_at,
-    empty_survey,
-    look_down,
     smooth_ground,
 )
 from wildscav_engine.specs.map_spec import MapConfig
@@ -34,7 +34,7 @@ HOUSE = House(center=(0.0, 0.0), size=(10.0, 10.0), yaw=0.0, ground=0.0, storeys
 
 
 def house_map(house: House = HOUSE) -> GameMap:
-    """A house without doors: two floors, a roof, walls of 0.5 m around, and a table upstairs."""
+    """Return a map with a doorless house: two floors, a roof, walls of 0.5 m, and a table upstairs."""
     solids = [box((-5, level, -5), (5, level + 0.1, 5), Kind.FLOOR) for level in (0, 3)]
     solids += [box((-5, 6, -5), (5, 6.2, 5), Kind.ROOF), box((-1, 3.1, -1), (1, 3.9, 1), Kind.FURNITURE)]
     for low, high in (((-5, -5), (5, -4.5)), ((-5, 4.5), (5, 5)), ((-5, -5), (-4.5, 5)), ((4.5, -5), (5, 5))):
@@ -44,14 +44,14 @@ def house_map(house: House = HOUSE) -> GameMap:
     return GameMap(plain.spec, plain.world, (house,), plain.indoor, plain.outdoor, houses)
 
 
-def survey(world: World, window: Window = WHOLE, cuts: NDArray[np.float64] | None = None) -> Survey:
-    seen = empty_survey(window.rows, window.columns)
-    look_down(world, world.water, 50.0, np.zeros((0, 9)) if cuts is None else cuts, window, seen)
+def survey(world: World, window: Window = WHOLE, cuts: NDArray[np.float64] | None = None) -> TopView:
+    seen = allocate_top_view(window.rows, window.columns)
+    cast_top_view(world, world.water, 50.0, np.zeros((0, 9)) if cuts is None else cuts, window, seen)
     return seen
 
 
 def at(x: float, z: float) -> tuple[int, int]:
-    """The sample of the whole window nearest to a place."""
+    """Return the sample of the whole window nearest to a place."""
     return int((SIZE / 2 - z) / 0.5), int((x + SIZE / 2) / 0.5)
 
 
@@ -79,14 +79,14 @@ def test_only_a_cut_opens_a_house() -> None:
         assert (seen.kind[at(4.7, 0)], seen.cut[at(4.7, 0)]) == (Kind.WALL, True)
         assert not seen.cut[at(0, 0)]
         assert seen.kind[at(5.5, 0)] == Kind.TERRAIN
-        assert seen.sunny[at(3, 0)]  # under a roof that is taken off
+        assert seen.sunny[at(3, 0)]  # under a roof that is removed
 
 
 def test_a_cut_follows_the_wings_of_a_turned_house() -> None:
     wings = (Rectangle(-5.0, -5.0, 5.0, 0.0), Rectangle(-5.0, 0.0, 0.0, 5.0))
     game_map = house_map(House((0.0, 0.0), (10.0, 10.0), 90.0, 0.0, 2, 3.0, wings=wings))
     seen = survey(game_map.world, cuts=cuts_at(game_map, 1))
-    # Turned by 90°, what was in front is in the east, and what was on the right is in the south.
+    # After a rotation by 90°, the front faces east and the right side south.
     assert seen.kind[at(3, -3)] == Kind.ROOF
     for place in ((-3, 3), (-3, -3), (3, 3)):
         assert seen.kind[at(*place)] == Kind.FLOOR, place

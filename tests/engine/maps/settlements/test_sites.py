@@ -1,4 +1,4 @@
-"""Where houses stand: in towns along streets or on farmsteads, never on each other, in water or on lanes."""
+"""Sites of houses: in towns along streets or on farmsteads, never overlapping, in water or on lanes."""
 
 import numpy as np
 import pytest
@@ -30,13 +30,13 @@ def sizes_of(houses: int, seed: int = 0, *, small: bool = False) -> Sizes:
 
 
 def level(size: int, slope: float = 0.0, water_level: float = -np.inf) -> Terrain:
-    """Level ground, or ground that rises eastwards through height 0."""
+    """Return level ground, or ground that rises eastwards through height 0."""
     across = np.arange(size // 2 + 1) * 2.0 - size / 2
     return Terrain((-size / 2, -size / 2), np.tile(across * slope, (len(across), 1)), water_level)
 
 
 def settled(seed: int = 0, **config: object) -> Settlement:
-    """Houses on generated ground."""
+    """Return houses on generated ground."""
     chosen = MapConfig.model_validate(config)
     return settle(chosen, seed, make_terrain(chosen, seed), sizes_of(chosen.houses, seed))
 
@@ -51,7 +51,7 @@ def distance_to_lanes(lanes: np.ndarray, x: float, z: float) -> float:
 
 
 def distance_to_nearest(sites: list[Site]) -> float:
-    """The mean distance from a house to the next, m."""
+    """Return the mean distance in m from a house to the nearest other."""
     middles = np.array([(site.pose.x, site.pose.z) for site in sites])
     apart = np.hypot(*(middles[:, None] - middles[None]).transpose(2, 0, 1))
     np.fill_diagonal(apart, np.inf)

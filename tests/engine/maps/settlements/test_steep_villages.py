@@ -1,4 +1,4 @@
-"""Villages on steep ground: no house is buried or hangs, and one gets into every room."""
+"""Villages on steep ground: no house is buried or hangs in the air, and every room can be entered."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def check_houses(game_map: GameMap) -> None:
 
 
 def lost_rooms(game_map: GameMap, house: House) -> list[int]:
-    """The rooms of a house where nobody can stand who has come from outside."""
+    """Return the rooms of a house that cannot be reached from outside."""
     x, y, z = game_map.indoor.T
     across, along = house.pose.inside(x, z)
     lost = []
@@ -104,7 +104,7 @@ def test_every_room_of_any_map_is_reached(hundred: int) -> None:
 
 @pytest.mark.parametrize(("gap", "fits"), [(20.0, 4.1), (40.0, 20.9), (87.0, 100.0)])
 def test_two_houses_keep_levels_that_the_ground_between_them_can_join(gap: float, fits: float) -> None:
-    """On the other side of a cliff, a house finds a level if the cliff is low enough for the gap."""
+    """A house on the other side of a cliff gets a level if the cliff is low enough for the gap."""
     size = (8.0, 8.0)
     one = np.array((-40.0, 0.0, 0.0, 1.0, size[0] / 2, size[1] / 2))
     other = one + np.array((gap + size[0], 0, 0, 0, 0, 0))
@@ -128,7 +128,7 @@ def test_the_room_of_a_join_grows_with_the_distance_and_has_no_limit_far_away() 
 
 
 def test_a_house_by_hand_between_two_that_are_too_far_apart_in_height_is_refused() -> None:
-    """The ground rises by 7 m at x = 9. All three houses are so near each other that they share a level."""
+    """The ground rises by 7 m at x = 9. All three houses are so close that they have to share a level."""
     side = np.arange(61) * 2.0 - 60.0
     terrain = Terrain((-60.0, -60.0), np.tile(np.where(side < 9.0, 0.0, 7.0), (61, 1)), -np.inf)
     houses = [Placement(kind="house", location=(x, 0.0), area=(8.0, 8.0)) for x in (-12.0, 16.0, 2.0)]

@@ -1,4 +1,4 @@
-"""Trees, bushes and rocks: how many, where, where not, and what they are to bodies, shots and sight."""
+"""Trees, bushes and rocks: their number and places, and how they affect bodies, shots and sight."""
 
 from collections import Counter
 from functools import lru_cache
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.rays import cast_ray
-from wildscav_engine.geometry.stacks import allocate_stacks, solids_of
+from wildscav_engine.geometry.ring_stacks import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
 from wildscav_engine.maps.ground.terrain import (
@@ -105,7 +105,7 @@ def one_of(species: int, key: int = 1, seed: int = 0) -> tuple[list[Solid], NDAr
     rows = np.zeros((1, COLUMNS))
     rows[0, SPECIES], rows[0, KEY] = species, key
     draw_size(np.uint64(seed), rows[0])
-    stacks = allocate_stacks(PARTS)
+    stacks = allocate_ring_stacks(PARTS)
     return solids_of(stacks, grow(rows, 1, stacks)), rows[0]
 
 
@@ -160,7 +160,7 @@ def test_one_walks_between_any_two_things_that_do_not_touch(seed: int) -> None:
     apart = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
     gaps = apart - rows[:, None, 2] - rows[None, :, 2]
 
-    # A circle is a bit wider than what is in it, so things of one cluster have gaps well below 0.5 m.
+    # A circle is slightly wider than its contents, so members of one cluster have gaps well below 0.5 m.
     group = np.arange(len(rows))
     for one, other in np.argwhere(np.triu(gaps < 0.3, 1)):
         group[group == group[other]] = group[one]
@@ -184,7 +184,7 @@ def test_trees_stand_in_woods_with_meadows_between(seed: int) -> None:
     trees = circles(country(seed, WOODS).solids, Kind.TRUNK)
     counts = np.histogram2d(trees[:, 0], trees[:, 1], bins=15, range=[(-150, 150)] * 2)[0]
 
-    assert counts.var() > 2 * counts.mean()  # scattered evenly, the two would be equal
+    assert counts.var() > 2 * counts.mean()  # with uniform scattering, the two would be equal
     assert (counts == 0).mean() > 0.3
 
 
@@ -245,7 +245,7 @@ def test_rocks_have_a_level_top_a_metre_across(species: int, key: int) -> None:
 
 
 def walk_at(species: int, *, jump: bool) -> float:
-    """How high a body stands after walking (and jumping) against a rock and stopping on its top, m."""
+    """Return the height in m of a body after walking (and jumping) against a rock and stopping on its top."""
     solids, row = one_of(species, 7)
     world = on_level_ground(solids)
     position = np.array([[0.0, 0.0, -row[RADIUS] - 0.8]])

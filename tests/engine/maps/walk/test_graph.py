@@ -1,4 +1,4 @@
-"""The walkable graph: rulings on what a body can walk, climb, drop and jump to, in small worlds by hand."""
+"""The walkable graph: what a body can walk, climb, drop and jump to, in small handmade worlds."""
 
 from collections.abc import Sequence
 
@@ -27,7 +27,7 @@ def block(low: Sequence[float], high: Sequence[float]) -> Solid:
 
 
 def across(height: float, kind: Kind = Kind.WALL) -> Solid:
-    """A wall from edge to edge of the map."""
+    """Return a wall from edge to edge of the map."""
     return box((-0.3, 0, -20), (0.3, height, 20), kind)
 
 
@@ -68,7 +68,7 @@ def test_a_gap_in_a_wall_is_found_wherever_it_lies(width: float, passes: bool, m
         assert path is not None
         assert path.length == pytest.approx(20.0, abs=0.1)
     else:
-        # What is wider than a body by a hair may be found or not; what is narrower never is.
+        # Gaps barely wider than a body may or may not be found; narrower ones never are.
         assert path is None or width > 0.9
 
 
@@ -81,7 +81,7 @@ def test_a_lintel_too_low_to_walk_under_closes_a_way() -> None:
 def test_who_drops_from_a_platform_without_stairs_cannot_come_back() -> None:
     graph = graph_of(block((-3, 0, -3), (3, 2.5, 3)), block((3, 0, -1), (4, 1.4, 1)))
     top = node_near(graph, (0.0, 2.501, 0.0), leave=True)
-    # Nobody walks or jumps up there, so no exploring body ever finds it.
+    # No body can walk or jump up there, so exploring never finds it.
     assert top is None
     assert not is_reached(graph, (0.0, 2.501, 0.0), distance=1.0)
 

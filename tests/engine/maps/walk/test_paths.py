@@ -1,4 +1,4 @@
-"""Paths hold: an agent that goes along them by the engine's own motion arrives, wherever they lead."""
+"""Paths are valid: an agent that follows one with the engine's own motion arrives."""
 
 import itertools
 import math
@@ -40,7 +40,7 @@ def try_map(config: MapConfig, seed: int) -> GameMap | None:
 
 
 def walk_between_places(game_map: GameMap, seed: int, paths: int) -> None:
-    """Go from random place to random place, indoors and out, at all speeds."""
+    """Walk between random places, indoors and outdoors, at all speeds."""
     dice = Dice(seed, Stream.TARGET)
     places = np.concatenate([game_map.outdoor, game_map.indoor])
     for number in range(paths):
@@ -92,7 +92,7 @@ Rectangle = tuple[float, float, float, float]  # m: least x and z, greatest x an
 
 
 def rectangles(seed: int) -> list[Rectangle]:
-    """Fourteen walls and blocks on 40 × 40 m."""
+    """Return fourteen walls and blocks on 40 × 40 m."""
     random = np.random.default_rng(seed)
     sides = random.uniform(0.3, 2.0, (14, 2))
     sides[np.arange(14), random.integers(0, 2, 14)] = random.uniform(0.5, 10.0, 14)
@@ -101,7 +101,7 @@ def rectangles(seed: int) -> list[Rectangle]:
 
 
 def cuts(start: Sequence[float], end: Sequence[float], block: Rectangle) -> bool:
-    """Whether a straight line leads through a rectangle; to touch it is allowed."""
+    """Return whether a straight line leads through a rectangle; touching it is allowed."""
     enter, leave = 0.0, 1.0
     for axis in range(2):
         way, low, high = end[axis] - start[axis], block[axis], block[axis + 2]
@@ -117,7 +117,7 @@ def cuts(start: Sequence[float], end: Sequence[float], block: Rectangle) -> bool
 def shortest_by_corners(
     blocks: list[Rectangle], start: Sequence[float], end: Sequence[float], room: float
 ) -> float:
-    """The length of the shortest way from corner to corner, which keeps ``room`` m off the blocks."""
+    """Return the length of the shortest path from corner to corner that stays ``room`` m off the blocks."""
     wide = [(x - room, z - room, to_x + room, to_z + room) for x, z, to_x, to_z in blocks]
     corners = [(x, z) for block in wide for x in block[::2] for z in block[1::2] if max(abs(x), abs(z)) < 19]
     points = [tuple(start), tuple(end), *corners]

@@ -1,4 +1,4 @@
-"""A body that walks by the engine's own motion, to show what can be walked."""
+"""A body that walks with the engine's own motion, to test what can be walked."""
 
 import math
 
@@ -11,7 +11,7 @@ from wildscav_engine.motion.body_motion import move
 from wildscav_engine.motion.collision import Bodies
 
 FRAMES = 20_000  # a leg takes less, even across a great map
-A_STEP = 0.25  # m; who is a centimetre off on stairs may stand one step higher or lower
+STEP_RISE = 0.25  # m; who is a centimetre off on stairs may stand one step higher or lower
 
 
 class Walker:
@@ -23,7 +23,7 @@ class Walker:
         self.rise, self.on_ground = 0.0, True
 
     def follow(self, path: Path, speed: float) -> bool:
-        """Go along a path, jumping where it says so, and return whether its end was reached."""
+        """Follow a path with its jumps, and return whether the end was reached."""
         return all(self._go(leg, speed) for leg in path.legs)
 
     def _go(self, leg: Leg, speed: float) -> bool:
@@ -32,7 +32,7 @@ class Walker:
             east, north = leg.end[0] - self.position[0, 0], leg.end[2] - self.position[0, 2]
             left = math.hypot(east, north)
             if left < 0.01 and self.on_ground and not jump:
-                return abs(self.position[0, 1] - leg.end[1]) <= A_STEP
+                return abs(self.position[0, 1] - leg.end[1]) <= STEP_RISE
             wanted = min(LEAP_SPEED if leg.leap else speed, left * 50.0)
             before = self.position.copy()
             self._move(math.degrees(math.atan2(east, north)) % 360.0, wanted, jump)

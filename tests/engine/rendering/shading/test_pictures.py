@@ -1,4 +1,4 @@
-"""Pictures show light as it falls: sun and shade, water, haze, corners; and the same bits everywhere."""
+"""Pictures show sunlight and shadow, water, haze and dark corners, with the same bits everywhere."""
 
 import os
 import subprocess
@@ -18,8 +18,8 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.light import SHADOW_REACH, sun_is_clear
 from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
-from wildscav_engine.rendering.shading.pixel_rays import place_on, view_of, way_of
-from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_WAY, haze
+from wildscav_engine.rendering.shading.pixel_rays import direction_of, point_along, view_of
+from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_DIRECTION, haze
 from wildscav_engine.rendering.trace import allocate_hits, trace
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
@@ -33,7 +33,7 @@ ONE = ColorCamera(width=1, height=1, far=1000.0, field_of_view=1.0)
 def look(
     game_map: GameMap, eye: Place, yaw: float, pitch: float = 0.0, camera: ColorCamera = ONE
 ) -> NDArray[np.float64]:
-    """The mean colour of one picture, (3,)."""
+    """Return the mean colour of one picture, (3,)."""
     return camera.render(game_map, [eye], [yaw], [pitch])[0].reshape(-1, 3).astype(float).mean(axis=0)
 
 
@@ -42,7 +42,7 @@ def with_solids(*solids: Solid, size: int = 80) -> GameMap:
 
 
 def lake() -> GameMap:
-    """Ground that sinks eastwards below water: 0.4 m a metre, water from x = 0 on."""
+    """Return ground that sinks eastwards below water: 0.4 m per m, with water from x = 0 on."""
     heights = np.tile(-0.4 * (np.arange(41) * 2.0 - 40), (41, 1))
     spots = np.array([[-10.0, 4.0, 0.0]])
     return map_from(build_world((-40.0, -40.0), heights, np.full((40, 40), 0.0), [], spots))
@@ -70,7 +70,7 @@ def test_the_sun_shines_where_a_ray_to_it_meets_nothing() -> None:
     random = np.random.default_rng(0)
     places = random.uniform((-32.0, world.heights.min() - 1.0, -32.0), (32.0, 12.0, 32.0), (3000, 3))
     clear = [sun_is_clear(world, (x, y, z)) for x, y, z in places]
-    free = [cast_ray(world, x, y, z, *SUN_WAY, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
+    free = [cast_ray(world, x, y, z, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
     assert clear == free
     assert 500 < sum(clear) < 2500
 
@@ -79,8 +79,8 @@ def test_what_moves_casts_a_shadow_too() -> None:
     ground = with_solids()
     thing = gather_solids([box((-0.5, 2.0, -0.5), (0.5, 3.0, 0.5), Kind.AGENT)])
     # From its middle at 2.5 m the sun's ray comes down here.
-    along = 2.5 / SUN_WAY[1]
-    eye = [-SUN_WAY[0] * along, 1.5, -SUN_WAY[2] * along]
+    along = 2.5 / SUN_DIRECTION[1]
+    eye = [-SUN_DIRECTION[0] * along, 1.5, -SUN_DIRECTION[2] * along]
     alone = ONE.render(ground, [eye], [0.0], [90.0])[0].astype(float).sum()
     shaded = ONE.render(ground, [eye], [0.0], [90.0], moving=thing)[0].astype(float).sum()
     assert shaded < 0.8 * alone
@@ -110,7 +110,7 @@ def test_an_eye_under_water_sees_no_farther_than_the_murk() -> None:
 
 def test_what_is_far_fades_to_the_colour_of_the_horizon() -> None:
     def wall(share: float) -> NDArray[np.float64]:
-        """A wall at a share of the reach, straight ahead."""
+        """Return the picture of a wall straight ahead, at a share of the range."""
         camera = ColorCamera(width=1, height=1, far=36.0 / share, field_of_view=1.0)
         return look(with_solids(box((-40, -1, 16), (40, 30, 18))), (0, 1, -20), 0.0, 0.0, camera)
 
@@ -123,8 +123,8 @@ def test_what_is_far_fades_to_the_colour_of_the_horizon() -> None:
 def test_the_sky_is_bluest_above_and_the_sun_is_where_the_light_comes_from() -> None:
     assert np.abs(np.array(haze((1.0, 0.0, 0.0))) - HORIZON).max() == 0.0
     assert haze((0.0, 1.0, 0.0))[0] < haze((0.8, 0.6, 0.0))[0] < HORIZON[0]
-    yaw = float(np.degrees(np.arctan2(SUN_WAY[0], SUN_WAY[2])))
-    pitch = -float(np.degrees(np.arcsin(SUN_WAY[1])))
+    yaw = float(np.degrees(np.arctan2(SUN_DIRECTION[0], SUN_DIRECTION[2])))
+    pitch = -float(np.degrees(np.arcsin(SUN_DIRECTION[1])))
     narrow = 2 * float(np.degrees(np.arccos(DISC)))
     sun = look(with_solids(), (0, 2, 0), yaw, pitch)
     assert sun.min() > 215
@@ -229,17 +229,17 @@ def test_colours_are_of_the_places_that_rays_met(yaw: float, pitch: float) -> No
     eye = (1.0, 2.0, 3.0)
     cameras = camera._cameras([eye], [yaw], [pitch], None)
     view = view_of(cameras, 0, 5, 7)
-    middle = way_of(view, 2, 3)
+    middle = direction_of(view, 2, 3)
     assert middle[1] == pytest.approx(-np.sin(np.radians(pitch)))
     assert middle[0] == pytest.approx(np.sin(np.radians(yaw)) * np.cos(np.radians(pitch)))
     hits = allocate_hits(1, 5, 7)
     trace(with_solids().scene, gather_solids([]), cameras, hits)
     for row in range(5):
         for column in range(7):
-            way = way_of(view, row, column)
+            way = direction_of(view, row, column)
             assert np.linalg.norm(way) == pytest.approx(1.0)
             if np.isfinite(hits.distance[0, row, column]):
-                met = place_on(eye, way, float(hits.distance[0, row, column]))
+                met = point_along(eye, way, float(hits.distance[0, row, column]))
                 assert met[1] == pytest.approx(0.0, abs=1e-4)
 
 

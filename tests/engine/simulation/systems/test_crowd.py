@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from tests.builders import act, box, flat_world, make_match, seen_now
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.geometry.linked_grid import squares_over
 from wildscav_engine.geometry.rays import cast_ray
-from wildscav_engine.geometry.squares import squares_over
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import NOBODY, Agents, squares_for
 from wildscav_engine.simulation.systems.crowd import TOUCH, gather_near

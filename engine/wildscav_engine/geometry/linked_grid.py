@@ -1,7 +1,7 @@
-"""A uniform grid of squares over a map, as linked lists of what lies in each.
+"""A uniform grid of squares over a map, with a linked list of the items in each square.
 
-Agents and supply boxes are found by it near a place, along a way or from near to far, so that nobody looks at
-all of them. A list's head and links hold numbers from 1 on, 0 ends it: arrays of zeros are empty lists.
+It finds agents and supply boxes near a place, along a path or from near to far without testing all of them.
+Heads and links of a list hold item numbers plus 1, and 0 ends a list, so arrays of zeros are empty lists.
 """
 
 from typing import NamedTuple
@@ -14,19 +14,19 @@ from wildscav_engine.geometry.world import CELL, World
 
 
 class Squares(NamedTuple):
-    """Where the squares of a grid are."""
+    """The layout of a grid of squares."""
 
     west: float  # m, of the south-western square's corner
     south: float  # m
     width: float  # m, of each square from west to east
     depth: float  # m, from south to north
-    per_x: float  # squares a metre eastwards
+    per_x: float  # squares per metre eastwards
     per_z: float  # and northwards
     side: int  # squares along each side of the map
 
 
 class Range(NamedTuple):
-    """The squares that a box from above touches, the last ones included."""
+    """The squares that an axis-aligned rectangle touches, the last row and column included."""
 
     west: int  # columns
     east: int
@@ -75,20 +75,20 @@ def squares_around(squares: Squares, x: float, z: float, reach: float) -> Range:
 def columns_along(
     squares: Squares, row: int, x: float, z: float, dx: float, dz: float, reach: float
 ) -> tuple[int, int]:
-    """Return the first and last square of a row that hold places up to ``reach`` m from a way in x and z.
+    """Return the first and last column of a row whose squares hold places up to ``reach`` m from a segment.
 
     Args:
         squares: The grid.
-        row: Of squares.
-        x: m, where the way starts; so z.
+        row: Row of squares.
+        x: m, where the segment starts; so z.
         z: m.
-        dx: m, the way; so dz.
+        dx: m, from its start to its end; so dz.
         dz: m.
-        reach: m.
+        reach: m, in x and z.
     """
     enter, leave = 0.0, 1.0
     if dz != 0.0:
-        # What lies outside the map is in its outermost rows.
+        # The outermost rows also hold what lies outside the map.
         low = squares.south + row * squares.depth - reach if row > 0 else -np.inf
         high = squares.south + (row + 1) * squares.depth + reach if row < squares.side - 1 else np.inf
         first, last = (low - z) / dz, (high - z) / dz
@@ -99,14 +99,14 @@ def columns_along(
 
 @inlined_kernel
 def link(heads: NDArray[np.int32], links: NDArray[np.int32], square: int, item: int) -> None:
-    """Put an item at the head of a square's list."""
+    """Insert an item at the head of a square's list."""
     links[item] = heads[square]
     heads[square] = item + 1
 
 
 @kernel
 def unlink(heads: NDArray[np.int32], links: NDArray[np.int32], square: int, item: int) -> None:
-    """Take an item out of a square's list, if it is there."""
+    """Remove an item from a square's list, if it is there."""
     if heads[square] == item + 1:
         heads[square] = links[item]
         return

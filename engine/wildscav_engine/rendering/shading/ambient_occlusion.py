@@ -1,48 +1,48 @@
-"""Less light in corners: where a wall meets a floor, or a foot the ground.
+"""Screen-space ambient occlusion: less light in corners, where a wall meets a floor or a foot the ground.
 
-Looks at what nearby pixels met, so it costs no rays. After Mittring, "Finding Next Gen: CryEngine 2",
-SIGGRAPH 2007 courses.
+It uses what nearby pixels hit, so it casts no rays. After Mittring, "Finding Next Gen: CryEngine 2", SIGGRAPH
+2007 courses.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel
-from wildscav_engine.rendering.shading.color_sums import Vector, dot
-from wildscav_engine.rendering.shading.pixel_rays import View, place_on
+from wildscav_engine.rendering.shading.color_arithmetic import Vector, dot
+from wildscav_engine.rendering.shading.pixel_rays import View, point_along
 from wildscav_engine.rendering.trace import Hits
 
-REACH = 0.5  # m, how far off other surfaces take light
+REACH = 0.5  # m, up to which other surfaces occlude
 STRENGTH = 0.65
-LEAST_RISE = 0.12  # sine of the angle above a surface below which nothing takes light from it
-# Rows and columns of the pixels that are looked at, in shares of the reach.
+LEAST_RISE = 0.12  # sine of the angle above a surface below which nothing occludes it
+# Rows and columns of the sampled pixels, in shares of the reach.
 SAMPLES = np.array(
     [(0, 1), (0, -1), (1, 0), (-1, 0), (0.35, 0.35), (0.35, -0.35), (-0.35, 0.35), (-0.35, -0.35)], np.float64
 )
 
 
 @inlined_kernel
-def creased(
+def unoccluded_share(
     hits: Hits,
     image: int,
     row: int,
     column: int,
     view: View,
-    ways: NDArray[np.float64],
+    directions: NDArray[np.float64],
     place: Vector,
     normal: Vector,
 ) -> float:
-    """Return the share of the sky's light that what nearby pixels met leaves to a surface, 0-1.
+    """Return the share of ambient light at a surface that nearby surfaces do not occlude, 0-1.
 
     Args:
-        hits: What all rays met.
-        image: Whose pixel it is.
+        hits: What all rays hit.
+        image: Index of the image.
         row: Of the pixel.
         column: Of the pixel.
-        view: The image's.
-        ways: (H, W, 3) unit vectors of its rays.
-        place: m, what the pixel shows.
-        normal: Unit vector away from it.
+        view: The camera of the image.
+        directions: (H, W, 3) unit vectors of its rays.
+        place: m, the point that the pixel shows.
+        normal: Unit normal of the surface there.
     """
     distance = float(hits.distance[image, row, column])
     reach = min(REACH / max(1e-6, distance * view.pixel), 0.2 * view.height)
@@ -56,8 +56,8 @@ def creased(
         other = float(hits.distance[image, other_row, other_column])
         if other == np.inf:
             continue
-        way = ways[other_row, other_column]
-        there = place_on(view.eye, (way[0], way[1], way[2]), other)
+        direction = directions[other_row, other_column]
+        there = point_along(view.eye, (direction[0], direction[1], direction[2]), other)
         aside = (there[0] - place[0], there[1] - place[1], there[2] - place[2])
         height = dot(aside, normal)
         if height <= 0.0:

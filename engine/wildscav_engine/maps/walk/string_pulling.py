@@ -1,4 +1,4 @@
-"""Pulling a path tight: its turns move from the graph's nodes to as near to the corners as a body fits."""
+"""String pulling: moving the turns of a path from the graph's nodes as close to corners as a body fits."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +12,20 @@ from wildscav_engine.motion.collision import Bodies, Point
 
 ROUNDS = 8
 LEAST_GAIN = 0.01  # m, a round that shortens the path by less is the last
-ROOM = 0.03  # m that a turn keeps from where it could still be: bodies reach it only to a centimetre
-SHARES = (1.0, 0.5, 0.25, 0.125)  # of the way to the straight line that a turn is moved, if it can be
+# m that a turn stays away from its limit, because bodies reach it only to a centimetre
+CORNER_CLEARANCE = 0.03
+SHARES = (1.0, 0.5, 0.25, 0.125)  # of the distance to the straight line, tried in turn
 
 
 @array_kernel
-def tighten(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the points of a walk, (P, 3) m, with each turn moved towards the line between those beside it.
+def pull_tight(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points of a walk, (P, 3) m, with each turn moved towards the line between its neighbours.
 
     Args:
         world: The static world.
-        nobody: No bodies.
-        turns: (P, 3) m, soles; each can be walked to straight from the one before. The ends stay.
+        nobody: An empty set of bodies.
+        turns: (P, 3) m, soles; each can be reached by a straight walk from the one before. The ends do not
+            move.
     """
     tight = turns.copy()
     for _ in range(ROUNDS):
@@ -37,13 +39,13 @@ def tighten(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDArray
 
 @kernel
 def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int) -> float:
-    """Move a turn as far as it can be moved at once, and return by how many m that is shorter."""
+    """Move a turn as far as possible in one step; return how many m shorter the path becomes."""
     before, here, after = _point(turns, turn - 1), _point(turns, turn), _point(turns, turn + 1)
     old = _apart(before, here) + _apart(here, after)
     foot_x, foot_z = _nearest_on(before, after, here)
     whole = _apart(here, Point(foot_x, here.y, foot_z))
     for share in SHARES:
-        moved = share * whole - ROOM
+        moved = share * whole - CORNER_CLEARANCE
         if moved <= 0.0:
             break
         furthest = _turn_at(world, nobody, before, here, after, foot_x, foot_z, share)
@@ -68,7 +70,7 @@ def _turn_at(
     foot_z: float,
     share: float,
 ) -> Point:
-    """Return a turn moved by a share of the way to a foot; its height is infinite if it cannot be there."""
+    """Return a turn moved towards a foot point by a share of the distance; its height is inf if it cannot."""
     x, z = here.x + share * (foot_x - here.x), here.z + share * (foot_z - here.z)
     if max(abs(x - before.x), abs(z - before.z)) < LEG_STRIDE:
         return Point(x, np.inf, z)

@@ -1,10 +1,10 @@
-"""Fans of rays: those of one azimuth, that start at one point and differ in how they rise.
+"""Fans of rays: rays of one azimuth that start at one point and differ only in slope. LIDAR casts these.
 
-They pass over the same cells and so walk the grid together. Of two rays of a fan the steeper one is higher
-everywhere; so in each cell the rays are looked at from the lowest one upwards, until one passes above it.
+The rays of a fan pass over the same cells, so they traverse the grid together. Of two rays, the steeper one
+is higher everywhere. So in each cell the rays are tested from the lowest upwards, until one passes above the
+cell.
 
-Distances are measured over ground: m of the way eastwards and northwards. A ray's slope is its rise in m over
-one of these.
+Distances are horizontal, in m. The slope of a ray is its rise in m per horizontal m.
 """
 
 from typing import NamedTuple
@@ -16,25 +16,25 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.rays import Ray, Step, leave_square, meet_faces, meet_terrain
 from wildscav_engine.geometry.world import BLOCK, World
 
-SLACK = 1e-9  # m by which the box around a solid is too large, so that rounding lets no ray pass beside it
+SLACK = 1e-9  # m by which the box around a solid is enlarged, so that rounding lets no ray slip past it
 
 
-class Fans(NamedTuple):
+class RayFans(NamedTuple):
     """A fans of C rays each."""
 
-    slopes: NDArray[np.float64]  # (C,) of the rays of each fan, descending
-    reach: NDArray[np.float64]  # (A, C) m over ground, how far each ray goes before it meets anything
+    slopes: NDArray[np.float64]  # (C,) of the rays of every fan, descending
+    reach: NDArray[np.float64]  # (A, C) m, horizontal distance to the first hit of each ray
     seen_by: NDArray[np.int64]  # (S,) the last fan that met each solid of the world, or -1
 
 
 @kernel
-def cast_fan(world: World, fans: Fans, fan: int, ray: Ray) -> None:
+def cast_ray_fan(world: World, fans: RayFans, fan: int, ray: Ray) -> None:
     """Shorten the rays of a fan to where they meet the static world, as ``cast_ray`` does for each.
 
     Args:
         world: The static world.
-        fans: The reaches are read and written.
-        fan: Which one.
+        fans: The fans; their reaches are read and written.
+        fan: Index of the fan.
         ray: A level ray of its azimuth.
     """
     rows, columns = world.water.shape
@@ -56,10 +56,10 @@ def cast_fan(world: World, fans: Fans, fan: int, ray: Ray) -> None:
 
 
 @kernel
-def meet_solid_with_fan(
+def meet_solid_with_ray_fan(
     solids: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]],
     solid: int,
-    fans: Fans,
+    fans: RayFans,
     fan: int,
     ray: Ray,
     lowest: int,
@@ -68,11 +68,11 @@ def meet_solid_with_fan(
 
     Args:
         solids: The arrays ``low``, ``high``, ``face_start`` and ``faces`` of some solids.
-        solid: Which one.
-        fans: The reaches are read and written.
-        fan: Which one.
+        solid: Index of the solid.
+        fans: The fans; their reaches are read and written.
+        fan: Index of the fan.
         ray: A level ray of its azimuth.
-        lowest: The last ray to be looked at; those after it are left alone.
+        lowest: Index of the lowest ray to test; the rays after it are left unchanged.
     """
     low, high, start, faces = solids
     enter, leave = 0.0, np.inf
@@ -86,40 +86,40 @@ def meet_solid_with_fan(
         if min(first, last) > high[solid, 1] + SLACK:
             return
         if nearest > enter and max(first, last) >= low[solid, 1] - SLACK:
-            way = _rising(ray, slope)
-            distance, _ = meet_faces(faces, start[solid], start[solid + 1], way, nearest)
+            direction = _rising(ray, slope)
+            distance, _ = meet_faces(faces, start[solid], start[solid + 1], direction, nearest)
             fans.reach[fan, channel] = min(nearest, distance)
 
 
 @kernel
 def _cross_slab(
-    start: float, way: float, low: float, high: float, enter: float, leave: float
+    start: float, direction: float, low: float, high: float, enter: float, leave: float
 ) -> tuple[float, float]:
-    """Return the part between two bounds of a way from ``enter`` to ``leave``; it ends first if empty."""
+    """Return the part of a ray within a slab, limited to ``enter`` and ``leave``; ends first if empty."""
     low, high = low - SLACK, high + SLACK
-    if way == 0.0:
+    if direction == 0.0:
         return (enter, leave) if low <= start <= high else (np.inf, 0.0)
-    first, last = (low - start) / way, (high - start) / way
+    first, last = (low - start) / direction, (high - start) / direction
     return max(enter, min(first, last)), min(leave, max(first, last))
 
 
 @kernel
-def _lowest_open(fans: Fans, fan: int, lowest: int, at: float) -> int:
-    """Return the lowest ray that goes on, from one on upwards; -1 if none does."""
+def _lowest_open(fans: RayFans, fan: int, lowest: int, at: float) -> int:
+    """Return the lowest ray at or above ``lowest`` that has not ended yet; -1 if all have."""
     while lowest >= 0 and fans.reach[fan, lowest] <= at:
         lowest -= 1
     return lowest
 
 
 @kernel
-def _least_height(fans: Fans, channel: int, ray: Ray, start: float, end: float) -> float:
+def _least_height(fans: RayFans, channel: int, ray: Ray, start: float, end: float) -> float:
     slope = fans.slopes[channel]
     return float(min(ray.y + slope * start, ray.y + slope * end))
 
 
 @kernel
 def _rising(ray: Ray, slope: float) -> Ray:
-    """Return a ray of the fan, whose distances are over ground, too."""
+    """Return the ray of a slope; its distances are horizontal, too."""
     return Ray(
         ray.x, ray.y, ray.z, ray.dx, slope, ray.dz,
         ray.east, ray.north, ray.d_east, ray.d_north, ray.per_east, ray.per_north,
@@ -128,9 +128,9 @@ def _rising(ray: Ray, slope: float) -> Ray:
 
 @kernel
 def _cross_block(
-    world: World, fans: Fans, fan: int, ray: Ray, step: Step, lowest: int, far: float
+    world: World, fans: RayFans, fan: int, ray: Ray, step: Step, lowest: int, far: float
 ) -> tuple[Step, int]:
-    """Walk a fan through the cells of a block; return where it leaves it and its lowest ray that goes on."""
+    """Move a fan through the cells of a block; return where it leaves and its lowest ray not ended yet."""
     rows, columns = world.water.shape
     block_row, block_column = step.row // BLOCK, step.column // BLOCK
     while (
@@ -152,8 +152,10 @@ def _cross_block(
 
 
 @kernel
-def _meet_ground(world: World, fans: Fans, fan: int, ray: Ray, step: Step, lowest: int, leave: float) -> None:
-    """Shorten the rays of a fan to where they go below the ground of a cell."""
+def _meet_ground(
+    world: World, fans: RayFans, fan: int, ray: Ray, step: Step, lowest: int, leave: float
+) -> None:
+    """Shorten the rays of a fan to where they hit the ground of a cell."""
     row, column = step.row, step.column
     south = max(world.heights[row, column], world.heights[row, column + 1])
     north = max(world.heights[row + 1, column], world.heights[row + 1, column + 1])
@@ -166,12 +168,12 @@ def _meet_ground(world: World, fans: Fans, fan: int, ray: Ray, step: Step, lowes
 
 
 @kernel
-def _meet_solids(world: World, fans: Fans, fan: int, ray: Ray, step: Step, lowest: int) -> None:
-    """Shorten the rays of a fan to where they meet the solids of a cell, each only once in all cells."""
+def _meet_solids(world: World, fans: RayFans, fan: int, ray: Ray, step: Step, lowest: int) -> None:
+    """Shorten the rays of a fan to where they meet the solids of a cell; each solid is tested only once."""
     solids = (world.solid_low, world.solid_high, world.solid_start, world.faces)
     cell = step.row * world.water.shape[1] + step.column
     for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
         solid = world.cell_solids[item]
         if fans.seen_by[solid] != fan:
             fans.seen_by[solid] = fan
-            meet_solid_with_fan(solids, solid, fans, fan, ray, lowest)
+            meet_solid_with_ray_fan(solids, solid, fans, fan, ray, lowest)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from wildscav_engine.geometry.ring_stacks import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.shapes import polygon, rounded_polygon, stack
-from wildscav_engine.geometry.stacks import allocate_stacks, solids_of
 from wildscav_engine.geometry.world import Kind
 
 PRISM = [(0.0, 1.0), (3.0, 1.0)]
@@ -23,7 +23,7 @@ SHAPES = [
 
 
 def test_all_at_once_are_as_one_by_one() -> None:
-    stacks = allocate_stacks(len(SHAPES) + 2)  # room for two that are not asked for
+    stacks = allocate_ring_stacks(len(SHAPES) + 2)  # room for two that are not asked for
     for row, (kind, x, z, outline, rings) in enumerate(SHAPES):
         stacks.kind[row], stacks.axis[row] = kind, (x, z)
         stacks.sides[row], stacks.outline[row, : len(outline)] = len(outline), outline
@@ -54,7 +54,7 @@ def planes_in_order(planes: np.ndarray) -> np.ndarray:
     ],
 )
 def test_a_tip_has_no_cap(rings: list[tuple[float, float]], planes: int) -> None:
-    stacks = allocate_stacks(1)
+    stacks = allocate_ring_stacks(1)
     stacks.kind[0], stacks.sides[0], stacks.outline[0, :5] = Kind.ROCK, 5, polygon(5, 0.0)
     stacks.levels[0], stacks.rings[0, : len(rings)] = len(rings), rings
 

@@ -1,4 +1,4 @@
-"""Many solids at once that are rings of one outline above each other: trunks, crowns, bushes, rocks."""
+"""Building many solids at once from stacked, scaled outlines: trunks, crowns, bushes, rocks."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ MOST_SIDES, MOST_RINGS = 8, 4
 KINDS = tuple(Kind)
 
 
-class Stacks(NamedTuple):
+class RingStacks(NamedTuple):
     """The shapes of N solids, each as ``shapes.stack`` makes it."""
 
     kind: NDArray[np.int64]  # (N,) a Kind
@@ -20,12 +20,12 @@ class Stacks(NamedTuple):
     sides: NDArray[np.int64]  # (N,) corners of the outline
     outline: NDArray[np.float64]  # (N, 8, 2) m, corners of a convex polygon around (0, 0)
     levels: NDArray[np.int64]  # (N,) rings
-    rings: NDArray[np.float64]  # (N, 4, 2) height in m and scale of the outline, upwards and bulging outwards
+    rings: NDArray[np.float64]  # (N, 4, 2) height in m and scale of the outline, upwards; a convex profile
 
 
-def allocate_stacks(count: int) -> Stacks:
-    """Return room for so many solids."""
-    return Stacks(
+def allocate_ring_stacks(count: int) -> RingStacks:
+    """Return zeros for the shapes of ``count`` solids."""
+    return RingStacks(
         np.zeros(count, np.int64),
         np.zeros((count, 2)),
         np.zeros(count, np.int64),
@@ -35,8 +35,8 @@ def allocate_stacks(count: int) -> Stacks:
     )
 
 
-def solids_of(stacks: Stacks, count: int) -> list[Solid]:
-    """Return the first so many of some shapes as solids."""
+def solids_of(stacks: RingStacks, count: int) -> list[Solid]:
+    """Return the first ``count`` shapes as solids."""
     start, planes, low, high = _build(stacks, count)
     kinds, ends = stacks.kind.tolist(), start.tolist()
     return [
@@ -47,9 +47,9 @@ def solids_of(stacks: Stacks, count: int) -> list[Solid]:
 
 @array_kernel
 def _build(
-    stacks: Stacks, count: int
+    stacks: RingStacks, count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return where each solid's planes start (N + 1,), all planes (F, 4), and least and greatest corners."""
+    """Return where each solid's planes start (N + 1,), all planes (F, 4), and the solids' boxes (N, 3)."""
     start = np.zeros(count + 1, np.int64)
     for row in range(count):
         levels, sides = stacks.levels[row], stacks.sides[row]
@@ -64,7 +64,7 @@ def _build(
 
 
 @kernel
-def _corner(stacks: Stacks, row: int, ring: int, corner: int) -> tuple[float, float, float]:
+def _corner(stacks: RingStacks, row: int, ring: int, corner: int) -> tuple[float, float, float]:
     height, scale = stacks.rings[row, ring, 0], stacks.rings[row, ring, 1]
     x = stacks.axis[row, 0] + stacks.outline[row, corner, 0] * scale
     z = stacks.axis[row, 1] + stacks.outline[row, corner, 1] * scale
@@ -72,7 +72,7 @@ def _corner(stacks: Stacks, row: int, ring: int, corner: int) -> tuple[float, fl
 
 
 @kernel
-def _write_box(stacks: Stacks, row: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
+def _write_box(stacks: RingStacks, row: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
     for axis in range(3):
         low[row, axis], high[row, axis] = np.inf, -np.inf
     for ring in range(stacks.levels[row]):
@@ -84,7 +84,7 @@ def _write_box(stacks: Stacks, row: int, low: NDArray[np.float64], high: NDArray
 
 
 @kernel
-def _write_planes(stacks: Stacks, row: int, first: int, planes: NDArray[np.float64]) -> None:
+def _write_planes(stacks: RingStacks, row: int, first: int, planes: NDArray[np.float64]) -> None:
     sides, top = stacks.sides[row], stacks.levels[row] - 1
     written = first
     for ring in range(top):
@@ -105,7 +105,7 @@ def _write_planes(stacks: Stacks, row: int, first: int, planes: NDArray[np.float
 
 @kernel
 def _write_plane(
-    stacks: Stacks,
+    stacks: RingStacks,
     row: int,
     a: tuple[float, float, float],
     b: tuple[float, float, float],

@@ -1,12 +1,12 @@
-"""What rooms are for, by the style of the house, the storey and their size."""
+"""Assigning purposes to rooms by the style of the house, the storey and their size."""
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import NARROWEST_ROOM
 
-STYLES = ("dwelling", "dwelling", "dwelling", "store", "office")  # as likely as they are many
+STYLES = ("dwelling", "dwelling", "dwelling", "store", "office")  # each entry is equally likely
 
-# What the rooms of a storey are, the largest first; the last one repeats.
+# The purposes of a storey's rooms, the largest room first; the last one repeats.
 GROUND: dict[str, tuple[str, ...]] = {
     "dwelling": ("living", "kitchen", "dining", "study", "bath", "pantry"),
     "store": ("store", "store", "workshop", "office", "store", "pantry"),
@@ -19,13 +19,13 @@ UPPER: dict[str, tuple[str, ...]] = {
 }
 
 
-def name_rooms(
+def assign_purposes(
     dice: Dice, rooms: list[Rectangle], hall: Rectangle | None, style: str, level: int
 ) -> list[str]:
     """Return the purpose of each room of a storey."""
     wanted = (UPPER if level else GROUND)[style]
     names = [""] * len(rooms)
-    # Rooms of about one size change places at random.
+    # Rooms of similar size are ordered at random.
     order = sorted((-room.area * dice.uniform(0.8, 1.2), number) for number, room in enumerate(rooms))
     named = 0
     for _, number in order:

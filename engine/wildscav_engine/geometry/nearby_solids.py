@@ -1,7 +1,8 @@
-"""The solids near a body, found once for all sweeps of one move.
+"""The solids near a body, found once and used by all sweeps of one move.
 
-Around houses a cell holds dozens of solids, of which a body can touch a few in one move. These are marked as
-bits: a number for each of the four cells that a body reaches into, a bit for each solid listed there.
+Near houses a cell lists dozens of solids, but a body can touch only a few of them in one move. These few are
+kept as bit masks: one for each of the up to four cells that the body reaches into, with one bit for each
+solid that the cell lists.
 """
 
 from typing import NamedTuple
@@ -10,12 +11,12 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.sweep import FREE, Contact, box_of_sweep, is_apart, sweep_solid, sweep_world
 from wildscav_engine.geometry.world import World, cell_of
 
-BITS = 62  # solids of a cell that have a bit; where there are more, all are swept
+BITS = 62  # solids of a cell that can have a bit; with more, every solid is swept
 BYTE = 255
 
 
-class Near(NamedTuple):
-    """Which solids a body can touch: in up to 2 × 2 cells, bit i stands for a cell's i-th solid."""
+class NearbySolids(NamedTuple):
+    """The solids that a body can touch, in up to 2 × 2 cells: bit i stands for the i-th solid of a cell."""
 
     row: int  # of the south-western cell
     column: int
@@ -27,15 +28,17 @@ class Near(NamedTuple):
 
 
 @kernel
-def solids_near(world: World, x: float, z: float, reach: float, low: float, high: float) -> Near:
-    """Find all solids whose boxes come near a body.
+def find_nearby_solids(
+    world: World, x: float, z: float, reach: float, low: float, high: float
+) -> NearbySolids:
+    """Find all solids whose boxes are near a body.
 
     Args:
         world: The static world.
         x: m, the middle of the body.
         z: m.
         reach: m to all sides, less than half a cell.
-        low: m, the lowest height looked at.
+        low: m, the lowest height that counts.
         high: m, the greatest.
     """
     rows, columns = world.water.shape
@@ -53,7 +56,7 @@ def solids_near(world: World, x: float, z: float, reach: float, low: float, high
             for item in range(start, world.cell_start[cell + 1]):
                 solid = world.cell_solids[item]
                 if world.solid_low[solid, 1] > high:
-                    break  # so is all that follows
+                    break  # all solids after it begin higher still
                 if (
                     world.solid_high[solid, 1] < low
                     or world.solid_low[solid, 0] > x + reach
@@ -62,7 +65,7 @@ def solids_near(world: World, x: float, z: float, reach: float, low: float, high
                     or world.solid_high[solid, 2] < z - reach
                 ):
                     continue
-                # What is also in a cell before this one has its bit there.
+                # A solid that an earlier cell lists, too, has its bit there.
                 if column > west and cell_of(world.corner[0], world.solid_low[solid, 0], columns) < column:
                     continue
                 if row > south and cell_of(world.corner[1], world.solid_low[solid, 2], rows) < row:
@@ -77,36 +80,36 @@ def solids_near(world: World, x: float, z: float, reach: float, low: float, high
                 north_west = bits
             else:
                 north_east = bits
-    return Near(south, west, south_west, south_east, north_west, north_east, is_crowded)
+    return NearbySolids(south, west, south_west, south_east, north_west, north_east, is_crowded)
 
 
 @kernel
-def is_anything_near(near: Near) -> bool:
-    """Return whether there is any solid."""
-    return (near.south_west | near.south_east | near.north_west | near.north_east) != 0
+def has_nearby_solids(nearby: NearbySolids) -> bool:
+    """Return whether any solid is near."""
+    return (nearby.south_west | nearby.south_east | nearby.north_west | nearby.north_east) != 0
 
 
 @kernel
-def sweep_near(
-    world: World, near: Near, x: float, y: float, z: float, dx: float, dy: float, dz: float
+def sweep_nearby_solids(
+    world: World, nearby: NearbySolids, x: float, y: float, z: float, dx: float, dy: float, dz: float
 ) -> Contact:
     """Return how far a body can go before it touches one of the solids near it; see ``sweep_world``."""
-    if near.is_crowded:
+    if nearby.is_crowded:
         return sweep_world(world, x, y, z, dx, dy, dz)
     columns = world.water.shape[1]
     first = FREE
     swept = box_of_sweep(x, y, z, dx, dy, dz)
     for part in range(4):
-        bits = near.south_west
+        bits = nearby.south_west
         if part == 1:
-            bits = near.south_east
+            bits = nearby.south_east
         elif part == 2:
-            bits = near.north_west
+            bits = nearby.north_west
         elif part == 3:
-            bits = near.north_east
+            bits = nearby.north_east
         if bits == 0:
             continue
-        item = world.cell_start[(near.row + part // 2) * columns + near.column + part % 2]
+        item = world.cell_start[(nearby.row + part // 2) * columns + nearby.column + part % 2]
         while bits != 0:
             if bits & BYTE == 0:
                 bits >>= 8

@@ -1,17 +1,17 @@
-"""A whole house drawn from a seed."""
+"""Drawing a random house plan from a seed."""
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.house.footprint import MAIN_LEAST, draw_wings
 from wildscav_engine.maps.house.plan import HousePlan, Roof, Wing
-from wildscav_engine.maps.house.purposes import STYLES
+from wildscav_engine.maps.house.room_purposes import STYLES
 from wildscav_engine.maps.house.stairs import HallPlace, draw_stairs
 from wildscav_engine.maps.house.storeys import can_be_joined, draw_storey
 
-SMALLEST, LARGEST = MAIN_LEAST, 24.0  # m a side, of what can be asked for
-TRIES = 200  # to place the stairs; one in three fails
-ROOF_EXITS = 0.6  # of the houses with a flat roof that have room for stairs to it
-ROOMY = 90.0  # m², from which on a house of one storey has
+SMALLEST, LARGEST = MAIN_LEAST, 24.0  # m, range of the sides of a house
+TRIES = 200  # attempts to place the stairs; one in three fails
+ROOF_EXITS = 0.6  # share of the houses with a flat roof and space for stairs to it that have an exit there
+ROOMY = 90.0  # m², least area of a house of one storey with space for stairs
 
 
 def draw_plan(
@@ -26,16 +26,16 @@ def draw_plan(
 
     Args:
         seed: Of the map.
-        number: Of the house, which keys its random numbers.
-        storeys: Fewest and most.
-        small: Whether it shall take little room.
-        area: Across and along in m, what it shall fill; drawn if not given.
+        number: Number of the house, the key of its random numbers.
+        storeys: Least and greatest number of storeys.
+        small: Whether to draw a small house.
+        area: Its size across and along in m; drawn if not given.
 
     Returns:
         The plan.
 
     Raises:
-        MapError: No house has this area.
+        MapError: A house cannot have this size.
     """
     if area and not all(SMALLEST <= side <= LARGEST for side in area):
         raise MapError(f"area is {area[0]} × {area[1]} m: a house takes {SMALLEST} to {LARGEST} m a side")
@@ -59,7 +59,7 @@ def draw_plan(
 
 
 def _draw_size(dice: Dice, small: bool) -> tuple[float, float]:
-    """Return the size in m across and along; large houses are rare."""
+    """Draw the size in m across and along; large houses are rare."""
     if small:
         return dice.uniform(8.0, 9.5), dice.uniform(7.5, 8.5)
     across, along = dice.uniform(), dice.uniform()
@@ -67,7 +67,7 @@ def _draw_size(dice: Dice, small: bool) -> tuple[float, float]:
 
 
 def _place_stairs(dice: Dice, wings: tuple[Wing, ...]) -> HallPlace:
-    """Return a hall with stairs that leaves a way between all parts of the house."""
+    """Draw a hall with stairs that leaves all parts of the house connected."""
     for _ in range(TRIES):
         place = draw_stairs(dice, wings[0].inside)
         if can_be_joined(dice, wings, place):

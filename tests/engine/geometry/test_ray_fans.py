@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.builders import box, flat_world
 
-from wildscav_engine.geometry.fans import Fans, cast_fan, meet_solid_with_fan
+from wildscav_engine.geometry.ray_fans import RayFans, cast_ray_fan, meet_solid_with_ray_fan
 from wildscav_engine.geometry.rays import cast_ray, make_ray
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
@@ -21,9 +21,9 @@ SLOPES = np.array([1.0, 0.4, 0.1, 0.0, -0.1, -0.5, -2.0])
 
 def cast(world: World, eye: tuple[float, float, float], yaw: float) -> np.ndarray:
     """Return how far over ground each ray of a fan goes."""
-    fans = Fans(SLOPES, np.full((1, len(SLOPES)), FAR), np.full(max(1, len(world.solid_kind)), -1))
+    fans = RayFans(SLOPES, np.full((1, len(SLOPES)), FAR), np.full(max(1, len(world.solid_kind)), -1))
     east, north = math.sin(math.radians(yaw)), math.cos(math.radians(yaw))
-    cast_fan(world, fans, 0, make_ray(world, *eye, east, 0.0, north))
+    cast_ray_fan(world, fans, 0, make_ray(world, *eye, east, 0.0, north))
     return np.asarray(fans.reach[0])
 
 
@@ -50,12 +50,12 @@ def test_rays_meet_a_wall_the_ground_or_nothing() -> None:
 
 
 def test_only_rays_that_are_open_are_shortened() -> None:
-    fans = Fans(SLOPES, np.full((1, len(SLOPES)), FAR), np.zeros(1, np.int64))
+    fans = RayFans(SLOPES, np.full((1, len(SLOPES)), FAR), np.zeros(1, np.int64))
     world = flat_world(40, [box((-2, 0, 10), (2, 3, 11))])
     solids = (world.solid_low, world.solid_high, world.solid_start, world.faces)
     ray = make_ray(world, 0.0, 1.5, 0.0, 0.0, 0.0, 1.0)
 
-    meet_solid_with_fan(solids, 0, fans, 0, ray, 3)
+    meet_solid_with_ray_fan(solids, 0, fans, 0, ray, 3)
 
     # The rays after the fourth are left alone, though one of them meets the wall.
     assert fans.reach[0].tolist() == [FAR, FAR, 10.0, 10.0, FAR, FAR, FAR]

@@ -1,7 +1,7 @@
-"""Where boxes lie on an image, half as precise as all else and so twice as fast, eight at once.
+"""Projecting boxes onto an image in float32, eight at once: about twice as fast as in float64.
 
-It only says which pixels to look at. As in ``frustum``, everything is cautious; what is near the camera is
-left to be placed precisely.
+The results only select the pixels whose rays are then intersected exactly. As in ``frustum``, everything is
+conservative. Boxes near the camera are marked, and projected in float64 later.
 """
 
 from typing import NamedTuple
@@ -13,19 +13,19 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle
 from wildscav_engine.rendering.tracing.packing import GROUP, LANES
 
-NEAR = 1.0  # m; what is nearer ahead is placed precisely
-NEAR_RADII = 1.0 / 16.0  # so many radii of what is large are near, too, for it is rounded more
-ROUNDED = 2e-5  # of the tangent of what is farther, the most by which rounding changes it
-SLACK = 1e-2  # m and pixels that rounding changes at most of all else
-NEVER_SEEN = -1e30  # m, radius of what is not there
-# Room for a group of boxes, and, each starting here, for where on an image they lie: first and last columns
-# and rows of pixels; m to the nearest corner ahead; whether one may be seen; and whether it is near.
+NEAR = 1.0  # m ahead; nearer boxes are projected in float64
+NEAR_RADII = 1.0 / 16.0  # of its radius, up to which a large box counts as near, because it is rounded more
+ROUNDED = 2e-5  # of the tangent, greatest rounding error for boxes that are not near
+SLACK = 1e-2  # m and pixels, greatest other rounding error
+NEVER_SEEN = -1e30  # m, the radius of an absent box
+# An array holds a group of boxes and, from these offsets, their projections: first and last columns and rows
+# of pixels; m to the nearest corner ahead; whether a box may be visible; and whether it is near.
 FIRST, LAST, TOP, BOTTOM, NEAREST, SHOWN, IS_NEAR = (GROUP + LANES * row for row in range(7))
-ROOM = GROUP + 7 * LANES
+PROJECTED_GROUP = GROUP + 7 * LANES
 
 
-class RoughCamera(NamedTuple):
-    """A camera half as precise; all float32."""
+class Float32Camera(NamedTuple):
+    """A camera in float32."""
 
     sin_yaw: np.float32
     cos_yaw: np.float32
@@ -39,18 +39,18 @@ class RoughCamera(NamedTuple):
     scale: np.float32
     last_column: np.float32
     last_row: np.float32
-    left: np.float32  # columns at tangent 0, where a pixel begins to be touched, and where it ends
+    left: np.float32  # columns at tangent 0, less and plus the margin for rounding
     right: np.float32
     top: np.float32  # likewise rows
     bottom: np.float32
 
 
 @inlined_kernel
-def roughly(camera: Camera) -> RoughCamera:
-    """Return a camera half as precise."""
+def to_float32(camera: Camera) -> Float32Camera:
+    """Return a camera in float32."""
     margin = SLACK + ROUNDED * camera.scale
     column, row = camera.width * 0.5 - 0.5, camera.height * 0.5 - 0.5
-    return RoughCamera(
+    return Float32Camera(
         np.float32(camera.sin_yaw),
         np.float32(camera.cos_yaw),
         np.float32(camera.sin_pitch),
@@ -71,29 +71,29 @@ def roughly(camera: Camera) -> RoughCamera:
 
 
 @inlined_kernel
-def ball_shows(
-    camera: RoughCamera, right: np.float32, above: np.float32, ahead: np.float32, radius: np.float32
+def sphere_may_show(
+    camera: Float32Camera, right: np.float32, above: np.float32, ahead: np.float32, radius: np.float32
 ) -> bool:
-    """Return whether a ball in the camera's axes, m, reaches into what the camera sees."""
-    beside = abs(right) - camera.half_width * ahead - radius * camera.slant_x
+    """Return whether a sphere in the camera's axes, m, may reach into the view frustum."""
+    sideways = abs(right) - camera.half_width * ahead - radius * camera.slant_x
     beyond = abs(above) - camera.half_height * ahead - radius * camera.slant_y
-    # One comparison: of several, some would often be guessed wrong by the processor.
-    return bool(max(beside, beyond, -ahead - radius, ahead - camera.far - radius) <= np.float32(0.0))
+    # A single comparison avoids branch mispredictions.
+    return bool(max(sideways, beyond, -ahead - radius, ahead - camera.far - radius) <= np.float32(0.0))
 
 
 @kernel
-def place_boxes(
-    east: np.float32, up: np.float32, north: np.float32, camera: RoughCamera, boxes: NDArray[np.float32]
+def project_boxes(
+    east: np.float32, up: np.float32, north: np.float32, camera: Float32Camera, boxes: NDArray[np.float32]
 ) -> None:
-    """Say where eight boxes lie on an image.
+    """Project eight boxes onto an image.
 
     Args:
-        east: float32 m from the camera to where the boxes count from; so up and north.
+        east: float32 m, from the camera to the origin of the boxes; so up and north.
         up: See east.
         north: See east.
-        camera: The image's.
-        boxes: (ROOM,) a group, see ``Blocks``, and where it lies, written. One array for both: so they surely
-            do not overlap, which would keep so short a loop from being done at once.
+        camera: The camera of the image.
+        boxes: (PROJECTED_GROUP,) a group, see ``Blocks``, followed by its projections, which are written. One
+            array holds both, so that the compiler need not expect two arrays to overlap and can vectorize.
     """
     sin_yaw, cos_yaw, sin_pitch, cos_pitch = (
         camera.sin_yaw,
@@ -113,7 +113,7 @@ def place_boxes(
         b_level, b_right = sin_yaw * bx + cos_yaw * bz, cos_yaw * bx - sin_yaw * bz
         rise, run = cos_pitch * half, sin_pitch * half
         above, ahead = cos_pitch * y + sin_pitch * level, cos_pitch * level - sin_pitch * y
-        # The middles of the four upright edges: to the right, above and ahead; then the ends of each.
+        # The middles of the four vertical edges (right, above, ahead), then the ends of each.
         r0, r1 = right - a_right - b_right, right + a_right - b_right
         r2, r3 = right - a_right + b_right, right + a_right + b_right
         l0, l1 = -a_level - b_level, a_level - b_level
@@ -137,7 +137,7 @@ def place_boxes(
         bottom = min(camera.last_row, np.floor(camera.bottom - lowest * camera.scale))
         is_near = nearest <= max(near, near_radii * radius)
         has_pixels = (first <= last) & (top <= bottom)
-        shows = ball_shows(camera, right, above, ahead, radius)
+        shows = sphere_may_show(camera, right, above, ahead, radius)
         boxes[FIRST + lane], boxes[LAST + lane] = first, last
         boxes[TOP + lane], boxes[BOTTOM + lane] = top, bottom
         boxes[NEAREST + lane] = nearest
@@ -147,19 +147,19 @@ def place_boxes(
 
 @inlined_kernel
 def is_shown(boxes: NDArray[np.float32], lane: int) -> bool:
-    """Return whether one of the boxes may be seen."""
+    """Return whether a box may be visible."""
     return bool(boxes[SHOWN + lane] > np.float32(0.0))
 
 
 @inlined_kernel
 def is_near(boxes: NDArray[np.float32], lane: int) -> bool:
-    """Return whether one of the boxes that may be seen is still to be placed precisely."""
+    """Return whether a box that may be visible still has to be projected in float64."""
     return bool(boxes[IS_NEAR + lane] > np.float32(0.0))
 
 
 @inlined_kernel
 def pixels_at(boxes: NDArray[np.float32], lane: int) -> Rectangle:
-    """Return the pixels of one of the boxes that may be seen and is not near."""
+    """Return the pixels of a box that may be visible and is not near."""
     return Rectangle(
         int(boxes[FIRST + lane]),
         int(boxes[LAST + lane]) + 1,
@@ -170,5 +170,5 @@ def pixels_at(boxes: NDArray[np.float32], lane: int) -> Rectangle:
 
 @inlined_kernel
 def distance_at(boxes: NDArray[np.float32], lane: int) -> float:
-    """Return m that one of the boxes is ahead at least."""
+    """Return a lower bound in m on how far ahead a box is."""
     return float(boxes[NEAREST + lane]) * (1.0 - ROUNDED) - SLACK

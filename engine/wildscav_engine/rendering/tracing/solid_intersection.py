@@ -1,54 +1,54 @@
-"""Convex solids on an image."""
+"""Intersecting the rays of an image with convex solids."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.rendering.tracing.canvas import FEW, Canvas
-from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, natural
+from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnegative
+from wildscav_engine.rendering.tracing.hit_buffer import FEW, HitBuffer
 from wildscav_engine.rendering.tracing.packing import Shapes
 
-NARROW = 4  # columns; up to so many, ray after ray is faster than face after face
+NARROW = 4  # columns; up to this many, looping over rays is faster than looping over faces
 
 
 @kernel
-def paint_solid(
+def trace_solid(
     shapes: Shapes,
     solid: int,
     met: int,
     pixels: Rectangle,
     camera: Camera,
     outside: NDArray[np.float64],
-    canvas: Canvas,
+    buffer: HitBuffer,
 ) -> None:
-    """Let the rays of some pixels meet a solid.
+    """Intersect the rays of some pixels with a solid.
 
     Args:
-        shapes: All of its sort.
-        solid: Which.
-        met: What stands for it on the canvas.
-        pixels: All that it can lie on.
-        camera: The image's.
-        outside: Room for as many numbers as it has faces.
-        canvas: The image, written.
+        shapes: The world's solids or the moving ones.
+        solid: Index of the solid in them.
+        met: The number that stands for it in the hit buffer.
+        pixels: The pixels that it may cover.
+        camera: The camera of the image.
+        outside: Scratch buffer with a number for each face of the solid.
+        buffer: The hit buffer of the image, written.
     """
-    first, last = natural(shapes.face_start[solid]), natural(shapes.face_start[solid + 1])
+    first, last = nonnegative(shapes.face_start[solid]), nonnegative(shapes.face_start[solid + 1])
     faces = shapes.faces[first:last]
     for face in range(last - first):
         plane = faces[face]
         outside[face] = plane[0] * camera.x + plane[1] * camera.y + plane[2] * camera.z - plane[3]
-    top, bottom, width = pixels.top * canvas.width, pixels.bottom * canvas.width, canvas.width
+    top, bottom, width = pixels.top * buffer.width, pixels.bottom * buffer.width, buffer.width
     if pixels.right - pixels.left <= NARROW:
         for row in range(top, bottom, width):
-            _meet_one_by_one(faces, outside, met, row + pixels.left, row + pixels.right, canvas)
-    elif canvas.met.shape[0] <= FEW:
-        # All rays from the first to the last: so few more are met faster than many short rows.
+            _meet_one_by_one(faces, outside, met, row + pixels.left, row + pixels.right, buffer)
+    elif buffer.met.shape[0] <= FEW:
+        # All rays from the first to the last: the few extra rays cost less than many short loops.
         first, last = top + pixels.left, bottom - width + pixels.right
-        _meet_together(faces, outside, met, first, last, 2.0 * camera.far, canvas)
+        _meet_together(faces, outside, met, first, last, 2.0 * camera.far, buffer)
     else:
         for row in range(top, bottom, width):
             first, last = row + pixels.left, row + pixels.right
-            _meet_together(faces, outside, met, first, last, 2.0 * camera.far, canvas)
+            _meet_together(faces, outside, met, first, last, 2.0 * camera.far, buffer)
 
 
 @inlined_kernel
@@ -58,16 +58,16 @@ def _meet_one_by_one(
     met: int,
     first: int,
     last: int,
-    canvas: Canvas,
+    buffer: HitBuffer,
 ) -> None:
     for place in range(first, last):
-        ray = natural(place)
-        nearest = canvas.distance[ray]
-        way = (canvas.east[ray], canvas.up[ray], canvas.north[ray])
-        distance = _meet(faces, outside, way, nearest)
+        ray = nonnegative(place)
+        nearest = buffer.distance[ray]
+        direction = (buffer.east[ray], buffer.up[ray], buffer.north[ray])
+        distance = _meet(faces, outside, direction, nearest)
         if distance < nearest:
-            canvas.distance[ray] = distance
-            canvas.met[ray] = met
+            buffer.distance[ray] = distance
+            buffer.met[ray] = met
 
 
 @inlined_kernel
@@ -96,15 +96,15 @@ def _meet_together(
     first: int,
     last: int,
     beyond: float,
-    canvas: Canvas,
+    buffer: HitBuffer,
 ) -> None:
-    """Do for many rays what ``_meet`` does for one: loops without branches, several rays at once."""
-    # Indices that count from 0 need no check for negative ones, which would keep the loops from being fast.
-    # And what is read is never what is written: else only what changes would be written, one by one.
+    """Do for many rays what ``_meet`` does for one, in branch-free loops that the compiler can vectorize."""
+    # Slices that start at 0 make indices provably non-negative; a check for negative ones would prevent
+    # vectorization. No loop writes an array that it reads, which would also prevent it.
     count = last - first
-    enter, leave, spare = canvas.enter[:count], canvas.leave[:count], canvas.spare[:count]
-    east, up, north = canvas.east[first:last], canvas.up[first:last], canvas.north[first:last]
-    distance, mets = canvas.distance[first:last], canvas.met[first:last]
+    enter, leave, spare = buffer.enter[:count], buffer.leave[:count], buffer.spare[:count]
+    east, up, north = buffer.east[first:last], buffer.up[first:last], buffer.north[first:last]
+    distance, mets = buffer.distance[first:last], buffer.met[first:last]
     for ray in range(count):
         enter[ray] = 0.0
     for ray in range(count):
@@ -134,9 +134,9 @@ def _meet_together(
 
 @inlined_kernel
 def entered_face(shapes: Shapes, solid: int, camera: Camera, ray: tuple[float, float, float]) -> int:
-    """Return the face by which a ray enters a solid that it meets: the last that it passes from outside.
+    """Return the face through which a ray enters a solid that it hits: the last one it crosses from outside.
 
-    Counted among the solid's faces; 0 if the eye is inside.
+    The index counts among the solid's faces; it is 0 if the eye is inside.
     """
     first, enter, entered = shapes.face_start[solid], 0.0, 0
     for face in range(first, shapes.face_start[solid + 1]):

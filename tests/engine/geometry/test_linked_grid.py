@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.builders import flat_world
 
-from wildscav_engine.geometry.squares import (
+from wildscav_engine.geometry.linked_grid import (
     Range,
     Squares,
     column_of,

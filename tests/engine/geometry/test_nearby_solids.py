@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from tests.builders import box, flat_world
 
-from wildscav_engine.geometry.near import BITS, is_anything_near, solids_near, sweep_near
+from wildscav_engine.geometry.nearby_solids import (
+    BITS,
+    find_nearby_solids,
+    has_nearby_solids,
+    sweep_nearby_solids,
+)
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.world import World
 
@@ -18,7 +23,7 @@ CELL = [
 
 
 def marked(x: float, z: float, low: float = 0.0, high: float = 3.0) -> list[int]:
-    near = solids_near(flat_world(40, CELL), x, z, REACH, low, high)
+    near = find_nearby_solids(flat_world(40, CELL), x, z, REACH, low, high)
     assert not near.is_crowded
     return [near.south_west, near.south_east, near.north_west, near.north_east]
 
@@ -47,11 +52,11 @@ def test_what_is_too_high_or_too_low_is_not_marked(low: float, high: float, bits
 
 
 def test_a_solid_in_several_cells_is_marked_once() -> None:
-    near = solids_near(flat_world(40, [box((-3, 0, -3), (3, 1, 3))]), 0.0, 0.0, REACH, 0.0, 2.0)
+    near = find_nearby_solids(flat_world(40, [box((-3, 0, -3), (3, 1, 3))]), 0.0, 0.0, REACH, 0.0, 2.0)
 
     assert [near.south_west, near.south_east, near.north_west, near.north_east] == [1, 0, 0, 0]
-    assert is_anything_near(near)
-    assert not is_anything_near(near._replace(south_west=0))
+    assert has_nearby_solids(near)
+    assert not has_nearby_solids(near._replace(south_west=0))
 
 
 def heaps(count: int, spread: float) -> World:
@@ -73,8 +78,8 @@ def test_sweeping_what_is_near_is_sweeping_all(count: int, spread: float, is_cro
     for x, y, z, dx, dy, dz in dice.uniform(
         (-3, 0, -3, -0.4, -0.4, -0.4), (3, 2, 3, 0.4, 0.4, 0.4), (300, 6)
     ):
-        near = solids_near(world, x, z, REACH, y - 0.5, y + 2.5)
-        contact = sweep_near(world, near, x, y, z, dx, dy, dz)
+        near = find_nearby_solids(world, x, z, REACH, y - 0.5, y + 2.5)
+        contact = sweep_nearby_solids(world, near, x, y, z, dx, dy, dz)
         assert contact == sweep_world(world, x, y, z, dx, dy, dz)
         touched += contact.fraction < 1.0
         crowded += near.is_crowded

@@ -1,4 +1,4 @@
-"""Boxes, walls, floors and stairs in the axes of one house."""
+"""Building boxes, walls, floors and stairs in the axes of one house."""
 
 from wildscav_engine.geometry.shapes import Pose, Rectangle, boxes
 from wildscav_engine.geometry.world import Kind, Solid
@@ -15,12 +15,12 @@ from wildscav_engine.maps.house.plan import (
 from wildscav_engine.maps.house.rooms import without
 from wildscav_engine.maps.house.stairs import LANDING_HEIGHT, steps_of
 
-STEP_THICKNESS = 0.1  # m, of steps that hang over the stairs below: treads, to leave most head room there
+STEP_THICKNESS = 0.1  # m, of steps above other stairs: thin treads leave more headroom below
 RAILING = 1.0  # m, height
 
 
 class Builder:
-    """Collects the boxes of one house, to make all of them at once."""
+    """Collects the boxes of one house and builds all of them at once."""
 
     def __init__(self, where: Pose, ground: float) -> None:
         """Start at a pose, with the ground floor at a height in m."""
@@ -30,11 +30,11 @@ class Builder:
         self._corners: list[tuple[float, ...]] = []
 
     def block(self, kind: Kind, area: Rectangle, bottom: float, top: float) -> None:
-        """Add a box over a rectangle, unless it is as thin as an error of rounding.
+        """Add a box over a rectangle, unless it is only as thick as a rounding error.
 
         Args:
-            kind: What it is.
-            area: Where it is.
+            kind: The kind of the box.
+            area: Its horizontal extent.
             bottom: m above the ground floor.
             top: m above the ground floor.
         """
@@ -45,7 +45,7 @@ class Builder:
         self._corners.append((area.left, low, area.back, area.right, high, area.front))
 
     def solids(self) -> list[Solid]:
-        """Make the boxes."""
+        """Return the boxes as solids."""
         return boxes(self._kinds, self.where, self._corners)
 
     def wall(self, wall: Wall, floor: float, bottom: float, top: float) -> None:
@@ -53,9 +53,9 @@ class Builder:
 
         Args:
             wall: The wall.
-            floor: m, from where its openings count.
-            bottom: m, where it starts.
-            top: m, where it ends.
+            floor: m, the height that its openings refer to.
+            bottom: m, its bottom.
+            top: m, its top.
         """
         ends = [span_of(wall.outline, Side.FRONT if wall.is_across else Side.RIGHT)]
         if not wall.openings:
@@ -86,8 +86,9 @@ class Builder:
 
         Args:
             stairs: The stairs.
-            floor: m, where they start.
-            hangs: Whether there are stairs below, that need room; else they stand on the floor.
+            floor: m, the height where they start.
+            hangs: Whether there are other stairs below, which need headroom; else the stairs stand on the
+                floor.
         """
         for flight in stairs.flights:
             for area, height in steps_of(flight):
@@ -99,14 +100,14 @@ class Builder:
 
 
 def part_of(wall: Wall, start: float, end: float) -> Rectangle:
-    """Return the part of a wall's outline between two places on the axis that it runs on."""
+    """Return the part of a wall's outline between two coordinates on the axis that it runs along."""
     if wall.is_across:
         return wall.outline._replace(left=start, right=end)
     return wall.outline._replace(back=start, front=end)
 
 
 def around_hole(area: Rectangle, hole: Rectangle | None) -> list[Rectangle]:
-    """Return rectangles that cover an area but not the hole in it."""
+    """Return rectangles that cover an area except the hole in it."""
     if hole is None:
         return [area]
     parts = [

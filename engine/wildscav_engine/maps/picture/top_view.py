@@ -1,7 +1,7 @@
-"""What a map looks like from straight above: rays cast down through the real world, a grid of them.
+"""The top view of a map: a grid of rays cast straight down into the world.
 
-Houses may be cut open at a storey, as in an architect's plan: there, a ray starts at the height of the cut,
-so that it sees into the rooms; where it starts inside a wall, the wall is cut.
+Houses may be cut open at a storey, as in a floor plan: there, rays start at the height of the cut, so that
+they show the rooms. Where a ray starts inside a wall, the wall is cut.
 """
 
 from typing import NamedTuple
@@ -16,19 +16,22 @@ from wildscav_engine.geometry.world import CELL, Kind, World, cell_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.settlements.houses import House
 
-CUT_HEIGHT = 1.35  # m above the floor: over the sills of windows, below the tops of doors
+CUT_HEIGHT = 1.35  # m above the floor: above window sills, below the tops of doors
 EAVES = 0.9  # m that a roof may reach beyond the walls
 LIFT = 0.01  # m that a ray to the sun starts off the surface
-SUN_YAW, SUN_HEIGHT = 315.0, 40.0  # degrees: from the upper left, so that hills do not look like hollows
-SUN_RADIUS = 1.0  # degrees; the rays of neighbouring samples go to its four corners, for soft shadows
-EXAGGERATION = 1.25  # of the terrain's slopes, for its shading
+SUN_YAW, SUN_HEIGHT = (
+    315.0,
+    40.0,
+)  # degrees; light from the upper left, so that hills do not look like hollows
+SUN_RADIUS = 1.0  # degrees; neighbouring samples aim at four corners of the sun, for soft shadows
+EXAGGERATION = 1.25  # factor of the terrain's slopes in its shading
 
 NOTHING, TERRAIN, WATER = int(Kind.NOTHING), int(Kind.TERRAIN), int(Kind.WATER)
 FAR = 1e5  # m
 
 
 class Window(NamedTuple):
-    """The part of a map that is looked at: rows of samples from north to south, each from west to east."""
+    """The part of a map that is shown: rows of samples from north to south, each from west to east."""
 
     west: float  # m, x of its left edge
     north: float  # m, z of its upper edge
@@ -37,35 +40,34 @@ class Window(NamedTuple):
     columns: int
 
 
-class Survey(NamedTuple):
-    """What each sample of a window shows; arrays of one shape (rows, columns)."""
+class TopView(NamedTuple):
+    """What each sample of a window shows; all arrays have the shape (rows, columns)."""
 
     kind: NDArray[np.int8]  # a Kind
     solid: NDArray[np.int32]  # the solid seen, -1 for none
-    height: NDArray[np.float32]  # m, of what is seen
-    light: NDArray[np.float32]  # how squarely it faces the sun; 1 on level ground
+    height: NDArray[np.float32]  # m, of the visible surface
+    light: NDArray[np.float32]  # how directly it faces the sun, relative to level ground
     sunny: NDArray[np.bool_]  # whether the sun reaches it
-    opened: NDArray[np.bool_]  # whether it is seen through the cut of a house
+    opened: NDArray[np.bool_]  # whether it is visible through the cut of a house
     cut: NDArray[np.bool_]  # whether the cut goes through it
     ground: NDArray[np.float32]  # m, height of the terrain, smoothly interpolated
     slope: NDArray[np.float32]  # m up per m, of that
-    depth: NDArray[
-        np.float32
-    ]  # m of water over it; negative where the water's surface is below; -inf far off
+    # m of water over it; negative above the water's surface; -inf far away from water
+    depth: NDArray[np.float32]
 
 
-def empty_survey(rows: int, columns: int) -> Survey:
-    """Return room for a survey."""
+def allocate_top_view(rows: int, columns: int) -> TopView:
+    """Return uninitialized arrays for a top view."""
     types = (np.int8, np.int32, *(np.float32,) * 2, *(np.bool_,) * 3, *(np.float32,) * 3)
-    return Survey(*(np.empty((rows, columns), kind) for kind in types))
+    return TopView(*(np.empty((rows, columns), kind) for kind in types))
 
 
 def cuts_at(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
-    """Return where rays start lower, so that houses are open at a storey.
+    """Return the rectangles in which rays start lower, so that houses are cut open at a storey.
 
     Args:
         game_map: The map.
-        storey: 1 is the ground floor; None cuts nothing.
+        storey: The storey, 1 for the ground floor; None cuts nothing.
 
     Returns:
         (N, 9): x and z in m, sine and cosine of the yaw, then left, back, right and front edges in those
@@ -90,37 +92,37 @@ def outlines(house: House) -> list[tuple[float, float, float, float]]:
 
 
 @kernel
-def look_down(
+def cast_top_view(
     world: World,
     water: NDArray[np.float64],
     sky: float,
     cuts: NDArray[np.float64],
     window: Window,
-    seen: Survey,
+    seen: TopView,
 ) -> None:
-    """Survey a window.
+    """Cast the rays of a window.
 
     Args:
         world: The static world.
-        water: (R, C) m, height of the water in a cell or beside it, -inf where there is none.
-        sky: m, the height where rays start; above all there is.
-        cuts: (N, 9) as ``cuts_at`` has them.
-        window: What is looked at.
+        water: (R, C) m, height of the water in or near each cell, -inf without any.
+        sky: m, the height where rays start, above everything.
+        cuts: (N, 9) from ``cuts_at``.
+        window: The part of the map to show.
         seen: Written.
     """
-    suns = _way_to_sun(0), _way_to_sun(1), _way_to_sun(2), _way_to_sun(3)
+    suns = _direction_to_sun(0), _direction_to_sun(1), _direction_to_sun(2), _direction_to_sun(3)
     for row in range(window.rows):
         z = window.north - (row + 0.5) * window.step
         for column in range(window.columns):
             x = window.west + (column + 0.5) * window.step
             start = min(sky, _cut_height(cuts, x, z))
             sun = suns[2 * (row % 2) + column % 2]
-            _look_down_at(world, water, x, z, sky, start, sun, row, column, seen)
+            _cast_sample(world, water, x, z, sky, start, sun, row, column, seen)
 
 
 @kernel
 def _cut_height(cuts: NDArray[np.float64], x: float, z: float) -> float:
-    """Return the height at which a house is cut at (x, z), inf where none is."""
+    """Return the height of the cut at (x, z), inf without one."""
     for cut in range(cuts.shape[0]):
         east, north = x - cuts[cut, 0], z - cuts[cut, 1]
         across = east * cuts[cut, 3] - north * cuts[cut, 2]
@@ -131,7 +133,7 @@ def _cut_height(cuts: NDArray[np.float64], x: float, z: float) -> float:
 
 
 @kernel
-def _look_down_at(
+def _cast_sample(
     world: World,
     water: NDArray[np.float64],
     x: float,
@@ -141,9 +143,9 @@ def _look_down_at(
     sun: tuple[float, float, float],
     row: int,
     column: int,
-    seen: Survey,
+    seen: TopView,
 ) -> None:
-    """Write one sample: what lies below a height at (x, z), and the sun on it."""
+    """Write one sample: the surface below a height at (x, z), and the sunlight on it."""
     ground, slope_x, slope_z = smooth_ground(world, x, z)
     surface = water[cell_of(world.corner[1], z, water.shape[0]), cell_of(world.corner[0], x, water.shape[1])]
     seen.ground[row, column] = ground
@@ -176,7 +178,7 @@ def _look_down_at(
     seen.light[row, column] = light
     seen.opened[row, column] = is_open
     seen.cut[row, column] = is_cut
-    # Nothing is above the sky; and into an opened house, the sun shines through the cut.
+    # Nothing is above ``sky``; and the sun shines into an opened house through the cut.
     far = ((start if hit.solid >= 0 else sky) - height) / sun_y
     seen.sunny[row, column] = kind == NOTHING or (
         light > 0.0 and cast_ray(world, x, height + LIFT, z, sun_x, sun_y, sun_z, far).solid == NOTHING_HIT
@@ -184,7 +186,7 @@ def _look_down_at(
 
 
 @kernel
-def _way_to_sun(corner: int) -> tuple[float, float, float]:
+def _direction_to_sun(corner: int) -> tuple[float, float, float]:
     """Return the unit vector to a corner of the sun, 0-3."""
     yaw = SUN_YAW + SUN_RADIUS * (2.0 * (corner % 2) - 1.0)
     height = SUN_HEIGHT + SUN_RADIUS * (2.0 * (corner // 2) - 1.0)
@@ -194,7 +196,7 @@ def _way_to_sun(corner: int) -> tuple[float, float, float]:
 
 @kernel
 def smooth_ground(world: World, x: float, z: float) -> tuple[float, float, float]:
-    """Return height in m and slopes of a smooth surface through the terrain's corners.
+    """Return the height in m and the slopes of a smooth surface through the terrain's corners.
 
     Bicubic: Catmull & Rom, "A class of local interpolating splines", 1974.
     """
@@ -220,7 +222,7 @@ def smooth_ground(world: World, x: float, z: float) -> tuple[float, float, float
 
 @kernel
 def _spline(index: int, t: float) -> tuple[float, float]:
-    """Return the weight of one of four values around t in [0, 1] and how fast it changes."""
+    """Return the weight of one of four values around t in [0, 1] and its derivative."""
     if index == 0:
         return ((2.0 - t) * t - 1.0) * t * 0.5, ((4.0 - 3.0 * t) * t - 1.0) * 0.5
     if index == 1:

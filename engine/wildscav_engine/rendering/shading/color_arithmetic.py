@@ -1,4 +1,4 @@
-"""Sums of colours in kernels: red, green and blue, 0-255, as floats."""
+"""Arithmetic with colours and vectors in kernels; colours are red, green and blue, 0-255, as floats."""
 
 from wildscav_engine.compilation.kernel import kernel
 
@@ -8,7 +8,7 @@ Vector = tuple[float, float, float]
 
 @kernel
 def mixed(first: Color, second: Color, share: float) -> Color:
-    """Return a colour between two, by how much of the second there is in it."""
+    """Return the linear blend of two colours, by the share of the second."""
     return (
         first[0] + (second[0] - first[0]) * share,
         first[1] + (second[1] - first[1]) * share,
@@ -18,13 +18,13 @@ def mixed(first: Color, second: Color, share: float) -> Color:
 
 @kernel
 def dimmed(color: Color, factor: float) -> Color:
-    """Return a colour as bright as a factor says."""
+    """Return a colour multiplied by a factor."""
     return color[0] * factor, color[1] * factor, color[2] * factor
 
 
 @kernel
 def clipped(value: float, low: float, high: float) -> float:
-    """Return a number, or the nearer end of a range that it is outside of."""
+    """Return a number limited to a range."""
     return min(high, max(low, value))
 
 

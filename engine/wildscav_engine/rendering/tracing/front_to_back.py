@@ -1,0 +1,334 @@
+"""Tracing one image: the blocks of the world from front to back, then the moving solids."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.world import BLOCK, CELL
+from wildscav_engine.rendering.tracing.coarse_projection import (
+    NEVER_SEEN,
+    PROJECTED_GROUP,
+    Float32Camera,
+    distance_at,
+    is_near,
+    is_shown,
+    pixels_at,
+    project_boxes,
+    sphere_may_show,
+    to_float32,
+)
+from wildscav_engine.rendering.tracing.frustum import (
+    Camera,
+    Rectangle,
+    may_show,
+    nonnegative,
+    outline_of_box,
+    pixels_of,
+    pixels_of_block,
+)
+from wildscav_engine.rendering.tracing.hit_buffer import (
+    HitBuffer,
+    code_of_triangle,
+    end_at_edges,
+    fill,
+    reaches_beyond,
+)
+from wildscav_engine.rendering.tracing.packing import GROUP, LANES, Blocks, Shapes
+from wildscav_engine.rendering.tracing.solid_intersection import trace_solid
+from wildscav_engine.rendering.tracing.terrain_intersection import (
+    Square,
+    allocate_projection,
+    height_in,
+    trace_terrain,
+    trace_water,
+)
+
+SIDE = BLOCK * CELL  # m, of a block
+
+
+class Scratch(NamedTuple):
+    """Scratch buffers for tracing an image."""
+
+    projection: NDArray[np.float32]  # see ``trace_terrain``
+    # (3, PROJECTED_GROUP): the grounds of eight blocks, their members, and eight members
+    boxes: NDArray[np.float32]
+    outside: NDArray[np.float64]  # m, distance of the eye from each face of a solid
+    shown: NDArray[np.float32]  # (B,) 1 if a block of a row may be visible, else 0
+    # (4, B) rows and columns of the blocks that may be visible; then the same from near to far
+    queue: NDArray[np.int64]
+    rings: NDArray[np.int64]  # (B + 2,) where the blocks of each ring around the eye start in that order
+    cells: NDArray[np.int64]  # (65,) the cells of a block that may be visible
+    # (1 + S,) the number of images so far; the last image that each solid was traced in
+    done: NDArray[np.int64]
+
+
+def allocate_scratch(blocks: int, solids: int, most_faces: int) -> Scratch:
+    """Return scratch buffers for the images of a scene with these numbers of blocks and solids."""
+    boxes = np.zeros((3, PROJECTED_GROUP), np.float32)
+    # All blocks have the same half edges: half a side to the east, and half a side to the north.
+    boxes[:2, 4 * LANES : 5 * LANES] = boxes[:2, 7 * LANES : 8 * LANES] = SIDE / 2
+    return Scratch(
+        allocate_projection(),
+        boxes,
+        np.empty(most_faces),
+        np.empty(blocks, np.float32),
+        np.empty((4, blocks + 1), np.int64),
+        np.empty(blocks + 2, np.int64),
+        np.empty(BLOCK * BLOCK + 1, np.int64),
+        np.zeros(1 + solids, np.int64),
+    )
+
+
+@kernel
+def trace_moving_solids(
+    moving: Shapes, others: int, camera: Camera, viewer: int, outside: NDArray[np.float64], buffer: HitBuffer
+) -> None:
+    """Intersect the rays of an image with the moving solids.
+
+    Args:
+        moving: The moving solids; those that the viewer owns are left out.
+        others: Number of the world's solids, which are counted before these.
+        camera: The camera of the image.
+        viewer: The owner of the solids that this camera does not see.
+        outside: Scratch buffer with a number for each face of a solid.
+        buffer: The hit buffer of the image, with its rays set.
+    """
+    for solid in range(moving.boxes.shape[0]):
+        box = moving.boxes[solid]
+        if moving.names[solid] != viewer and may_show(camera, box[0], box[1], box[2], box[3]):
+            outline = outline_of_box(camera, box)
+            pixels = pixels_of(camera, outline)
+            # The distance along a ray is never less than the depth ahead.
+            if pixels.left < pixels.right and reaches_beyond(buffer, pixels, outline.nearest):
+                trace_solid(moving, solid, others + solid, pixels, camera, outside, buffer)
+
+
+@kernel
+def trace_world(
+    blocks: Blocks, solids: Shapes, camera: Camera, with_water: bool, scratch: Scratch, buffer: HitBuffer
+) -> None:
+    """Intersect the rays of an image with the static world.
+
+    Args:
+        blocks: The world in blocks.
+        solids: The solids in it.
+        camera: The camera of the image.
+        with_water: Whether rays hit the surface of water.
+        scratch: Scratch buffers.
+        buffer: The hit buffer of the image, with its rays set.
+    """
+    row = int(np.floor((camera.z - blocks.edges[1]) / CELL))
+    column = int(np.floor((camera.x - blocks.edges[0]) / CELL))
+    if not (0 <= row < blocks.rows and 0 <= column < blocks.columns):
+        return
+    height, half = height_in(blocks, row, column, camera)
+    if camera.y <= height:
+        fill(buffer, 0.0, code_of_triangle(2 * (row * blocks.columns + column) + half))
+        return
+    _trace_blocks(blocks, solids, row // BLOCK, column // BLOCK, camera, with_water, scratch, buffer)
+    if blocks.overhangs:
+        west, south = blocks.edges[0], blocks.edges[1]
+        end_at_edges(buffer, camera, west, south, blocks.columns * CELL, blocks.rows * CELL)
+
+
+@inlined_kernel
+def _trace_blocks(
+    blocks: Blocks,
+    solids: Shapes,
+    row: int,
+    column: int,
+    camera: Camera,
+    with_water: bool,
+    scratch: Scratch,
+    buffer: HitBuffer,
+) -> None:
+    """Trace the blocks around the eye, in rings from near to far."""
+    scratch.done[0] += 1
+    camera32 = to_float32(camera)
+    count = _queue_blocks(blocks, row, column, camera, camera32, scratch)
+    whole, ring = Rectangle(0, camera.width, 0, camera.height), 0
+    for item in range(count):
+        if item % LANES == 0:
+            _place_blocks(blocks, item, min(LANES, count - item), camera, camera32, scratch)
+        r, c = scratch.queue[2, item], scratch.queue[3, item]
+        apart = max(abs(r - row), abs(c - column))
+        if apart > max(ring, 1) and not reaches_beyond(buffer, whole, (apart - 1) * SIDE):
+            # No block of this ring or beyond is near enough.
+            break
+        ring = apart
+        square = _square_at(blocks, r, c, camera)
+        ground = _pixels_of_layer(blocks, square, 0, item % LANES, camera, scratch, buffer)
+        if ground.left < ground.right:
+            trace_terrain(blocks, square, camera, camera32, scratch.projection, scratch.cells, buffer)
+        members = _pixels_of_layer(blocks, square, 1, item % LANES, camera, scratch, buffer)
+        if members.left < members.right:
+            _trace_members(blocks, solids, square, camera, camera32, scratch, buffer)
+        if with_water:
+            trace_water(blocks, square, camera, buffer)
+
+
+@inlined_kernel
+def _square_at(blocks: Blocks, row: int, column: int, camera: Camera) -> Square:
+    block = nonnegative(row * ((blocks.columns + BLOCK - 1) // BLOCK) + column)
+    west, south = blocks.edges[0] + column * SIDE, blocks.edges[1] + row * SIDE
+    return Square(block, row * BLOCK, column * BLOCK, west - camera.x, south - camera.z)
+
+
+@kernel
+def _queue_blocks(
+    blocks: Blocks, row: int, column: int, camera: Camera, camera32: Float32Camera, scratch: Scratch
+) -> int:
+    """List the blocks that may be visible, from near to far, and return how many there are.
+
+    Args:
+        blocks: The world in blocks.
+        row: Row of the block that the eye is in.
+        column: Its column.
+        camera: The camera of the image.
+        camera32: The same camera in float32.
+        scratch: Its queue is written.
+    """
+    rows, columns = (blocks.rows + BLOCK - 1) // BLOCK, (blocks.columns + BLOCK - 1) // BLOCK
+    rings = min(int(camera.far / SIDE) + 1, max(rows, columns))
+    south, north = max(0, row - rings), min(rows - 1, row + rings)
+    west, east = max(0, column - rings), min(columns - 1, column + rings)
+    scratch.rings[: rings + 2] = 0
+    count = 0
+    for r in range(south, north + 1):
+        first = r * columns + west
+        last = first + east - west + 1
+        _note_shown(
+            blocks.middles[first:last],
+            blocks.radii[first:last],
+            _square_at(blocks, r, west, camera),
+            camera.y,
+            camera32,
+            scratch.shown,
+        )
+        for c in range(west, east + 1):
+            # Always written, counted only if visible: this avoids branches.
+            place = nonnegative(count)
+            scratch.queue[0, place], scratch.queue[1, place] = r, c
+            is_one = int(scratch.shown[nonnegative(c - west)])
+            scratch.rings[nonnegative(max(abs(r - row), abs(c - column))) + 1] += is_one
+            count += is_one
+    for ring in range(rings + 1):
+        scratch.rings[ring + 1] += scratch.rings[ring]
+    for item in range(count):
+        r, c = scratch.queue[0, item], scratch.queue[1, item]
+        ring = nonnegative(max(abs(r - row), abs(c - column)))
+        place = nonnegative(scratch.rings[ring])
+        scratch.queue[2, place], scratch.queue[3, place] = r, c
+        scratch.rings[ring] = place + 1
+    return count
+
+
+@inlined_kernel
+def _note_shown(
+    middles: NDArray[np.float32],
+    radii: NDArray[np.float32],
+    square: Square,
+    height: float,
+    camera: Float32Camera,
+    shown: NDArray[np.float32],
+) -> None:
+    """Determine which blocks of a row may be visible.
+
+    Args:
+        middles: (N,) m, heights of the blocks' middles.
+        radii: (N,) m, radii of their bounding spheres.
+        square: The westernmost block.
+        height: m, of the camera.
+        camera: The camera of the image.
+        shown: (N,) written: 1 for the blocks that may be visible.
+    """
+    side = np.float32(SIDE)
+    east, north, y = (
+        np.float32(square.east + SIDE / 2),
+        np.float32(square.north + SIDE / 2),
+        np.float32(height),
+    )
+    for block in range(middles.shape[0]):
+        x, up = east + side * np.float32(block), middles[block] - y
+        level = camera.sin_yaw * x + camera.cos_yaw * north
+        right = camera.cos_yaw * x - camera.sin_yaw * north
+        above = camera.cos_pitch * up + camera.sin_pitch * level
+        ahead = camera.cos_pitch * level - camera.sin_pitch * up
+        shown[block] = np.float32(sphere_may_show(camera, right, above, ahead, radii[block]))
+
+
+@kernel
+def _place_blocks(
+    blocks: Blocks, first: int, count: int, camera: Camera, camera32: Float32Camera, scratch: Scratch
+) -> None:
+    """Project the grounds and the members of up to eight blocks of the queue onto the image."""
+    for lane in range(count):
+        square = _square_at(blocks, scratch.queue[2, first + lane], scratch.queue[3, first + lane], camera)
+        for layer in range(2):
+            boxes = scratch.boxes[layer]
+            low, high = blocks.spans[square.block, 2 * layer], blocks.spans[square.block, 2 * layer + 1]
+            has_any = low <= high
+            half = 0.5 * (high - low) if has_any else 0.0
+            boxes[lane] = square.east + SIDE / 2
+            boxes[LANES + lane] = 0.5 * (low + high) - camera.y if has_any else 0.0
+            boxes[2 * LANES + lane] = square.north + SIDE / 2
+            boxes[3 * LANES + lane] = half
+            boxes[8 * LANES + lane] = np.sqrt(0.5 * SIDE * SIDE + half * half) if has_any else NEVER_SEEN
+    zero = np.float32(0.0)
+    for layer in range(2):
+        project_boxes(zero, zero, zero, camera32, scratch.boxes[layer])
+
+
+@inlined_kernel
+def _pixels_of_layer(
+    blocks: Blocks, square: Square, layer: int, lane: int, camera: Camera, scratch: Scratch, buffer: HitBuffer
+) -> Rectangle:
+    """Return the pixels that a block's ground (0) or members (1) may cover; none if all have nearer hits."""
+    none = Rectangle(0, 0, 0, 0)
+    if not is_shown(scratch.boxes[layer], lane):
+        return none
+    pixels = pixels_at(scratch.boxes[layer], lane)
+    if is_near(scratch.boxes[layer], lane):
+        low, high = blocks.spans[square.block, 2 * layer], blocks.spans[square.block, 2 * layer + 1]
+        pixels = pixels_of_block(camera, square.east, square.north, SIDE, low, high)
+    east, north = max(0.0, square.east, -square.east - SIDE), max(0.0, square.north, -square.north - SIDE)
+    nearest = np.sqrt(east * east + north * north)
+    return pixels if nearest <= camera.far and reaches_beyond(buffer, pixels, nearest) else none
+
+
+@kernel
+def _trace_members(
+    blocks: Blocks,
+    solids: Shapes,
+    square: Square,
+    camera: Camera,
+    camera32: Float32Camera,
+    scratch: Scratch,
+    buffer: HitBuffer,
+) -> None:
+    """Trace the solids that reach into a block."""
+    boxes, image = scratch.boxes[2], scratch.done[0]
+    east, north = np.float32(square.east), np.float32(square.north)
+    up = np.float32(blocks.spans[square.block, 0] - camera.y)
+    first, last = blocks.group_start[square.block], blocks.group_start[square.block + 1]
+    for group in range(nonnegative(first), nonnegative(last)):
+        for number in range(GROUP):
+            boxes[number] = blocks.groups[group, number]
+        project_boxes(east, up, north, camera32, boxes)
+        count = 0
+        for lane in range(LANES):
+            scratch.cells[nonnegative(count)] = lane
+            solid = nonnegative(blocks.members[nonnegative(LANES * group) + lane])
+            count += is_shown(boxes, lane) & (scratch.done[1 + solid] != image)
+        for item in range(count):
+            lane = nonnegative(scratch.cells[item])
+            solid = nonnegative(blocks.members[nonnegative(LANES * group) + lane])
+            scratch.done[1 + solid] = image
+            pixels, nearest = pixels_at(boxes, lane), distance_at(boxes, lane)
+            if is_near(boxes, lane):
+                outline = outline_of_box(camera, solids.boxes[solid])
+                pixels, nearest = pixels_of(camera, outline), outline.nearest
+            if pixels.left < pixels.right and reaches_beyond(buffer, pixels, nearest):
+                trace_solid(solids, solid, solid, pixels, camera, scratch.outside, buffer)
