@@ -136,7 +136,7 @@ def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
         sandbox=plan.sandbox,
         limits=plan.kept_limits(),
         key=plan.public_key,
-        evaluations=tuple(_evaluation(track, submission, done) for track, submission in plan.entries()),
+        evaluations=tuple(_evaluation(plan, track, submission, done) for track, submission in plan.entries()),
         timings=_timings(plan, [result.timing for result in done if result.timing is not None]),
     )
 
@@ -160,13 +160,15 @@ def _covered(spans: Iterable[tuple[float, float]]) -> float:
     return total
 
 
-def _evaluation(track: str, submission: Submission, done: Iterable[JobResult]) -> results.Evaluation:
+def _evaluation(
+    plan: Plan, track: str, submission: Submission, done: Iterable[JobResult]
+) -> results.Evaluation:
     rows = tuple(
         result.row
         for result in done
         if result.job.track == track and result.job.submission.name == submission.name
     )
-    metrics = metric_infos(track)
+    metrics = metric_infos(track, plan.matches(track)[0].metrics)
     return results.Evaluation(
         submission=submission.name,
         version=submission.manifest.version,

@@ -87,7 +87,7 @@ class SupplyWave:
 class MatchInfo:
     """What an agent is told before the first step."""
 
-    track: str  # "navigation", "gathering", "capture", "battle" or "royale"
+    track: str  # its name, such as "navigation"; a package may add others
     seat: int  # own, 0 to seats - 1
     seats: int  # of the match, robots' included
     team: int  # own, from 0; seats of one team share what they win

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from wildscav_engine.maps.game_map import SUPPLY_SPACING
-from wildscav_engine.simulation.robots import ROBOTS
+from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.simulation.robots.skill import EASY, HARD, NORMAL, Skill
 from wildscav_engine.simulation.setup.match_setup import SPARE_SLOTS
 from wildscav_engine.simulation.setup.starts import START_DISTANCE, TARGET_DISTANCE

@@ -1,5 +1,6 @@
 """What the page of sensors says is true, and the sensor that it adds works from its file to the agent."""
 
+import ast
 import importlib.util
 import re
 import shlex
@@ -18,6 +19,7 @@ from tests.platform.helpers.seats import ended, host, serving, small_spec, start
 
 from wildscav.cli.main import app
 from wildscav.server import Clock, MatchServer, SeatStatus
+from wildscav_engine.extensions import BUILT_IN
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.sensors.base import Sensor
@@ -135,8 +137,12 @@ def altimeter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> type[Sensor]:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    ((name, kind),) = re.findall(r'^    "(\w+)": (\w+),$', line, re.MULTILINE)
-    monkeypatch.setitem(SENSORS, name, getattr(module, kind))
+    ((name, home),) = re.findall(r'^"(\w+)": "([\w.]+):\w+",$', line, re.MULTILINE)
+    monkeypatch.setitem(sys.modules, home, module)
+    listed = dict(BUILT_IN[SENSORS.group])
+    (text,) = ast.literal_eval("{" + line + "}").values()
+    monkeypatch.setattr(SENSORS, "_built_in", listed | {name: text})
+    monkeypatch.setattr(SENSORS, "_made", {})
     return SENSORS[name]
 
 

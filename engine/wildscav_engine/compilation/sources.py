@@ -1,5 +1,8 @@
 """What the code of a kernel depends on: its file, every file that this imports, and the compiler.
 
+A file whose kernels call those that other packages add says so by ``KERNELS_OF``, the group of entry points
+that names them; the files of those packages then count as imported.
+
 The digest does not depend on where the files lie or when they were written, so every clone, environment and
 wheel of the same version finds what any of them compiled. The processor is not in it: Numba itself keeps
 apart what is for different ones.
@@ -16,12 +19,15 @@ import llvmlite
 import numba
 import numpy as np
 
+from wildscav_engine.extensions import added_sources
+
 PACKAGE = Path(__file__).parent.parent
 COMPILER = (
     f"numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {np.__version__} "
     f"{sys.implementation.cache_tag}"
 )
 BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # where statements hold other statements
+KERNELS_OF = "KERNELS_OF"  # the name of a constant in such a file
 TYPE_CHECKING = ("TYPE_CHECKING", "typing.TYPE_CHECKING")
 
 
@@ -67,7 +73,8 @@ def imported_files(file: Path) -> tuple[Path, ...]:
     own = "" if root == file.parent else file.relative_to(root).parts[0]
     package = list(file.parent.relative_to(root).parts)
     found: dict[Path, None] = {}
-    for name in _imported_names(ast.parse(file.read_bytes()), package):
+    tree = ast.parse(file.read_bytes())
+    for name in _imported_names(tree, package):
         top = name.split(".")[0]
         if top == PACKAGE.name:
             found[_module_file(PACKAGE.parent, name)] = None
@@ -75,7 +82,18 @@ def imported_files(file: Path) -> tuple[Path, ...]:
             found[_module_file(root, name)] = None
         elif not own:
             found[root / f"{name}.py"] = None
+    for group in _groups_called(tree):
+        found.update(dict.fromkeys(added_sources(group)))
     return tuple(path for path in found if path.is_file())
+
+
+def _groups_called(tree: ast.Module) -> Iterator[str]:
+    """Yield the groups of entry points whose kernels a file's kernels call."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant):
+            names = [target.id for target in node.targets if isinstance(target, ast.Name)]
+            if KERNELS_OF in names:
+                yield str(node.value.value)
 
 
 def _imported_names(tree: ast.AST, package: list[str]) -> Iterator[str]:

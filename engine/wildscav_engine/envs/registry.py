@@ -6,8 +6,10 @@ before an environment is made. The number after ``-v`` rises whenever learning c
 
 import gymnasium
 
+from wildscav_engine.extensions import names
+
 VERSION = 0
-TRACK_NAMES = ("navigation", "gathering", "capture", "battle", "royale")
+TRACKS = "wildscav.tracks"
 
 
 def env_id(track: str) -> str:
@@ -22,7 +24,7 @@ def zoo_id(track: str) -> str:
 
 def register() -> None:
     """Make the ids known to Gymnasium."""
-    for track in TRACK_NAMES:
+    for track in names(TRACKS):
         if env_id(track) not in gymnasium.registry:
             gymnasium.register(
                 id=env_id(track),
@@ -38,7 +40,7 @@ def register_several() -> None:
     from pettingzoo import register as enter
 
     home = "wildscav_engine.envs.parallel"
-    for track in TRACK_NAMES:
+    for track in names(TRACKS):
         if zoo_id(track).replace("_v", "-v") not in parallel_registry:
             enter("parallel", zoo_id(track), entry_point=f"{home}:parallel_env", kwargs={"track": track})
             enter("aec", zoo_id(track), entry_point=f"{home}:aec_env", kwargs={"track": track})

@@ -92,6 +92,25 @@ def _choices(kind: object) -> tuple[object, ...]:
     return get_args(kind) if get_origin(kind) is Literal else ()
 
 
+def check_sensor(name: str, kind: Any) -> type[Sensor]:
+    """Return a kind of sensor as an entry point names it.
+
+    Raises:
+        ValueError: It is none.
+    """
+    if not isinstance(kind, type) or not issubclass(kind, Sensor):
+        raise ValueError("it is no class that derives from Sensor")
+    missing = [attribute for attribute in ("name", "title") if not hasattr(kind, attribute)]
+    missing += sorted(kind.__abstractmethods__)
+    if missing:
+        raise ValueError(f"its class {kind.__name__} has no {', '.join(missing)}")
+    if "__dataclass_fields__" not in vars(kind):
+        raise ValueError(f"its class {kind.__name__} is not decorated with @sensor")
+    if kind.name != name:
+        raise ValueError(f"its class is called {kind.name!r}")
+    return kind
+
+
 SensorType = TypeVar("SensorType", bound=Sensor)
 
 

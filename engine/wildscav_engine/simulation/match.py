@@ -14,7 +14,7 @@ from wildscav_engine.simulation.setup.match_setup import MatchSetupError, WaveIn
 from wildscav_engine.simulation.snapshot import History, StateError, decode
 from wildscav_engine.simulation.state import Ending, State
 from wildscav_engine.simulation.systems.visibility import Seen
-from wildscav_engine.simulation.track import Track
+from wildscav_engine.simulation.track import Track, measured
 from wildscav_engine.specs.actions import FIELDS, no_actions
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.result import MatchResult, SeatResult
@@ -188,7 +188,7 @@ class Match:
             shots=int(agents.shots[0, seat]),
             hits=int(agents.hits[0, seat]),
             walked=float(agents.walked[0, seat]),
-            metrics=dict(self.track.measure(self, seat)),
+            metrics=measured(self, seat),
         )
 
 

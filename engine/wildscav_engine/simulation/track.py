@@ -1,7 +1,8 @@
 """What every track is: its action set, its teams and goals, what it rewards, and what it measures."""
 
+import inspect
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from wildscav_engine.extensions import Registry
@@ -70,7 +71,79 @@ class Track(ABC):
         """Return a seat's value of every metric, for a match that is over (or as it stands)."""
 
 
-TRACKS: Registry[Track] = Registry("wildscav.tracks", make=lambda track: track())
+class Measure(ABC):
+    """A figure of a seat's result that a match is asked for besides those of its track.
+
+    ``MatchSpec.metrics`` asks for it by its name.
+    """
+
+    metric: ClassVar[Metric]
+
+    @abstractmethod
+    def measure(self, match: "MatchView", seat: int) -> float:
+        """Return a seat's value, for a match that is over (or as it stands)."""
+
+
+def make_track(name: str, kind: Any) -> Track:
+    """Return the track of a class as an entry point names it.
+
+    Raises:
+        ValueError: It is none.
+    """
+    track: Track = _made(kind, Track, ("name", "title", "fields", "metrics", "rewards", "robot", "learners"))
+    if track.name != name:
+        raise ValueError(f"its class is called {track.name!r}")
+    if not track.metrics:
+        raise ValueError("it has no metrics, so it has no score")
+    return track
+
+
+def make_metric(name: str, kind: Any) -> Measure:
+    """Return the metric of a class as an entry point names it.
+
+    Raises:
+        ValueError: It is none.
+    """
+    measure: Measure = _made(kind, Measure, ("metric",))
+    if measure.metric.name != name:
+        raise ValueError(f"its metric is called {measure.metric.name!r}")
+    return measure
+
+
+def _made(kind: Any, base: type, attributes: tuple[str, ...]) -> Any:
+    """Return an object of a class, having checked that it has all that its base asks for.
+
+    Raises:
+        ValueError: It has not.
+    """
+    if not isinstance(kind, type) or not issubclass(kind, base):
+        raise ValueError(f"it is no class that derives from {base.__name__}")
+    missing = [attribute for attribute in attributes if not hasattr(kind, attribute)]
+    if missing or inspect.isabstract(kind):
+        missing += sorted(getattr(kind, "__abstractmethods__", ()))
+        raise ValueError(f"its class {kind.__name__} has no {', '.join(missing)}")
+    return kind()
+
+
+TRACKS: Registry[Track] = Registry("wildscav.tracks")
+MEASURES: Registry[Measure] = Registry("wildscav.metrics")
+
+
+def metrics_of(track: str, more: Iterable[str] = ()) -> tuple[Metric, ...]:
+    """Return what the seats of a match are measured by; the first is the score.
+
+    Args:
+        track: The match's track.
+        more: Names of the metrics that its spec asks for besides.
+    """
+    return TRACKS[track].metrics + tuple(MEASURES[name].metric for name in more)
+
+
+def measured(match: "MatchView", seat: int) -> dict[str, float]:
+    """Return a seat's value of every metric of its match."""
+    spec = match.spec
+    values = dict(TRACKS[spec.track].measure(match, seat))
+    return values | {name: float(MEASURES[name].measure(match, seat)) for name in spec.metrics}
 
 
 def carried_by_team(match: "MatchView", seat: int) -> float:

@@ -1,8 +1,8 @@
 """The spec of a match: everything that determines it, apart from its actions."""
 
-from typing import Annotated, Literal, Protocol, Self
+from typing import Annotated, Any, Literal, Protocol, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.base import Seed, Spec
@@ -24,9 +24,18 @@ class TrackRules(Protocol):
     has_supplies: bool
     has_supply_goal: bool
     has_zone: bool
+    metrics: tuple["MetricName", ...]
 
     def teams(self, seats: int) -> tuple[int, ...]:
         """Return the default team of each seat."""
+
+
+class MetricName(Protocol):
+    """What a spec needs to know about a metric."""
+
+    @property
+    def name(self) -> str:
+        """The name by which a spec asks for the metric."""
 
 
 class RobotName(Protocol):
@@ -37,7 +46,8 @@ class RobotName(Protocol):
         """The name by which a spec assigns the robot to a seat."""
 
 
-_TRACKS: Registry[TrackRules] = Registry("wildscav.tracks", make=lambda track: track())
+_TRACKS: Registry[TrackRules] = Registry("wildscav.tracks")
+_METRICS: Registry[object] = Registry("wildscav.metrics")
 _ROBOTS: Registry[tuple[RobotName, ...]] = Registry("wildscav.robots")
 
 
@@ -67,6 +77,16 @@ class MatchSpec(Spec):
     supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
     zone: ZoneConfig | None = None  # royale; None: the track's default
     rules: RulesField = Rules()
+    # Metrics from packages, by name, that are measured in addition to those of the track.
+    metrics: Annotated[tuple[str, ...], Field(max_length=20)] = ()
+
+    @model_serializer(mode="wrap")
+    def _omit_empty_metrics(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Omit ``metrics`` if it is empty, so that records and digests of other specs do not change."""
+        fields: dict[str, Any] = serialize(self)
+        if not self.metrics:
+            fields.pop("metrics", None)
+        return fields
 
     @property
     def frame_limit(self) -> int:
@@ -118,6 +138,19 @@ class MatchSpec(Spec):
             if name != SUBMISSION and name not in robots:
                 allowed = ", ".join([SUBMISSION, *robots])
                 raise ValueError(f"seat {seat} is filled by {name!r}; allowed are {allowed}")
+        return self
+
+    @model_validator(mode="after")
+    def _metrics_exist(self) -> Self:
+        own = [metric.name for metric in _TRACKS[self.track].metrics] if self.metrics else []
+        for name in self.metrics:
+            if name not in _METRICS:
+                installed = f"; installed are {', '.join(_METRICS)}" if _METRICS else "; none is installed"
+                raise ValueError(f"there is no additional metric {name!r}{installed}")
+            if name in own:
+                raise ValueError(f"metric {name!r} is already one of the track {self.track}")
+        if len(set(self.metrics)) < len(self.metrics):
+            raise ValueError("metrics lists a metric twice")
         return self
 
     @model_validator(mode="after")

@@ -1,5 +1,5 @@
 """The kinds of match, one file each. ``extensions.py`` lists them."""
 
-from wildscav_engine.simulation.track import TRACKS, Metric, Track
+from wildscav_engine.simulation.track import MEASURES, TRACKS, Measure, Metric, Track, metrics_of
 
-__all__ = ["TRACKS", "Metric", "Track"]
+__all__ = ["MEASURES", "TRACKS", "Measure", "Metric", "Track", "metrics_of"]

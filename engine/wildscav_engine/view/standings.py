@@ -78,6 +78,8 @@ def _table(record: Record, history: History, names: tuple[str, ...], followed: i
     if Field.SHOOT in track.fields:
         columns += [Column("Kills", agents.kills), Column("Deaths", agents.deaths)]
         columns.append(Column("Health", agents.health, _health, False))
+    # In a track without anything to be ordered by during the match, seats stand in their order.
+    keys.append(np.broadcast_to(np.arange(len(names)), agents.health.shape))
     return Table(
         track.title,
         spec.time_limit,
@@ -103,7 +105,7 @@ def _page(table: Table, row: int, frame: int, over: bool) -> str:
         "",
         story,
         "",
-        "| # | Agent | " + " | ".join(column.title for column in table.columns) + " |",
+        "| # | Agent |" + "".join(f" {column.title} |" for column in table.columns),
         "|--:|:--|" + "--:|" * len(table.columns),
         *(_line(table, row, seat, places[seat]) for seat in shown),
     ]
@@ -114,8 +116,8 @@ def _page(table: Table, row: int, frame: int, over: bool) -> str:
 
 def _line(table: Table, row: int, seat: int, place: int) -> str:
     name = _plain(table.names[seat])
-    cells = [column.write(float(column.values[row, seat])) for column in table.columns]
-    return f"| {place} | {f'**{name}**' if seat == table.followed else name} | {' | '.join(cells)} |"
+    cells = "".join(f" {column.write(float(column.values[row, seat]))} |" for column in table.columns)
+    return f"| {place} | {f'**{name}**' if seat == table.followed else name} |{cells}"
 
 
 def _metres(distance: float) -> str:

@@ -31,7 +31,7 @@ def verdict(result: MatchResult, names: Sequence[str]) -> str:
     """
     metric = TRACKS[result.track].metrics[0]
     teams = _ranked(result, names, metric)
-    if TRACKS[result.track].has_target:
+    if TRACKS[result.track].has_target and "success" in teams[0].metrics:
         return _of_the_way(result, teams)
     best = [team for team in teams if team.score == teams[0].score]
     score = _written(teams[0].score, metric)

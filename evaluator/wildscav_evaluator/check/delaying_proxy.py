@@ -28,6 +28,7 @@ class _DelayingSandbox:
     def __init__(self, sandbox: Sandbox, proxies: AsyncExitStack) -> None:
         self._sandbox, self._proxies = sandbox, proxies
         self.name, self.isolated = sandbox.name, sandbox.isolated
+        self.runs_images = sandbox.runs_images
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
         return self._sandbox.promises(limits)

@@ -5,7 +5,7 @@ Two runs of the same command give equal files, but for ``timings``.
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -35,11 +35,11 @@ class MetricInfo(FileModel):
     lower_is_better: bool
 
 
-def metric_infos(track: str) -> tuple[MetricInfo, ...]:
-    """Return what a track measures; the first is its score."""
-    from wildscav_engine.tracks import TRACKS
+def metric_infos(track: str, more: Iterable[str] = ()) -> tuple[MetricInfo, ...]:
+    """Return what a track measures, the first being its score, and what matches ask for besides, by name."""
+    from wildscav_engine.tracks import metrics_of
 
-    return tuple(MetricInfo(**metric._asdict()) for metric in TRACKS[track].metrics)
+    return tuple(MetricInfo(**metric._asdict()) for metric in metrics_of(track, more))
 
 
 class Summary(FileModel):

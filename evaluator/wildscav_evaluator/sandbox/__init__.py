@@ -1,16 +1,10 @@
 """Sandboxes: the ways to run an agent. One file each, all behind one interface."""
 
-from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, RunningAgent, Sandbox, SandboxError
-from wildscav_evaluator.sandbox.containers.oci import OciSandbox
-from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
-from wildscav_evaluator.sandbox.linux.bubblewrap import BubblewrapSandbox
-from wildscav_evaluator.sandbox.process import ProcessSandbox
+from typing import Any
 
-SANDBOXES: dict[str, Sandbox] = {
-    "oci": OciSandbox(),
-    "bubblewrap": BubblewrapSandbox(),
-    "process": ProcessSandbox(),
-}
+from wildscav_engine.extensions import Registry
+from wildscav_evaluator.sandbox.base import Ending, Launch, Promise, RunningAgent, Sandbox, SandboxError
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 
 __all__ = [
     "DEFAULT_LIMITS",
@@ -23,3 +17,32 @@ __all__ = [
     "Sandbox",
     "SandboxError",
 ]
+
+
+def make_sandbox(name: str, kind: Any) -> Sandbox:
+    """Return the sandbox of a class as an entry point names it.
+
+    Raises:
+        ValueError: It is none.
+    """
+    missing = [
+        part for part in ("name", "isolated", "runs_images", "promises", "start") if not hasattr(kind, part)
+    ]
+    if missing or not isinstance(kind, type):
+        raise ValueError(f"it is no class of a sandbox: it has no {', '.join(missing) or 'objects'}")
+    sandbox: Sandbox = kind()
+    if sandbox.name != name:
+        raise ValueError(f"its class is called {sandbox.name!r}")
+    return sandbox
+
+
+# The strongest first. Those of other packages run agents only where they are asked for.
+SANDBOXES: Registry[Sandbox] = Registry(
+    "wildscav.sandboxes",
+    {
+        "oci": "wildscav_evaluator.sandbox.containers.oci:OciSandbox",
+        "bubblewrap": "wildscav_evaluator.sandbox.linux.bubblewrap:BubblewrapSandbox",
+        "process": "wildscav_evaluator.sandbox.process:ProcessSandbox",
+    },
+    make_sandbox,
+)

@@ -99,6 +99,7 @@ class Sandbox(Protocol):
 
     name: str
     isolated: bool  # whether it keeps an agent from the host's files, network and other processes
+    runs_images: bool  # whether it runs images of this machine's container engine, besides folders
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
         """Try everything that the sandbox promises on this machine, with these limits. Takes a second."""

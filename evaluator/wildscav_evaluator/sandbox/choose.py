@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import inspect
 import json
 import os
 import shutil
@@ -37,7 +38,7 @@ def choose(
 
     Args:
         asked: Its name; none for the strongest that works here.
-        sandboxes: All there are, the strongest first.
+        sandboxes: Those to choose from, the strongest first.
         limits: That it must keep.
         images: Whether submissions are images, which only containers run.
 
@@ -55,7 +56,7 @@ def choose(
         return Choice(sandbox, (WARNING,) if isinstance(sandbox, ProcessSandbox) else ())
     reasons: list[str] = []
     for sandbox in sandboxes:
-        if images and sandbox.name != "oci":
+        if images and not sandbox.runs_images:
             raise SandboxError(f"a submission is an image, which only containers run: {'; '.join(reasons)}")
         why = missing_promises(sandbox, limits)
         if not why:
@@ -101,6 +102,7 @@ def _memory(sandbox: Sandbox, limits: Limits) -> Path:
         limits.model_dump_json(),
         [(place, os.stat(place).st_mtime if place else 0) for place in places],  # noqa: PTH116
         sorted((str(path), path.stat().st_mtime) for path in Path(__file__).parent.rglob("*.py")),
+        Path(inspect.getfile(type(sandbox))).stat().st_mtime,  # of one that a package adds
     ]
     digest = hashlib.blake2b(json.dumps(facts).encode(), digest_size=16).hexdigest()
     return cache_folder("sandboxes") / digest

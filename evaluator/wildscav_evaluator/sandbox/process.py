@@ -44,6 +44,7 @@ class ProcessSandbox:
 
     name = "process"
     isolated = False
+    runs_images = False
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:  # noqa: ARG002 - it keeps none of them
         """Say that nothing is promised. See ``Sandbox.promises``."""

@@ -46,10 +46,13 @@ def played_suite(out: Path, reported: Results) -> Suite:
     """Return the suite of an evaluation, an organizer's own by the copy of its file.
 
     Raises:
-        UserError: The copy is missing or is another.
+        UserError: The copy is missing or is another, or the suite's package is installed in another version.
     """
-    if reported.suite in SUITES:
-        return SUITES[reported.suite]
+    name = reported.suite.partition("@")[0]
+    if name in SUITES and not (out / SUITE_FILE).exists():
+        if SUITES[name].label != reported.suite:
+            raise UserError(f"{reported.suite} was played, but installed is {SUITES[name].label}")
+        return SUITES[name]
     suite = read_suite(out / SUITE_FILE)
     if suite.label != reported.suite:
         raise UserError(f"{out / SUITE_FILE} is suite {suite.label}, but {reported.suite} was played")

@@ -134,7 +134,7 @@ def _evaluation(
     rows = {row.index: row for row in (reported.matches if reported else ())}
     recorded = {one.index: one for one in held.values() if (one.track, one.submission) == (track, submission)}
     matches = tuple(_row(index, rows.get(index), recorded.get(index)) for index in sorted({*rows, *recorded}))
-    metrics = metric_infos(track)
+    metrics = metric_infos(track, next((one.spec.metrics for one in recorded.values() if one.spec), ()))
     return Evaluation(
         submission=submission,
         version=reported.version if reported else "",

@@ -16,6 +16,7 @@ from pathlib import Path
 import wildscav
 from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.agents.readable_copies import make_readable
 from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
@@ -142,7 +143,7 @@ def with_images(submissions: Sequence[Submission], sandbox: str) -> tuple[Submis
 
 
 def _with_image(submission: Submission, sandbox: str) -> Submission:
-    if sandbox != "oci":
+    if not SANDBOXES[sandbox].runs_images:
         if submission.image is not None:
             raise SubmissionError(f"{submission.name} is an image, which --sandbox {sandbox} does not run")
         return submission

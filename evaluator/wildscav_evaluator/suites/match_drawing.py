@@ -6,7 +6,8 @@ from typing import TypeVar
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
-from wildscav_evaluator.seats import battle_seats
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.seats import battle_seats, shuffled
 
 Choice = TypeVar("Choice")
 
@@ -96,3 +97,22 @@ def royale(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
         robots: Opponents.
     """
     return lambda dice: MatchSpec(track="royale", time_limit=time_limit, seats=battle_seats(dice, robots))
+
+
+def usual(track: str, time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+    """One submission against the robots of any track, placed at random.
+
+    Args:
+        track: Its name.
+        time_limit: Seconds of game time, at most; less where that is usual for the track.
+        robots: Opponents at most; fewer where that is usual for the track.
+    """
+
+    def draw(dice: Dice) -> MatchSpec:
+        kind = TRACKS[track]
+        seats = (SUBMISSION, *(kind.robot,) * min(robots, kind.opponents))
+        return MatchSpec(
+            track=track, time_limit=min(time_limit, kind.time_limit), seats=shuffled(dice, seats)
+        )
+
+    return draw

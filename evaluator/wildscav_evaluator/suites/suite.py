@@ -3,20 +3,24 @@
 A suite is made from (track, suite name, seed) without making any map, and is the same for every
 submission: all play the same matches, so that their scores can be compared match by match.
 
+A suite is an object that ``SUITES`` names, or another package in the entry-point group ``wildscav.suites``;
+an organizer's own may also be a TOML file (``suite_file.py``).
+
 Map seeds with the top bit set (2**63 and above) are kept for evaluation. Training draws its map seeds
 below 2**63, so no agent has trained on a map of a suite.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import blake2b
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from wildscav.errors import UserError
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.suites.match_drawing import battle, capture, choose, gathering, navigation, royale
 
 EVALUATION_MAPS = 1 << 63  # the bit that marks a map seed as kept for evaluation
 
@@ -40,13 +44,14 @@ class Suite:
     tracks: Mapping[str, TrackSettings]
     source: bytes | None = None  # the file of an organizer's own suite
     limits: Mapping[str, Limits] = field(default_factory=dict)  # of agents, for tracks that have their own
+    version: str = ""  # of the package that it comes from, if that is not Wildscav
 
     @property
     def label(self) -> str:
-        """What tells it apart from all others: its name; of an organizer's own, also its file's content."""
-        if self.source is None:
-            return self.name
-        return f"{self.name}@{blake2b(self.source, digest_size=4).hexdigest()}"
+        """What identifies it: its name, with a digest of its file or the version of its package."""
+        if self.source is not None:
+            return f"{self.name}@{blake2b(self.source, digest_size=4).hexdigest()}"
+        return f"{self.name}@{self.version}" if self.version else self.name
 
     def matches(self, track: str, seed: int) -> tuple[MatchSpec, ...]:
         """Return the matches that evaluate a submission on a track.
@@ -54,6 +59,9 @@ class Suite:
         Args:
             track: One of ``tracks``.
             seed: Any whole number; each gives other maps and matches.
+
+        Raises:
+            UserError: The matches do not all ask for the same metrics, so that they have no mean.
         """
         settings = self.tracks[track]
         dice = _dice(track, self.name, seed)
@@ -66,7 +74,33 @@ class Suite:
             for _ in range(settings.episodes):
                 match = settings.draw(dice)
                 specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()}))
+        if len({spec.metrics for spec in specs}) > 1:
+            raise UserError(f"suite {self.name}: the matches of {track} ask for different metrics")
         return tuple(specs)
+
+
+def check_suite(name: str, found: Any) -> Suite:
+    """Return the suite that an entry point names, with the version of its package.
+
+    Raises:
+        ValueError: It is none.
+    """
+    if not isinstance(found, Suite):
+        raise ValueError("it is no Suite")
+    if found.name != name:
+        raise ValueError(f"it is called {found.name!r}")
+    origin = SUITES.origin(name)
+    return found if origin is None else replace(found, version=origin.version)
+
+
+SUITES: Registry[Suite] = Registry(
+    "wildscav.suites",
+    {
+        "quick": "wildscav_evaluator.suites.quick:QUICK",
+        "official": "wildscav_evaluator.suites.official:OFFICIAL",
+    },
+    check_suite,
+)
 
 
 def suite(track: str, name: str, seed: int) -> tuple[MatchSpec, ...]:
@@ -92,74 +126,3 @@ def _dice(track: str, name: str, seed: int) -> Dice:
     """Return dice that no other track, suite or seed shares."""
     digest = blake2b(f"{name}/{track}/{seed}".encode(), digest_size=8).digest()
     return Dice(int.from_bytes(digest, "little"), Stream.SUITE)
-
-
-def _small_map(dice: Dice) -> MapConfig:
-    size = choose(dice, (60, 80, 100))
-    return MapConfig(
-        size=size,
-        # On 60 m of steep country there is not always room for more.
-        houses=dice.integer(2, 3) if size > 60 else 1,
-        density="high" if dice.integer(0, 1) else "low",
-        storeys=(1, 2),
-        relief=choose(dice, (0.5, 0.8, 1.1)),
-        ruggedness=choose(dice, (0.1, 0.4, 0.8)),
-        water=choose(dice, (0.0, 0.06)),
-        vegetation=choose(dice, (0.2, 0.4)),
-    )
-
-
-def _large_map(dice: Dice) -> MapConfig:
-    """A map like the original's large ones: 500 m, 12 to 15 houses of two or three storeys.
-
-    The land itself is anything from smooth downs to rugged mountains.
-    """
-    return MapConfig(
-        size=500,
-        houses=dice.integer(12, 15),
-        density="high" if dice.integer(0, 1) else "low",
-        storeys=(2, 3),
-        relief=choose(dice, (0.5, 1.0, 1.5, 2.0)),
-        ruggedness=choose(dice, (0.1, 0.4, 0.7, 1.0)),
-        water=choose(dice, (0.04, 0.08, 0.12)),
-        vegetation=choose(dice, (0.2, 0.4, 0.6)),
-    )
-
-
-_SUITES = (
-    Suite(
-        name="quick",
-        title="a look at an agent in a minute or two: few short matches on small maps",
-        map_config=_small_map,
-        tracks={
-            "navigation": TrackSettings(maps=5, episodes=1, draw=navigation(60.0)),
-            "gathering": TrackSettings(
-                maps=4, episodes=1, draw=gathering(60.0, 10.0, (10.0, 30.0), (5.0, 10.0))
-            ),
-            "capture": TrackSettings(maps=3, episodes=1, draw=capture(60.0, 3)),
-            "battle": TrackSettings(maps=3, episodes=1, draw=battle(60.0, 5, 40.0, 40.0, (10.0, 20.0))),
-            "royale": TrackSettings(maps=3, episodes=1, draw=royale(60.0, 5)),
-        },
-    ),
-    # Counts, limits and supplies of the original competition.
-    Suite(
-        name="official",
-        title="the competition's evaluation: its counts, time limits and supplies, on large maps",
-        map_config=_large_map,
-        tracks={
-            "navigation": TrackSettings(maps=10, episodes=10, draw=navigation(300.0)),
-            "gathering": TrackSettings(
-                maps=10,
-                episodes=10,
-                draw=gathering(600.0, 20.0, (10.0, 30.0, 50.0, 70.0), (5.0, 10.0, 15.0, 20.0)),
-            ),
-            "battle": TrackSettings(
-                maps=10, episodes=1, draw=battle(900.0, 9, 100.0, 600.0, (30.0, 50.0, 70.0))
-            ),
-            # Not in the original competition; as long as its nearest kin there.
-            "capture": TrackSettings(maps=10, episodes=10, draw=capture(300.0, 3)),
-            "royale": TrackSettings(maps=10, episodes=1, draw=royale(900.0, 9)),
-        },
-    ),
-)
-SUITES: dict[str, Suite] = {one.name: one for one in _SUITES}

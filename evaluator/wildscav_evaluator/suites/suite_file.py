@@ -94,6 +94,13 @@ class TrackSection(Section):
                 raise ValueError(f"{name} is set by the suite itself")
         return fields
 
+    @field_validator("choose")
+    @classmethod
+    def _measures_all_alike(cls, choices: Choices) -> Choices:
+        if any(path.partition(".")[0] == "metrics" for path in choices):
+            raise ValueError("metrics must be the same in all matches of a track: give them in its match")
+        return choices
+
 
 class SuiteFile(Section):
     """An organizer's suite."""
@@ -107,7 +114,9 @@ class SuiteFile(Section):
     @classmethod
     def _is_new(cls, name: str) -> str:
         if name in SUITES:
-            raise ValueError(f"{name!r} is a suite of Wildscav: choose another name")
+            owner = SUITES.origin(name)
+            of = f"the package {owner}" if owner else "Wildscav"
+            raise ValueError(f"{name!r} is a suite of {of}: choose another name")
         return name
 
     @field_validator("tracks")

@@ -113,7 +113,7 @@ def _unavailable(name: str, error: Exception) -> Callable[[], None]:
     """Return a command in place of one that cannot be imported."""
     from rich.markup import escape
 
-    why = _remedy(error) or f"{type(error).__name__}: {error}"
+    why = _remedy(error) or (str(error) if _is_extension_error(error) else f"{type(error).__name__}: {error}")
 
     def explain() -> None:
         raise UserError(f"{name} is not available: {why}", exit_code=1)
@@ -181,6 +181,16 @@ def main() -> None:
         if remedy is None:
             raise
         _fail(f"this command is not available: {remedy}", 1)
+    except Exception as error:
+        if not _is_extension_error(error):
+            raise
+        _fail(f"{error}; `wildscav doctor` lists what is installed", 1)
+
+
+def _is_extension_error(error: Exception) -> bool:
+    """Return whether an error comes from a package that adds something (its module is imported then)."""
+    extensions = sys.modules.get("wildscav_engine.extensions")
+    return extensions is not None and isinstance(error, extensions.ExtensionError)
 
 
 def _fail(message: str, exit_code: int) -> None:

@@ -121,7 +121,7 @@ def test_a_clock_that_fails_while_nobody_answers_does_not_wait_for_ever(
 class LosesSight:
     """The process sandbox, which cannot tell once how an agent ended."""
 
-    name, isolated, lost = "losing sight", False, False
+    name, isolated, runs_images, lost = "losing sight", False, False, False
 
     def promises(self, limits: object) -> tuple[()]:
         return ()

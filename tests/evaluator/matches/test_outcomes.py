@@ -60,6 +60,7 @@ class Failing:
 
     name = "failing"
     isolated = False
+    runs_images = False
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
         return ()

@@ -21,6 +21,7 @@ class OneThat:
 
     def __init__(self, name: str, *, keeps: bool) -> None:
         self.name, self._keeps, self.tried = name, keeps, 0
+        self.runs_images = name == "oci"
 
     def promises(self, limits: object) -> tuple[Promise, ...]:
         self.tried += 1

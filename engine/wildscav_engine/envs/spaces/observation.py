@@ -15,6 +15,7 @@ from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, some_of
+from wildscav_engine.sensors.scalars import ScalarSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.tracks import TRACKS
 
@@ -110,6 +111,7 @@ class Sight:
         self._optical = [sensor for sensor in sensors.values() if isinstance(sensor, OpticalSensor)]
         self._lenses = {name: sensor.lens for name, sensor in self._still.items()}
         self._learners, self._threads = list(learners), threads
+        self._rows = np.array(self._learners, np.int64)
         self._maps: list[GameMap] = []  # of every learner
         self._viewers = np.zeros(0, np.int32)
 
@@ -126,6 +128,9 @@ class Sight:
         if self._still:
             self._read_still(batch, found)
         for name, sensor in self._others.items():
+            if isinstance(sensor, ScalarSensor):
+                found[name] = sensor.read_all(batch.state, self._rows)
+                continue
             readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
 

@@ -2,10 +2,15 @@
 
 A robot is a kernel that reads what its seat may know and writes one action row. It draws from the match's
 seed and remembers a few numbers in ``Agents.memory``.
+
+Records name robots. The number of a robot of another package follows from the name of its kind alone, so that
+it does not depend on what else is installed.
 """
 
+from collections.abc import Callable
 from enum import IntEnum
-from typing import NamedTuple
+from hashlib import blake2b
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +28,7 @@ from wildscav_engine.specs.rules import FRAME
 STUCK_SPEED = 0.3  # of the speed wanted; slower is stuck
 PATIENCE = 3.0  # steps stuck before a way round is tried
 DETOUR = 6.0  # m of a way round
+FIRST_ADDED, ADDED_KINDS = 100, 100_000_000  # the numbers of kinds that other packages add
 SAFE_MARGIN = 5.0  # m inside the edge of the safe zone that a robot keeps
 
 
@@ -54,26 +60,51 @@ class Situation(NamedTuple):
     skill: Skill
 
 
+Act = Callable[[Situation, NDArray[np.float32]], None]
+
+
 class Robot(NamedTuple):
-    """A built-in opponent."""
+    """An opponent that plays inside the engine."""
 
     name: str
     title: str
-    number: int  # in Agents.robot: tens for the kind, ones for the level; those of records never change
+    number: int  # in Agents.robot: tens for the kind, ones for the level
+    act: Act  # a kernel that writes what the robot does in the coming step into a row of zeros
 
 
-def levels_of(name: str, title: str, kind: int) -> tuple[Robot, ...]:
+def levels_of(name: str, title: str, act: Act, kind: int | None = None) -> tuple[Robot, ...]:
     """Return a kind of robot in its three levels, the normal one under the plain name.
 
     Args:
         name: Of the kind.
         title: What it does.
-        kind: Its number.
+        act: Its kernel.
+        kind: The number of one of ours; by default the number that follows from the name.
     """
+    tens = kind_number(name) if kind is None else kind
     return tuple(
-        Robot(name if level == "normal" else f"{name}-{level}", title, 10 * kind + number)
+        Robot(name if level == "normal" else f"{name}-{level}", title, 10 * tens + number, act)
         for number, level in enumerate(LEVELS)
     )
+
+
+def kind_number(name: str) -> int:
+    """Return the number of a kind of robot that another package adds."""
+    digest = blake2b(name.encode(), digest_size=8).digest()
+    return FIRST_ADDED + int.from_bytes(digest, "little") % ADDED_KINDS
+
+
+def check_robots(name: str, levels: Any) -> tuple[Robot, ...]:
+    """Return the levels of a kind of robot as an entry point names them.
+
+    Raises:
+        ValueError: They are none.
+    """
+    if not isinstance(levels, tuple) or not levels or not all(isinstance(one, Robot) for one in levels):
+        raise ValueError("it is not what levels_of returns, a tuple of robots")
+    if [robot.name for robot in levels] != [robot.name for robot in levels_of(name, "", levels[0].act)]:
+        raise ValueError(f"its levels are called {', '.join(robot.name for robot in levels)}")
+    return levels
 
 
 @kernel

@@ -19,8 +19,6 @@ from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.body import EYE_HEIGHT
 
-FIGHTERS = levels_of("fighter", "shoots at the nearest enemy, gathers in between", 3)
-
 AIM_HEIGHT = 1.0  # m above the enemy's soles
 PITCH_ERROR = 1 / 3  # of the skill's aim error
 LOW_CLIP = 5  # rounds; with fewer and nobody in sight it reloads
@@ -71,3 +69,6 @@ def _aim_and_fire(now: Situation, enemy: int, action: NDArray[np.float32]) -> No
     # It circles, so that it is harder to hit.
     side = 80.0 if (now.frame // 100 + now.seat) % 2 == 0 else -80.0
     walk_toward(now, yaw + side, now.skill.wander_speed, action)
+
+
+FIGHTERS = levels_of("fighter", "shoots at the nearest enemy, gathers in between", fight, 3)

@@ -4,13 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.simulation.robots.base import Situation, gather, levels_of, wander
-
-GATHERERS = levels_of("gatherer", "collects the supplies it sees", 2)
+from wildscav_engine.simulation.robots.base import Situation, gather, keep_safe, levels_of, wander
 
 
 @kernel
 def collect(now: Situation, action: NDArray[np.float32]) -> None:
-    """Gather, else wander."""
-    if not gather(now, action):
+    """Keep safe, else gather, else wander."""
+    if not keep_safe(now, action) and not gather(now, action):
         wander(now, action)
+
+
+GATHERERS = levels_of("gatherer", "collects the supplies it sees", collect, 2)

@@ -4,15 +4,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.simulation.robots.base import Situation, levels_of, seek, wander
+from wildscav_engine.simulation.robots.base import Situation, keep_safe, levels_of, seek, wander
 from wildscav_engine.specs.actions import Field
-
-SEEKERS = levels_of("seeker", "looks for the target and goes there", 4)
 
 
 @kernel
 def find(now: Situation, action: NDArray[np.float32]) -> None:
-    """Go to the target, else wander."""
+    """Keep safe, else go to the target, else wander."""
+    if keep_safe(now, action):
+        return
     action[Field.PICK_UP] = 1.0
     if not seek(now, action):
         wander(now, action)
+
+
+SEEKERS = levels_of("seeker", "looks for the target and goes there", find, 4)

@@ -10,7 +10,7 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream, Word, philox
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.locations import OUTDOOR_SPACING
-from wildscav_engine.simulation.robots import ROBOTS
+from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.simulation.setup.starts import MatchSetupError, choose_starts
 from wildscav_engine.simulation.state import State
 from wildscav_engine.simulation.systems.supplies import choose_indoor, choose_outdoor, fill_boxes

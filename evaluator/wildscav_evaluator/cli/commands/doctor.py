@@ -1,4 +1,4 @@
-"""``wildscav doctor``: which sandboxes keep their promises on this machine, and what to install."""
+"""``wildscav doctor``: which sandboxes keep their promises on this machine, and which extensions work."""
 
 from dataclasses import asdict
 from typing import TYPE_CHECKING
@@ -13,27 +13,38 @@ if TYPE_CHECKING:
 
 
 def doctor(as_json: AsJson = False) -> None:
-    """Try every promise of every sandbox on this machine; say which are kept, and what to install."""
+    """Try every promise of every sandbox on this machine, and everything that other packages add."""
     from rich.text import Text
 
     from wildscav.terminal.console import console, print_json
+    from wildscav_evaluator.cli.result_tables.extensions import extensions_table, installed
     from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 
+    additions = list(installed())
+    broken = [one for one in additions if one.problem]
+    added = [one.name for one in additions if one.group == SANDBOXES.group and not one.problem]
     whole, sandboxes = [], []
-    for name, sandbox in SANDBOXES.items():
+    for name in (*SANDBOXES.built_in, *added):
+        sandbox = SANDBOXES[name]
         if not sandbox.isolated:
             continue
         with console.status(f"trying {name}"):
             promises = sandbox.promises(DEFAULT_LIMITS)
         console.print(_table(f"{name}{_engine(name)}", promises))
         sandboxes.append({"name": name, "promises": [asdict(promise) for promise in promises]})
-        if all(promise.kept for promise in promises):
+        if name in SANDBOXES.built_in and all(promise.kept for promise in promises):
             whole.append(name)
+    if additions:
+        console.print(extensions_table(additions))
     if as_json:
-        print_json({"sandboxes": sandboxes, "default": whole[0] if whole else None})
+        default = whole[0] if whole else None
+        extensions = [{**one._asdict(), "origin": one.origin._asdict()} for one in additions]
+        print_json({"sandboxes": sandboxes, "default": default, "extensions": extensions})
     console.print(
         Text.assemble(("process", "bold"), " promises nothing: for agents that you would run yourself.")
     )
+    if broken:
+        raise UserError("; ".join(one.problem for one in broken))
     if not whole:
         raise UserError("no sandbox keeps all its promises here: agents would run as plain processes")
     console.print(Text.assemble("Unless you say otherwise, agents run in ", (whole[0], "bold"), "."))
@@ -41,11 +52,11 @@ def doctor(as_json: AsJson = False) -> None:
 
 def _engine(sandbox: str) -> str:
     """Return the engine of a sandbox in brackets, if it has one here."""
-    from wildscav_evaluator.sandbox import SandboxError
+    from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
     from wildscav_evaluator.sandbox.containers.container_engine import find_engine
 
     try:
-        return f" ({find_engine().name})" if sandbox == "oci" else ""
+        return f" ({find_engine().name})" if SANDBOXES[sandbox].runs_images else ""
     except SandboxError:
         return ""
 

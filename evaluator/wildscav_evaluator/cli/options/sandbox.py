@@ -1,20 +1,33 @@
 """The option ``--sandbox`` of every command that runs agents."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
     from wildscav_evaluator.submissions.submission import Submission
 
+
+def _known(name: str | None) -> str | None:
+    """Return the name of a sandbox; an error of usage says which there are."""
+    from wildscav_evaluator.sandbox import SANDBOXES
+
+    if name is not None and name not in SANDBOXES:
+        raise typer.BadParameter(f"there is no sandbox {name!r}; the sandboxes are {', '.join(SANDBOXES)}")
+    return name
+
+
 InSandbox = Annotated[
-    Literal["oci", "bubblewrap", "process"] | None,
+    str | None,
     typer.Option(
         "--sandbox",
         envvar="WILDSCAV_SANDBOX",
+        callback=_known,
+        metavar="NAME",
         help="How agents run. oci: in containers of Podman or Docker. bubblewrap: in namespaces of their "
-        "own. process: as you do, for agents that you trust. Default: the first of these that works here.",
+        "own. process: as you do, for agents that you trust. Or one that a package adds. Default: the "
+        "first of these three that works here.",
         show_default=False,
     ),
 ]
@@ -38,7 +51,8 @@ def chosen_sandbox(
 
     with console.status("trying the sandbox"):
         images = any(submission.image for submission in submissions)
-        choice = choose(asked, list(SANDBOXES.values()), DEFAULT_LIMITS, images=images)
+        candidates = [SANDBOXES[name] for name in ([asked] if asked else SANDBOXES.built_in)]
+        choice = choose(asked, candidates, DEFAULT_LIMITS, images=images)
     console.print(f"sandbox   {choice.sandbox.name}", highlight=False)
     for warning in choice.warnings:
         console.print(Text.assemble(("warning: ", "yellow"), warning), soft_wrap=True)

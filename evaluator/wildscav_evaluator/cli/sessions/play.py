@@ -176,7 +176,7 @@ async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> PlayedMatch
 
 def _table(seating: Seating, played: PlayedMatch) -> Table:
     result = played.match.result()
-    metrics = metric_infos(seating.spec.track)
+    metrics = metric_infos(seating.spec.track, seating.spec.metrics)
     seconds = result.frames / FRAMES_PER_SECOND
     title = f"{seating.spec.track} · map {seating.spec.map.seed} · seed {seating.spec.seed} · {seconds:g} s"
     table = plain_table(title)
@@ -204,7 +204,7 @@ def _document(seating: Seating, played: PlayedMatch) -> dict[str, object]:
         "map": seating.spec.map.seed,
         "seed": seating.spec.seed,
         "seconds": result.frames / FRAMES_PER_SECOND,
-        "metrics": [metric.as_json() for metric in metric_infos(seating.spec.track)],
+        "metrics": [metric.as_json() for metric in metric_infos(seating.spec.track, seating.spec.metrics)],
         "seats": [_seat_document(seating, played, seat) for seat in result.seats],
     }
 

@@ -86,6 +86,7 @@ class OciSandbox:
 
     name = "oci"
     isolated = True
+    runs_images = True
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
         """Try everything. See ``Sandbox.promises``."""

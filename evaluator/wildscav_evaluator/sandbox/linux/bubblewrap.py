@@ -39,6 +39,7 @@ class BubblewrapSandbox:
 
     name = "bubblewrap"
     isolated = True
+    runs_images = False
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
         """Try everything. See ``Sandbox.promises``."""

@@ -8,7 +8,7 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.robots import ROBOTS
+from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
