@@ -19,10 +19,10 @@ from wildscav_engine.parallel.threads import cores
 
 # Functions that compile what takes longest, and the file whose kernels are compiled last of all.
 COMPILERS = (
-    "wildscav_engine.simulation.play:compile_matches",
+    "wildscav_engine.simulation.batch_kernels:compile_matches",
     "wildscav_engine.rendering.trace:depths_tracer",
 )
-LAST = PACKAGE / "simulation" / "play.py"
+LAST = PACKAGE / "simulation" / "batch_kernels.py"
 
 
 @functools.cache

@@ -12,9 +12,9 @@ from wildscav_engine.envs.settings.episodes import Episode, Episodes, pool_of
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, STANDING, Part
 from wildscav_engine.envs.spaces.facts import allocate_desk, write_rows
-from wildscav_engine.envs.spaces.flat import Flattener
+from wildscav_engine.envs.spaces.flattening import Flattener
+from wildscav_engine.envs.spaces.match_in_batch import RowView
 from wildscav_engine.envs.spaces.observation import Observation, Readings, Sight, layout_of, readings_space
-from wildscav_engine.envs.spaces.row_view import RowView
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.state import State
 from wildscav_engine.specs.actions import FIELDS
@@ -55,8 +55,8 @@ class Arena:
         seats = len(config.seats)
         self.actions = np.zeros((matches, seats, FIELDS), np.float32)
         self._chosen = np.zeros((matches * config.agents, FIELDS), np.float32)
-        plan = RewardSum(config.reward_weights).plan
-        desk = allocate_desk(matches, seats, config.agents, self.layout.start, plan)
+        terms = RewardSum(config.reward_weights).term_arrays
+        desk = allocate_desk(matches, seats, config.agents, self.layout.start, terms)
         self.done, self._fresh = desk.done, desk.fresh  # (B, L), and (B,), both change with every step
         # What is after one step is before the next: the two take turns.
         self._desk, self._next_desk = (

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import GROUPS
-from wildscav_engine.envs.spaces.flat import scales_of
+from wildscav_engine.envs.spaces.flattening import scales_of
 from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.sensors import Sensor
 

@@ -7,7 +7,7 @@ they are there. The checksum finds damage, not forgery; take no state from stran
 from wildscav_engine.envs.arena import Arena
 from wildscav_engine.envs.settings.episodes import Episodes
 from wildscav_engine.simulation.snapshot import StateError
-from wildscav_engine.storage.binary_format import ContainerError, Layout, pack, unpack
+from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, pack, unpack
 
 LAYOUT = Layout(b"WILDSENV", 1, "a state of an environment")
 
@@ -27,7 +27,7 @@ def load(arena: Arena, match: int, data: bytes) -> Episodes:
     """
     try:
         header, payload = unpack(LAYOUT, data)
-    except ContainerError as error:
+    except BinaryFormatError as error:
         raise StateError(str(error)) from error
     arena.set_state(match, bytes(payload))
     episodes = arena.episodes(int(header["seed"]))

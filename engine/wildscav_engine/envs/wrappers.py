@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, Space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.spaces.flat import Flattener
+from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.observation import Readings
 
 

@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.maps.errors import MapError
-from wildscav_engine.storage.binary_format import ContainerError, Layout, canonical, decompress, pack, unpack
+from wildscav_engine.storage.binary_format import (
+    BinaryFormatError,
+    Layout,
+    canonical_json,
+    decompress,
+    pack,
+    unpack,
+)
 from wildscav_engine.storage.files import read_limited, write_whole
 
 SUFFIX = ".wsb"
@@ -99,7 +106,7 @@ def save_base(base: Base) -> tuple[str, Path]:
 
 def digest_of(base: Base) -> str:
     """Return the digest of a base's whole content, 32 hexadecimal digits."""
-    digest = blake2b(canonical(_header(base)), digest_size=16)
+    digest = blake2b(canonical_json(_header(base)), digest_size=16)
     digest.update(_arrays(base))
     return digest.hexdigest()
 
@@ -135,7 +142,7 @@ def decode(data: bytes) -> Base:
         raise BaseError(f"more than {FILE_LIMIT} bytes")
     try:
         base = _assemble(*unpack(LAYOUT, data))
-    except ContainerError as error:
+    except BinaryFormatError as error:
         raise BaseError(str(error)) from None
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError, zlib.error) as error:
         raise BaseError(f"its contents are not valid: {error}") from None

@@ -31,7 +31,7 @@ from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.specs.base import Spec
 from wildscav_engine.specs.map_spec import MapSpec
-from wildscav_engine.storage.binary_format import ContainerError, Layout, canonical, pack, unpack
+from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, canonical_json, pack, unpack
 from wildscav_engine.storage.files import write_whole
 
 LAYOUT = Layout(b"WILDSMAP", 1, "a cached map")
@@ -60,7 +60,7 @@ def load_cached(spec: MapSpec) -> GameMap | None:
     path = path_of(spec)
     try:
         header, payload = unpack(LAYOUT, path.read_bytes())
-    except (OSError, ContainerError):
+    except (OSError, BinaryFormatError):
         return None
     with contextlib.suppress(OSError):
         os.utime(path)  # marks it as just used; a read-only cache still works
@@ -101,7 +101,7 @@ def path_of(spec: MapSpec) -> Path:
         "generator_version": GENERATOR_VERSION,
         "sources": _sources(),
     }
-    return folder() / f"{blake2b(canonical(made_from), digest_size=16).hexdigest()}.map"
+    return folder() / f"{blake2b(canonical_json(made_from), digest_size=16).hexdigest()}.map"
 
 
 def folder() -> Path:

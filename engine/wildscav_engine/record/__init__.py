@@ -1,4 +1,4 @@
-"""Records: write, read, play again and verify."""
+"""Records of matches: writing, reading, re-simulation and verification."""
 
 from wildscav_engine.record.format import (
     FILE_LIMIT,

@@ -1,8 +1,8 @@
 """The record of a match: its spec and every action, small and exact.
 
-Its layout is that of ``container``, with this payload, compressed: actions, (T, A, FIELDS) float32, then
-digests, (T,) uint64. The checksum finds damage, not forgery: that takes ``verify_record``, which plays the
-match again.
+The file has the layout of ``storage/binary_format.py``. Its compressed payload holds the actions, (T, A,
+FIELDS) float32, then the digests, (T,) uint64. The checksum detects damage but not forgery. Forgery is
+detected by ``verify_record``, which re-simulates the match.
 """
 
 import zlib
@@ -21,14 +21,14 @@ from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.result import MatchResult
 from wildscav_engine.specs.validation import one_line
-from wildscav_engine.storage.binary_format import ContainerError, Layout, decompress, pack, unpack
+from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, decompress, pack, unpack
 from wildscav_engine.storage.files import read_limited, write_whole
 from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION
 
-RECORD_VERSION = 2  # of this layout and of its header
+RECORD_VERSION = 2  # of the payload and of the header
 LAYOUT = Layout(b"WILDSCAV", RECORD_VERSION, "a record of a match")
-ARRAYS_LIMIT = 128 << 20  # bytes, unpacked: no record makes its reader run out of memory
-FILE_LIMIT = ARRAYS_LIMIT + (2 << 20)  # bytes: a header, and arrays that cannot be packed
+ARRAYS_LIMIT = 128 << 20  # bytes when decompressed, which bounds the memory of a reader
+FILE_LIMIT = ARRAYS_LIMIT + (2 << 20)  # bytes: the header, and arrays that do not compress
 HEADER_KEYS = {
     *("spec", "map_digest", "generator_version", "simulation_version", "engine_version"),
     *("names", "result", "steps"),
@@ -42,16 +42,16 @@ class RecordError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One match as it was played."""
+    """A recorded match."""
 
     spec: MatchSpec
     map_digest: str
     generator_version: int  # of the maps
     simulation_version: int  # of the rules
     engine_version: str
-    names: tuple[str, ...]  # what the seats are called, one for each
+    names: tuple[str, ...]  # display names, one for each seat
     result: MatchResult
-    actions: NDArray[np.float32]  # (T, A, FIELDS) as played, robots' included
+    actions: NDArray[np.float32]  # (T, A, FIELDS) as played, including those of robots
     digests: NDArray[np.uint64]  # (T,) of the state after each step
 
     @property
@@ -61,11 +61,11 @@ class Record:
 
 
 def record_of(match: Match, names: Sequence[str]) -> Record:
-    """Return the record of a match as it stands.
+    """Return the record of a match so far.
 
     Args:
         match: The match.
-        names: What its seats are called, one for each.
+        names: The display names of its seats.
     """
     return Record(
         spec=match.spec,
@@ -81,7 +81,7 @@ def record_of(match: Match, names: Sequence[str]) -> Record:
 
 
 def write_record(path: Path, match: Match, names: Sequence[str]) -> None:
-    """Write the record of a match; the file appears whole or not at all.
+    """Write the record of a match atomically.
 
     Raises:
         OSError: It cannot be written.
@@ -90,7 +90,7 @@ def write_record(path: Path, match: Match, names: Sequence[str]) -> None:
 
 
 def check_recordable(spec: MatchSpec) -> None:
-    """Refuse a match whose record could become larger than what is read again.
+    """Refuse a match whose record could exceed the size that readers accept.
 
     Raises:
         RecordError: It could.
@@ -99,12 +99,12 @@ def check_recordable(spec: MatchSpec) -> None:
     if size > ARRAYS_LIMIT:
         raise RecordError(
             f"a match of {spec.step_limit:,} steps with {len(spec.seats):,} seats has a record of up to "
-            f"{size >> 20:,} MiB, {ARRAYS_LIMIT >> 20} are allowed: give it less time or fewer seats"
+            f"{size >> 20:,} MiB, {ARRAYS_LIMIT >> 20} are allowed: reduce its time limit or its seats"
         )
 
 
 def save(record: Record, path: Path) -> None:
-    """Write a record; the file appears whole or not at all.
+    """Write a record atomically.
 
     Raises:
         OSError: It cannot be written.
@@ -113,7 +113,7 @@ def save(record: Record, path: Path) -> None:
 
 
 def encode(record: Record) -> bytes:
-    """Return a record as bytes; the same record gives the same bytes."""
+    """Return a record as bytes. Equal records give equal bytes."""
     header = {
         "spec": record.spec.model_dump(mode="json"),
         "map_digest": record.map_digest,
@@ -132,7 +132,7 @@ def read_record(path: Path) -> Record:
     """Read a record.
 
     Raises:
-        RecordError: The file is missing, no record, of another format version, cut short or damaged.
+        RecordError: The file is missing, not a record, of another format version, truncated or damaged.
     """
     try:
         data = read_limited(path, FILE_LIMIT)
@@ -145,14 +145,14 @@ def read_record(path: Path) -> Record:
 
 
 def decode(data: bytes) -> Record:
-    """Return the record in some bytes.
+    """Return the record that ``encode`` turned into bytes.
 
     Raises:
-        RecordError: What is wrong with them.
+        RecordError: The bytes are not a valid record; the message says why.
     """
     try:
         return _assemble(*unpack(LAYOUT, data))
-    except ContainerError as error:
+    except BinaryFormatError as error:
         raise RecordError(str(error)) from None
     except ValidationError as error:
         raise RecordError(f"its header is not valid: {one_line(error)}") from None
@@ -161,8 +161,8 @@ def decode(data: bytes) -> Record:
 
 
 def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
-    """Build a record from its parts, checking that they fit each other."""
-    header.setdefault("simulation_version", 1)  # the first had no number
+    """Build a record from header and payload, and check that they are consistent."""
+    header.setdefault("simulation_version", 1)  # the first version wrote no number
     if set(header) != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     spec = MatchSpec.model_validate(header["spec"])
@@ -171,7 +171,7 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
     if len(names) != seats:
         raise ValueError(f"{len(names)} names for {seats} seats")
     if not 0 <= steps <= spec.step_limit:
-        raise ValueError(f"{steps} steps, of a match of {spec.step_limit} at most")
+        raise ValueError(f"{steps} steps, but the match has at most {spec.step_limit}")
     action_bytes, size = _array_bytes(steps, seats)
     if size > ARRAYS_LIMIT:
         raise ValueError(f"its arrays would have {size} bytes, {ARRAYS_LIMIT} are allowed")
@@ -191,6 +191,6 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
 
 
 def _array_bytes(steps: int, seats: int) -> tuple[int, int]:
-    """Return the bytes of a record's actions, and those of actions and digests together."""
+    """Return the size in bytes of a record's actions, and that of actions and digests together."""
     actions = steps * seats * FIELDS * 4
     return actions, actions + steps * 8

@@ -1,4 +1,4 @@
-"""Playing a record again: to prove it, to score it, to show it."""
+"""Re-simulation of records, for verification, scoring and replays."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -11,36 +11,36 @@ from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION
 
 
 class Verification(NamedTuple):
-    """Whether a record holds, and if not, the first thing that differs."""
+    """The result of verifying a record: whether it holds, and if not, the first difference."""
 
     holds: bool
-    step: int | None  # the first step that differs, counted from 1; None if it is not a step
+    step: int | None  # the first step that differs, counted from 1; None if no step does
     message: str  # one line
 
 
 def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Match]:
-    """Play a record again, robots deciding anew.
+    """Play the actions of a record again, except that robots decide anew.
 
     Args:
         record: The record.
-        game_map: Its map, where it is at hand; else it is made.
+        game_map: Its map; None to generate it.
 
     Yields:
-        The same match, before the first step and after each step of the record.
+        The same match object, before the first step and after each step of the record.
 
     Raises:
-        RecordError: The match cannot be set up, or its map is not the one it was played on.
+        RecordError: The match cannot be set up, or its map is not the one on which it was played.
     """
-    # Before the map is made, which may take long or fail in ways that say little.
+    # Checked before generating the map, which may take long or fail with a less helpful error.
     if record.simulation_version != SIMULATION_VERSION:
         raise RecordError(
-            f"played by the rules of simulation version {record.simulation_version}, but this engine has "
+            f"played with simulation version {record.simulation_version}, but this engine has "
             f"version {SIMULATION_VERSION}: play it with the engine that made it ({record.engine_version})"
         )
     if record.generator_version != GENERATOR_VERSION:
         raise RecordError(
-            f"played on a map of generator version {record.generator_version}, but this engine makes those "
-            f"of version {GENERATOR_VERSION}: play it with the engine that made it ({record.engine_version})"
+            f"played on a map of generator version {record.generator_version}, but this engine has "
+            f"version {GENERATOR_VERSION}: play it with the engine that made it ({record.engine_version})"
         )
     try:
         match = Match(record.spec, game_map if game_map is not None else map_of(record.spec.map))
@@ -49,7 +49,7 @@ def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Matc
     if match.game_map.digest != record.map_digest:
         raise RecordError(
             f"played on map {record.map_digest}, but this engine ({ENGINE_VERSION}; the record's is "
-            f"{record.engine_version}) makes map {match.game_map.digest} of the same spec"
+            f"{record.engine_version}) generates map {match.game_map.digest} from the same spec"
         )
     yield match
     for actions in record.actions:
@@ -58,7 +58,7 @@ def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Matc
 
 
 def verify_record(record: Record, game_map: GameMap | None = None) -> Verification:
-    """Play a record again and compare every step's actions and digest, and the result."""
+    """Re-simulate a record and compare the actions and the digest of every step, and the result."""
     try:
         matches = resimulate(record, game_map)
         match = next(matches)
@@ -69,7 +69,7 @@ def verify_record(record: Record, game_map: GameMap | None = None) -> Verificati
                 return Verification(False, step, f"step {step} comes after the match is over")
             # Bytes, because -0.0 equals 0.0 and NaN does not equal itself.
             if match.actions_played[-1].tobytes() != record.actions[step - 1].tobytes():
-                return Verification(False, step, f"step {step}: an action differs from what was played")
+                return Verification(False, step, f"step {step}: an action differs from the one played")
             if match.digest != record.digests[step - 1]:
                 return Verification(False, step, f"step {step}: the state differs")
     except RecordError as error:

@@ -1,4 +1,4 @@
-"""What an agent perceives, one file a sensor. ``extensions.py`` lists them."""
+"""The sensors of agents, one file for each. ``extensions.py`` lists them."""
 
 from collections.abc import Mapping
 
@@ -34,15 +34,15 @@ __all__ = [
     "parse_sensors",
 ]
 
-MOST_RAYS = 500_000  # of all sensors of a seat in one step; a match waits for them
+MAX_RAYS = 500_000  # of all sensors of a seat in one step, because the match waits for them
 
 
 def parse_sensor(name: str, options: Mapping[str, object]) -> Sensor:
-    """Return a sensor with its options as they stand in ``submission.toml``.
+    """Return a sensor with the options that ``submission.toml`` gives it.
 
     Raises:
-        ValueError: There is no such sensor, or it has no such option, or the option's value is not allowed;
-            one line that says what is wrong and what is allowed.
+        ValueError: There is no such sensor, it has no such option, or the option's value is not allowed. The
+            message is one line that says what is wrong and what is allowed.
     """
     if name not in SENSORS:
         raise ValueError(f"there is no sensor {name!r}; the sensors are {', '.join(SENSORS)}")
@@ -53,11 +53,11 @@ def parse_sensors(wanted: Mapping[str, Mapping[str, object]]) -> dict[str, Senso
     """Return all sensors of a seat, by name.
 
     Raises:
-        ValueError: One is wrong, as in ``parse_sensor``, or together they take too many rays.
+        ValueError: A sensor is invalid, as in ``parse_sensor``, or the sensors need too many rays together.
     """
     sensors = {name: parse_sensor(name, options) for name, options in wanted.items()}
     rays = {name: sensor.rays for name, sensor in sensors.items() if sensor.rays}
-    if sum(rays.values()) > MOST_RAYS:
+    if sum(rays.values()) > MAX_RAYS:
         parts = ", ".join(f"{name} {count:,}" for name, count in rays.items())
-        raise ValueError(f"the sensors take too many rays a step ({parts}); together at most {MOST_RAYS:,}")
+        raise ValueError(f"the sensors take too many rays per step ({parts}); together at most {MAX_RAYS:,}")
     return sensors

@@ -1,4 +1,4 @@
-"""What every sensor is: one object, whose fields are its options."""
+"""The base class of all sensors. A sensor is an object whose fields are its options."""
 
 import functools
 from abc import ABC, abstractmethod
@@ -34,7 +34,7 @@ CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class Column(NamedTuple):
-    """One number of a reading, or of what a learner observes."""
+    """One number of a sensor reading or of a learner's observation."""
 
     name: str
     unit: str  # "" for a plain number
@@ -44,9 +44,9 @@ class Column(NamedTuple):
 
 
 class Sensor(ABC):
-    """A way to perceive: reads an array a seat from a match, and changes nothing in it."""
+    """Base class of sensors: reads one array per seat from a match, without changing the match."""
 
-    name: ClassVar[str]  # in submission.toml and among an observation's tensors
+    name: ClassVar[str]  # in submission.toml, and of the tensor in observations
     title: ClassVar[str]  # one line, with the unit
 
     @property
@@ -64,29 +64,30 @@ class Sensor(ABC):
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """What the numbers along the last axis of a reading are; empty for images, whose pixels are alike."""
+        """The meaning of the numbers along the last axis of a reading; empty for images."""
         return ()
 
     @property
     def rays(self) -> int:
-        """How many rays one reading takes: what it costs."""
+        """The number of rays that one reading casts, a measure of its cost."""
         return 0
 
-    def prepare(self, game_map: "GameMap") -> None:  # noqa: B027  # most need nothing
-        """Make what readings on a map need and what takes longer than a reading, if anything."""
+    def prepare(self, game_map: "GameMap") -> None:  # noqa: B027  # most sensors need nothing
+        """Compute in advance what readings on a map need and what takes longer than one reading."""
 
     @classmethod
     def warmers(cls) -> "Sequence[Sensor]":
-        """Return sensors of this kind that between them run all its kernels: one for each choice it offers.
+        """Return sensors of this kind that together run all its kernels: one for each value of a choice.
 
-        Choices are options that are yes or no, or one of some words; numbers do not change what runs.
+        Choices are options of type bool or ``Literal``. Options that are numbers do not change which kernels
+        run.
         """
         choices = [(field.name, choice) for field in fields(cls) for choice in _choices(field.type)]  # type: ignore[arg-type]
         return [cls(), *(cls(**{name: choice}) for name, choice in choices)]
 
 
 def _choices(kind: object) -> tuple[object, ...]:
-    """Return the values of an option if it is yes or no, or one of some words."""
+    """Return the possible values of an option of type bool or ``Literal``, otherwise none."""
     if kind is bool:
         return (False, True)
     return get_args(kind) if get_origin(kind) is Literal else ()
@@ -116,10 +117,10 @@ SensorType = TypeVar("SensorType", bound=Sensor)
 
 @dataclass_transform(frozen_default=True)
 def sensor(kind: type[SensorType]) -> type[SensorType]:
-    """Make a sensor of a class: its fields become its options, checked when one is made.
+    """Turn a class into a sensor: its fields become options, which are validated on construction.
 
-    Making one with an option that it does not have, or with a value that is not allowed, raises a ValueError
-    of one line that says which option, what is wrong and what is allowed.
+    An unknown option or a value that is not allowed raises a ValueError. Its message is one line that names
+    the option and says what is wrong and what is allowed.
     """
     made = dataclass(frozen=True, config=CONFIG)(kind)
     construct = made.__init__
@@ -153,7 +154,7 @@ def row_space(columns: Sequence[Column]) -> "Box":
 
 
 def table_space(limit: int, columns: Sequence[Column]) -> "Box":
-    """Return the space of a table with so many rows."""
+    """Return the space of a table with ``limit`` rows."""
     from gymnasium.spaces import Box
 
     row = row_space(columns)
@@ -161,7 +162,7 @@ def table_space(limit: int, columns: Sequence[Column]) -> "Box":
 
 
 def rows_of(match: "MatchView", seats: Sequence[int]) -> NDArray[np.int64]:
-    """Return seats as rows of the state's arrays.
+    """Return seats as row indices of the state's arrays.
 
     Raises:
         ValueError: The match has no such seat.

@@ -1,11 +1,11 @@
-"""The compass: where the target of the match lies, seen from the agent.
+"""The compass: the direction and the distance of the target, relative to the agent.
 
-Five numbers: 1 where the agent knows a target; the sine and the cosine of its bearing, the angle from the
-agent's yaw, clockwise (0 and 1 straight ahead, 1 and 0 to the right; both 0 right above or below it); its
-level distance in m; and how much higher than the soles it lies, in m. All are 0 where the track has none, or
-as long as it is hidden from the agent's team.
+Five numbers: 1 if the agent knows a target; the sine and the cosine of its bearing, which is the angle
+clockwise from the agent's yaw (0 and 1 straight ahead, 1 and 0 to the right; both 0 directly above or below
+the target); its horizontal distance in m; and its height above the agent's soles in m. All are 0 if the track
+has no target, or while the target is hidden from the agent's team.
 
-The sine and cosine have no jump where the target is behind, as an angle has.
+Unlike an angle, the sine and cosine are continuous where the target is behind the agent.
 """
 
 from collections.abc import Sequence
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 INF = np.inf
 COLUMNS = (
     Column("known", "0 or 1", 0, 1, "whether the agent knows a target"),
-    Column("sine", "", -1, 1, "sine of the target's bearing from the view, clockwise: 1 is to the right"),
+    Column("sine", "", -1, 1, "sine of the target's bearing, clockwise from the view: 1 is to the right"),
     Column("cosine", "", -1, 1, "cosine of that bearing: 1 is straight ahead"),
-    Column("distance", "m", 0, INF, "level distance of the target"),
-    Column("height", "m", -INF, INF, "how much higher than the agent's soles the target lies"),
+    Column("distance", "m", 0, INF, "horizontal distance of the target"),
+    Column("height", "m", -INF, INF, "height of the target above the agent's soles"),
 )
 
 

@@ -1,8 +1,8 @@
 """The depth camera: planar depth of the static world through a pinhole.
 
 Depth is measured along the view axis, not along the ray: a wall seen straight on reads the same in every
-pixel. What lies farther than ``far`` along its ray reads ``far``. Agents and supply boxes are not in it,
-unless the option ``moving`` says so.
+pixel. Surfaces farther than ``far`` along their ray read ``far``. Agents and supply boxes are invisible
+unless the option ``moving`` is set.
 """
 
 from functools import cached_property
@@ -43,7 +43,7 @@ class DepthCamera(MovingOption, PinholeCamera):
     dtype: ClassVar[type[np.generic]] = np.float32
     ray_time: ClassVar[int] = 5
 
-    moving: bool = False  # whether agents and supply boxes are seen
+    moving: bool = False  # whether agents and supply boxes are visible
 
     @property
     def space(self) -> "Box":
@@ -67,9 +67,9 @@ class DepthCamera(MovingOption, PinholeCamera):
         viewers: ArrayLike | None = None,
         threads: int = 1,
     ) -> NDArray[np.float32]:
-        """Return what is seen from N places, (N, height, width) m; see ``OpticalSensor.render``."""
+        """Return the depth maps from N positions, (N, height, width) m; see ``OpticalSensor.render``."""
         if threads == 1 and moving is viewers is None:
-            # The shortest way, in few steps, because a small image takes no longer than many.
+            # The shortest path through the code: a small image is traced in the time of a few Python calls.
             scene, size, lens = game_map.scene, self._size, self.lens
             # The same as ``workspaces.of``, but faster.
             workspace = scene.workspaces.cached.get(size) or scene.workspaces.make(scene.packed, size)
@@ -80,20 +80,22 @@ class DepthCamera(MovingOption, PinholeCamera):
                     return depths
             except (TypeError, ValueError, NumbaError):
                 if are_ready(positions, yaws, pitches):
-                    raise  # nothing is wrong with what we were given
+                    raise  # the arguments are valid, so the error is ours
         return super().render(
             game_map, positions, yaws, pitches, moving=moving, viewers=viewers, threads=threads
         )
 
-    def look_at_maps(self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[np.float32]) -> bool:
-        """Make the images of some cameras on maps in which nothing moves."""
+    def render_maps_into(
+        self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[np.float32]
+    ) -> bool:
+        """Render the images of some cameras on maps without dynamic objects."""
         if self.rays > LARGEST_CACHED:
-            # One workspace at a time, because they are large.
-            return super().look_at_maps(maps, cameras, images)
+            # The workspaces are large, so only one is used at a time.
+            return super().render_maps_into(maps, cameras, images)
         return trace_depths_of_maps([one.scene for one in maps], self._size, cameras, images)
 
-    def look(
+    def render_into(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
     ) -> bool:
-        """Make the images of some cameras."""
+        """Render the images of some cameras."""
         return trace_depths(game_map.scene, moving, cameras, images)

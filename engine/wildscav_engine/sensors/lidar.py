@@ -1,9 +1,9 @@
-"""The LIDAR: distances all round, in rings above one another.
+"""The LIDAR: distances in all horizontal directions, in rings of different elevations.
 
-Column 0 looks along the agent's yaw and azimuths grow clockwise; row 0 is the highest ring. The rings are
-level whatever the agent's pitch. Distance is measured along the ray; where nothing is met within ``range``,
-it reads ``range``. Water is not met, but its bed is. Agents and supply boxes are not in it, unless the option
-``moving`` says so.
+Column 0 points along the agent's yaw, and azimuths grow clockwise. Row 0 is the highest ring. The rings stay
+level whatever the agent's pitch. Distance is measured along the ray; a ray that hits nothing within ``range``
+reads ``range``. Rays pass through water to its bed. Agents and supply boxes are invisible unless the option
+``moving`` is set.
 """
 
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self
@@ -27,26 +27,28 @@ if TYPE_CHECKING:
 
     from wildscav_engine.maps.game_map import GameMap
 
-# Cosine of the elevation of the steepest rays: those straight up and down lean by so little
-LEAST_LEVEL = 1e-12
+# The least cosine of an elevation: rays straight up and down lean by this little.
+MIN_COSINE = 1e-12
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 
 
 @sensor
 class Lidar(MovingOption):
-    """Distances all round in metres."""
+    """Distances in all horizontal directions in metres."""
 
     name: ClassVar[str] = "lidar"
-    title: ClassVar[str] = "distances all round, m"
+    title: ClassVar[str] = "distances in all directions, m"
     dtype: ClassVar[type[np.generic]] = np.float32
     ray_time: ClassVar[int] = 50
 
-    channels: Annotated[int, Field(ge=1, le=128)] = 16  # rings; a single one is halfway up
-    azimuths: Annotated[int, Field(ge=1, le=3600)] = 360  # columns of a whole turn
+    channels: Annotated[int, Field(ge=1, le=128)] = (
+        16  # rings; a single one is halfway between the elevations
+    )
+    azimuths: Annotated[int, Field(ge=1, le=3600)] = 360  # columns of a full turn
     range: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m
     lowest: Elevation = -15.0  # degrees above the horizon, of the lowest ring
-    highest: Elevation = 15.0  # degrees, of the highest
-    moving: bool = False  # whether agents and supply boxes are met
+    highest: Elevation = 15.0  # degrees above the horizon, of the highest ring
+    moving: bool = False  # whether agents and supply boxes are visible
 
     @model_validator(mode="after")
     def _elevations_ascend(self) -> Self:
@@ -79,7 +81,7 @@ class Lidar(MovingOption):
 
         return Box(np.float32(0.0), np.float32(self.range), self.shape, np.float32)
 
-    def look(
+    def render_into(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
     ) -> bool:
         """Measure distances in m."""
@@ -96,9 +98,9 @@ class Lidar(MovingOption):
 
 @kernel
 def _aim(elevations: NDArray[np.float64], levels: NDArray[np.float64], slopes: NDArray[np.float64]) -> None:
-    """Write how far each ray goes over ground a metre of its way, and how it rises."""
+    """Write for each ring its horizontal distance per metre of a ray, and its slope."""
     for channel in range(elevations.shape[0]):
-        levels[channel] = max(cosine(elevations[channel]), LEAST_LEVEL)
+        levels[channel] = max(cosine(elevations[channel]), MIN_COSINE)
         slopes[channel] = sine(elevations[channel]) / levels[channel]
 
 
@@ -111,13 +113,13 @@ def _scan(
     fans: RayFans,
     images: NDArray[np.float32],
 ) -> None:
-    """Write (N, channels, azimuths) m of N viewers, a fan for each azimuth."""
+    """Write (N, channels, azimuths) m for N viewers, with one fan of rays per azimuth."""
     for image in range(images.shape[0]):
         fans.seen_by[:] = -1
         for column in range(images.shape[2]):
             for channel in range(images.shape[1]):
                 fans.reach[column, channel] = cameras.far * levels[channel]
-            cast_ray_fan(world, fans, column, _way(world, cameras, image, column, images.shape[2]))
+            cast_ray_fan(world, fans, column, _column_ray(world, cameras, image, column, images.shape[2]))
         for solid in range(moving.kind.shape[0]):
             if moving.owner[solid] != cameras.viewers[image]:
                 _scan_solid(world, moving, solid, cameras, image, fans)
@@ -128,8 +130,8 @@ def _scan(
 
 
 @kernel
-def _way(world: World, cameras: Cameras, image: int, column: int, azimuths: int) -> Ray:
-    """Return a level ray of a column."""
+def _column_ray(world: World, cameras: Cameras, image: int, column: int, azimuths: int) -> Ray:
+    """Return the horizontal ray of a column."""
     azimuth = cameras.yaws[image] + 360.0 * column / azimuths
     x, y, z = cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2]
     return make_ray(world, x, y, z, sine(azimuth), 0.0, cosine(azimuth))
@@ -139,22 +141,22 @@ def _way(world: World, cameras: Cameras, image: int, column: int, azimuths: int)
 def _scan_solid(
     world: World, moving: Solids, solid: int, cameras: Cameras, image: int, fans: RayFans
 ) -> None:
-    """Shorten the distances of one viewer to a solid, wherever it is met before."""
+    """Shorten the distances of one viewer to a solid wherever it is nearer."""
     solids = (moving.low, moving.high, moving.face_start, moving.faces)
     azimuths, channels = fans.reach.shape
     x, z = cameras.eyes[image, 0], cameras.eyes[image, 2]
     first, last = _columns_over(moving, solid, x, z, cameras.yaws[image], azimuths)
     for place in range(first, last + 1):
         column = place % azimuths
-        way = _way(world, cameras, image, column, azimuths)
-        meet_solid_with_ray_fan(solids, solid, fans, column, way, channels - 1)
+        ray = _column_ray(world, cameras, image, column, azimuths)
+        meet_solid_with_ray_fan(solids, solid, fans, column, ray, channels - 1)
 
 
 @kernel
 def _columns_over(
     moving: Solids, solid: int, x: float, z: float, yaw: float, azimuths: int
 ) -> tuple[int, int]:
-    """Return the first and the last column that may meet a solid; modulo the number of columns."""
+    """Return the first and the last column that may hit a solid, modulo the number of columns."""
     half_x = (moving.high[solid, 0] - moving.low[solid, 0]) * 0.5
     half_z = (moving.high[solid, 2] - moving.low[solid, 2]) * 0.5
     dx, dz = moving.low[solid, 0] + half_x - x, moving.low[solid, 2] + half_z - z
@@ -162,7 +164,7 @@ def _columns_over(
     away = dx * dx + dz * dz
     if away <= radius:
         return 0, azimuths - 1
-    # Half the angle under which the circle around the solid is seen from above.
+    # Half the angle that the circle around the solid subtends, seen from above.
     half = arctangent(np.sqrt(radius), np.sqrt(away - radius))
     middle = arctangent(dx, dz) - yaw
     column = azimuths / 360.0

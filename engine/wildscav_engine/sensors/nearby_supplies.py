@@ -1,8 +1,8 @@
-"""The supply boxes near by, as an array: what ``supply_boxes`` of an observation lists.
+"""The nearby supply boxes as an array: what ``supply_boxes`` of an observation lists.
 
-A row a box, nearest first: 1, the supplies in it, where it lies from the agent's soles in the world's axes
-(x east, y up, z north, m), and how far away (m). Rows that are not used are 0. Nothing hides a box. No box is
-listed that lies farther than the rule ``supply_sight``, whatever ``range`` is.
+Each row describes one box, nearest first: 1, the supplies in it, its position relative to the agent's soles
+in the axes of the world (x east, y up, z north, m), and its distance (m). Unused rows are 0. Obstacles do not
+hide boxes. Boxes farther away than the rule ``supply_sight`` are never listed, whatever ``range`` is.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from wildscav_engine.simulation.match_view import MatchView
 
-MOST_SUPPLIES = 2.0**31  # in a box: what a 32-bit count holds
+MAX_SUPPLIES = 2.0**31  # in a box: the bound of a 32-bit count
 
 
 @sensor
@@ -28,7 +28,7 @@ class NearbySupplies(Sensor):
     """The nearest supply boxes."""
 
     name: ClassVar[str] = "nearby_supplies"
-    title: ClassVar[str] = "supply boxes near by: present, quantity, position from the soles, m, distance, m"
+    title: ClassVar[str] = "nearby supply boxes: present, quantity, position from the soles, m, distance, m"
 
     range: Annotated[float, Field(gt=0, le=200)] = 20.0  # m
     limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = SUPPLY_LIMIT  # rows
@@ -39,7 +39,7 @@ class NearbySupplies(Sensor):
         reach = self.range
         return (
             Column("present", "0 or 1", 0.0, 1.0, "whether the row describes a box"),
-            Column("quantity", "", 0.0, MOST_SUPPLIES, "supplies in the box"),
+            Column("quantity", "", 0.0, MAX_SUPPLIES, "supplies in the box"),
             Column("x", "m", -reach, reach, "position east of the agent's soles"),
             Column("y", "m", -reach, reach, "position above the agent's soles"),
             Column("z", "m", -reach, reach, "position north of the agent's soles"),

@@ -1,8 +1,8 @@
-"""The normals camera: which way the surface faces that each pixel shows.
+"""The normals camera: the direction that the surface in each pixel faces.
 
-Normals are unit vectors in the axes of the world (x east, y up, z north), and zero where nothing is met
-within ``far`` or where the ray starts inside of something. Water is not met, but its bed is. Agents and
-supply boxes are not in it, unless the option ``moving`` says so.
+Normals are unit vectors in the axes of the world (x east, y up, z north). They are zero where the ray hits
+nothing within ``far``, or where it starts inside a solid. Rays pass through water to its bed. Agents and
+supply boxes are invisible unless the option ``moving`` is set.
 """
 
 from typing import TYPE_CHECKING, ClassVar
@@ -18,7 +18,7 @@ from wildscav_engine.rendering.trace import Hits
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.optical import MovingOption
-from wildscav_engine.sensors.optics.pinhole import PaintedCamera
+from wildscav_engine.sensors.optics.pinhole import RayHitCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @sensor
-class NormalCamera(MovingOption, PaintedCamera):
+class NormalCamera(MovingOption, RayHitCamera):
     """Unit normals."""
 
     name: ClassVar[str] = "normals"
@@ -35,7 +35,7 @@ class NormalCamera(MovingOption, PaintedCamera):
     dtype: ClassVar[type[np.generic]] = np.float32
     channels: ClassVar[tuple[int, ...]] = (3,)
 
-    moving: bool = False  # whether agents and supply boxes are seen
+    moving: bool = False  # whether agents and supply boxes are visible
 
     @property
     def space(self) -> "Box":
@@ -44,7 +44,7 @@ class NormalCamera(MovingOption, PaintedCamera):
 
         return Box(np.float32(-1.0), np.float32(1.0), self.shape, np.float32)
 
-    def paint(
+    def write_pixels(
         self,
         game_map: "GameMap",
         moving: Solids,
@@ -52,7 +52,7 @@ class NormalCamera(MovingOption, PaintedCamera):
         hits: Hits,
         images: NDArray[np.float32],
     ) -> None:
-        """Write normals."""
+        """Write the normals of the surfaces that the rays hit."""
         scene = game_map.scene
         _write_normals(scene.world.heights, scene.solids, moving, hits, images)
 
@@ -61,7 +61,7 @@ class NormalCamera(MovingOption, PaintedCamera):
 def _write_normals(
     heights: NDArray[np.float64], solids: Solids, moving: Solids, hits: Hits, images: NDArray[np.float32]
 ) -> None:
-    """Write (N, H, W, 3) unit normals of what rays met."""
+    """Write (N, H, W, 3) unit normals of the surfaces that the rays hit."""
     count, height, width = hits.distance.shape
     of_world = solids.kind.shape[0]
     for image in range(count):

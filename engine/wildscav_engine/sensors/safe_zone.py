@@ -1,10 +1,10 @@
-"""The safe zone of a royale: where it is, where it will be, and how long until then.
+"""The safe zone of a royale: where it is, where it will be, and how long it takes to shrink.
 
-Eleven numbers: 1 where the match has a zone; how far inside its edge the agent is (m, negative outside);
-where its middle lies from the agent (x east and z north, m) and its radius (m); the same three of the circle
-that it draws in to; the time until it begins to (s, 0 while it does) and until it has (s); and the damage
-outside (hp a second). All are 0 where the match has none. Once the last phase is over, the two circles are
-the same.
+Eleven numbers: 1 if the match has a zone; the agent's distance inside the edge (m, negative outside); the
+center of the zone relative to the agent (x east and z north, m) and its radius (m); the same three numbers of
+the next circle, to which the zone shrinks; the time until it begins to shrink (s, 0 while it does) and until
+it has shrunk (s); and the damage outside (hp per second). All are 0 if the match has no zone. After the last
+phase, the two circles are equal.
 """
 
 from collections.abc import Sequence
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 INF = np.inf
 COLUMNS = (
     Column("present", "0 or 1", 0, 1, "whether the match has a zone"),
-    Column("inside", "m", -INF, INF, "how far inside the zone's edge the agent is; negative outside"),
-    Column("x", "m", -INF, INF, "the zone's middle, east of the agent"),
-    Column("z", "m", -INF, INF, "the zone's middle, north of the agent"),
+    Column("inside", "m", -INF, INF, "the agent's distance inside the zone's edge; negative outside"),
+    Column("x", "m", -INF, INF, "the zone's center, east of the agent"),
+    Column("z", "m", -INF, INF, "the zone's center, north of the agent"),
     Column("radius", "m", 0, INF, "the zone's radius"),
-    Column("next_x", "m", -INF, INF, "the middle of the next circle, east of the agent"),
-    Column("next_z", "m", -INF, INF, "the middle of the next circle, north of the agent"),
+    Column("next_x", "m", -INF, INF, "the center of the next circle, east of the agent"),
+    Column("next_z", "m", -INF, INF, "the center of the next circle, north of the agent"),
     Column("next_radius", "m", 0, INF, "the radius of the next circle"),
     Column("shrinks_in", "s", 0, INF, "time until the zone begins to shrink; 0 while it does"),
     Column("shrunk_in", "s", 0, INF, "time until the zone has shrunk to the next circle"),
@@ -44,8 +44,8 @@ class SafeZone(Sensor):
 
     name: ClassVar[str] = "zone"
     title: ClassVar[str] = (
-        "the safe zone: present, m inside its edge, its middle from the agent, m, and radius, m; the next "
-        "middle and radius, m; s until it shrinks and until it has; hp a second outside"
+        "the safe zone: present, m inside its edge, its center from the agent, m, and radius, m; the next "
+        "center and radius, m; s until it shrinks and until it has shrunk; hp per second outside"
     )
 
     @property

@@ -1,9 +1,9 @@
-"""The segmentation camera: what the thing in each pixel is, or which one.
+"""The segmentation camera: the kind or the identity of the object in each pixel.
 
 Labels by ``kind`` are the numbers of ``Kind``: 0 nothing, 1 terrain, 2 water, 3 wall, … 11 bush, 12 agent,
-13 supply box. Labels by ``instance`` tell things apart that are of one kind: 0 is nothing, 1 terrain and 2
-water; agents, solids of the map and supply boxes follow from ``FIRST_AGENT``, ``FIRST_SOLID`` and
-``FIRST_BOX`` on by seat, index in the map and serial number. A wall with a door in it is several solids.
+13 supply box. Labels by ``instance`` distinguish objects of the same kind: 0 is nothing, 1 terrain and 2
+water. Agents are numbered from ``FIRST_AGENT`` on by seat, solids of the map from ``FIRST_SOLID`` on by
+index, and supply boxes from ``FIRST_BOX`` on by serial number. A wall with a door consists of several solids.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from wildscav_engine.rendering.trace import WATER_HIT, Hits
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import Sensor, sensor
 from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
-from wildscav_engine.sensors.optics.pinhole import PaintedCamera
+from wildscav_engine.sensors.optics.pinhole import RayHitCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -30,28 +30,28 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView
 
 FIRST_AGENT, FIRST_SOLID, FIRST_BOX = 10_000, 1_000_000, 1_000_000_000
-GREATEST = 2**31 - 1
+MAX_LABEL = 2**31 - 1
 NOTHING, TERRAIN, WATER = int(Kind.NOTHING), int(Kind.TERRAIN), int(Kind.WATER)
 
 
 @sensor
-class SegmentationCamera(PaintedCamera):
-    """Labels of what is in each pixel."""
+class SegmentationCamera(RayHitCamera):
+    """Labels of the objects in each pixel."""
 
     label: Literal["kind", "instance"] = "kind"
 
     name: ClassVar[str] = "segmentation"
-    title: ClassVar[str] = "what is in each pixel: number of its kind, or of the thing itself"
+    title: ClassVar[str] = "the object in each pixel: number of its kind, or of its instance"
     sees_water: ClassVar[bool] = True
 
     @classmethod
     def warmers(cls) -> Sequence[Sensor]:
-        """Return one of each label: their types differ."""
+        """Return one sensor for each label, because their dtypes differ."""
         return (cls(), cls(label="instance"))
 
     @property
     def dtype(self) -> type[np.generic]:  # type: ignore[override]
-        """Of the labels."""
+        """The dtype of the labels."""
         return np.uint8 if self.label == "kind" else np.int32
 
     @property
@@ -59,14 +59,14 @@ class SegmentationCamera(PaintedCamera):
         """(height, width) labels."""
         from gymnasium.spaces import Box
 
-        greatest = max(Kind) if self.label == "kind" else GREATEST
+        greatest = max(Kind) if self.label == "kind" else MAX_LABEL
         return Box(0, int(greatest), self.shape, self.dtype)  # type: ignore[arg-type]
 
     def moving_in(self, match: "MatchView") -> Solids:
-        """Return the living agents and the supply boxes that are there."""
+        """Return the living agents and the supply boxes of the match."""
         return dynamic_objects_of(match)
 
-    def paint(
+    def write_pixels(
         self,
         game_map: "GameMap",
         moving: Solids,
@@ -74,25 +74,25 @@ class SegmentationCamera(PaintedCamera):
         hits: Hits,
         images: NDArray[Any],
     ) -> None:
-        """Write labels."""
-        kinds, things = game_map.world.solid_kind, as_dynamic_objects(moving)
+        """Write the labels of the objects that the rays hit."""
+        kinds, objects = game_map.world.solid_kind, as_dynamic_objects(moving)
         if self.label == "kind":
-            labels = np.concatenate([kinds, things.kind]).astype(np.int32)
+            labels = np.concatenate([kinds, objects.kind]).astype(np.int32)
         else:
-            labels = np.concatenate([FIRST_SOLID + np.arange(len(kinds)), _instances(things)]).astype(
+            labels = np.concatenate([FIRST_SOLID + np.arange(len(kinds)), _instances(objects)]).astype(
                 np.int32
             )
         _label(hits.solid, labels, images)
 
 
-def _instances(things: DynamicObjects) -> NDArray[np.int64]:
-    first = np.where(things.kind == Kind.AGENT, FIRST_AGENT, FIRST_BOX)
-    return np.asarray(first + things.instance, np.int64)
+def _instances(objects: DynamicObjects) -> NDArray[np.int64]:
+    first = np.where(objects.kind == Kind.AGENT, FIRST_AGENT, FIRST_BOX)
+    return np.asarray(first + objects.instance, np.int64)
 
 
 @kernel
 def _label(solids: NDArray[np.int32], labels: NDArray[np.int32], images: NDArray[Any]) -> None:
-    """Write (N, H, W) the labels of what rays met, by those of (S,) the map's solids and the moving ones."""
+    """Write (N, H, W) the labels of what the rays hit, from the labels (S,) of static and dynamic solids."""
     count, height, width = solids.shape
     for image in range(count):
         for row in range(height):

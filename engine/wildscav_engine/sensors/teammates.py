@@ -1,9 +1,9 @@
-"""The teammates, as an array: each knows where the others are and how they do, in sight or not.
+"""The teammates as an array: agents know the position and condition of their teammates, in sight or not.
 
-A row a teammate, nearest first, of equal distance the lower seat. Its columns are 1; its seat; where it
-stands from the own soles in the world's axes (x east, y up, z north, m); how far away (m); its velocity (x,
-y, z, m/s); its yaw (degrees in (-180, 180], 0 looks along +z, clockwise); its health (hp, 0 is dead); 1 if
-shots do it no harm; and the supplies it carries. Rows that are not used are 0.
+Each row describes one teammate, nearest first; at equal distance, the lower seat comes first. Its columns are
+1; its seat; its position relative to the agent's soles in the axes of the world (x east, y up, z north, m);
+its distance (m); its velocity (x, y, z, m/s); its yaw (degrees in (-180, 180], 0 looks along +z, clockwise);
+its health (hp, 0 if dead); 1 if it is invincible; and the supplies that it carries. Unused rows are 0.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView
 
 INF = np.inf
-MOST_SUPPLIES = 2.0**31  # carried: what a 32-bit count holds
+MAX_SUPPLIES = 2.0**31  # carried: the bound of a 32-bit count
 # Seats are numbers below 1000; rules allow 10,000 hp at most.
 COLUMNS = (
     Column("present", "0 or 1", 0, 1, "whether the row describes a teammate"),
@@ -35,8 +35,8 @@ COLUMNS = (
     Column("velocity_z", "m/s", -INF, INF, "its velocity to the north"),
     Column("yaw", "degrees", -180, 180, "where it faces: 0 is north, 90 is east"),
     Column("health", "hp", 0, 10_000, "its health; 0 if it is dead"),
-    Column("invincible", "0 or 1", 0, 1, "whether shots do it no harm at present"),
-    Column("supplies", "", 0, MOST_SUPPLIES, "supplies that it carries"),
+    Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
+    Column("supplies", "", 0, MAX_SUPPLIES, "supplies that it carries"),
 )
 
 
@@ -80,14 +80,14 @@ class Teammates(Sensor):
         agents = match.state.agents
         mates = np.flatnonzero(agents.team[0, : match.seats] == agents.team[0, row])
         mates = mates[mates != row]
-        ways = agents.position[0, mates] - agents.position[0, row]
-        order = np.argsort((ways * ways).sum(axis=1), kind="stable")
+        offsets = agents.position[0, mates] - agents.position[0, row]
+        order = np.argsort((offsets * offsets).sum(axis=1), kind="stable")
         nearest: NDArray[np.int64] = mates[order[: self.limit]]
         return nearest
 
 
 def _describe(match: "MatchView", row: int, mates: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return (len(mates), 13) what a seat knows of some teammates."""
+    """Return (len(mates), 13) what a seat knows about some teammates."""
     agents = match.state.agents
     x, y, z = (agents.position[0, mates] - agents.position[0, row]).T
     return np.stack(

@@ -1,9 +1,9 @@
-"""The other agents in sight, as an array: what ``agents`` of an observation lists.
+"""The other agents in sight as an array: what ``agents`` of an observation lists.
 
-A row an agent, nearest first. Its columns are 1; its seat; its team; where it stands from the own soles in
-the world's axes (x east, y up, z north, m); how far away (m); its velocity (x, y, z, m/s); its yaw (degrees
-in (-180, 180], 0 looks along +z, clockwise); its health (hp); and 1 if shots do it no harm. Rows that are not
-used are 0. Who is in sight is what ``visibility.py`` rules.
+Each row describes one agent, nearest first. Its columns are 1; its seat; its team; its position relative to
+the agent's soles in the axes of the world (x east, y up, z north, m); its distance (m); its velocity (x, y,
+z, m/s); its yaw (degrees in (-180, 180], 0 looks along +z, clockwise); its health (hp); and 1 if it is
+invincible. Unused rows are 0. ``visibility.py`` decides which agents are in sight.
 """
 
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ COLUMNS = (
     Column("velocity_z", "m/s", -INF, INF, "its velocity to the north"),
     Column("yaw", "degrees", -180, 180, "where it faces: 0 is north, 90 is east"),
     Column("health", "hp", 0, 10_000, "its health"),
-    Column("invincible", "0 or 1", 0, 1, "whether shots do it no harm at present"),
+    Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
 )
 
 

@@ -13,7 +13,7 @@ from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.parallel.threads import share
-from wildscav_engine.simulation.play import look, play_batch
+from wildscav_engine.simulation.batch_kernels import find_seen_in_batch, play_batch
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match
 from wildscav_engine.simulation.snapshot import History, check_size, decode, encode, map_for, write
 from wildscav_engine.simulation.state import State, allocate_state, with_room
@@ -79,7 +79,7 @@ class Batch:
 
     def _look(self) -> None:
         if not self._is_seen:
-            look(self._bank.addresses, *self._tables, self._numbers)
+            find_seen_in_batch(self._bank.addresses, *self._tables, self._numbers)
             self._is_seen = True
 
     def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:

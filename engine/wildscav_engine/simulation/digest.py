@@ -1,8 +1,9 @@
-"""A 64-bit digest of a match's state: two simulations are the same exactly if their digests are.
+"""A 64-bit digest of a match's state, which shows whether two simulations are identical.
 
-It is chained from step to step, the actions included, so that a change is noticed even where it has no effect
-at once. The facts of agents go in as 64-bit words by the rounds of XXH64 (Collet 2012), in four lanes that a
-processor works on at a time. Boxes go in when they change: at the start, when taken and when dropped.
+It is chained from step to step and includes the actions, so that it reveals a difference even before that
+has any effect. The state of agents is mixed in as 64-bit words by the rounds of XXH64 (Collet 2012), in four
+lanes that a processor works on in parallel. Boxes are mixed in when they change: at the start, when an agent
+takes them and when an agent drops them.
 """
 
 import numpy as np
@@ -23,7 +24,7 @@ Lanes = tuple[Word, Word, Word, Word]
 
 @kernel
 def mix(digest: Word, word: Word) -> Word:
-    """Return a digest with one more 64-bit word in it: the mixing step of MurmurHash3 (Appleby 2011)."""
+    """Mix a 64-bit word into a digest: the mixing step of MurmurHash3 (Appleby 2011)."""
     mixed = (np.uint64(digest) ^ np.uint64(word)) * FIRST_FACTOR
     mixed ^= mixed >> SHIFT
     mixed *= SECOND_FACTOR
@@ -62,17 +63,17 @@ def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], fram
     """Return the digest after a step.
 
     Args:
-        digest: Before the step.
+        digest: The digest before the step.
         agents: The agents of the match.
-        actions: (A, FIELDS) as played.
-        frame: Of the match.
+        actions: (A, FIELDS), the actions played.
+        frame: The number of frames played.
 
     Returns:
-        64 bits.
+        The 64-bit digest.
     """
     start = mix(digest, np.uint64(frame))
     lanes: Lanes = (start, start ^ FIRST_FACTOR, start ^ SECOND_FACTOR, start ^ WORD_FACTOR)
-    played, place, velocity = (
+    played, position, velocity = (
         actions.view(np.uint64),
         agents.position.view(np.uint64),
         agents.velocity.view(np.uint64),
@@ -85,7 +86,7 @@ def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], fram
     memory, shot_end = agents.memory.view(np.uint64), agents.shot_end.view(np.uint64)
     for seat in range(agents.health.shape[0]):
         lanes = _rounds(lanes, played[seat, 0], played[seat, 1], played[seat, 2], played[seat, 3])
-        lanes = _rounds(lanes, place[seat, 0], place[seat, 1], place[seat, 2], walked[seat])
+        lanes = _rounds(lanes, position[seat, 0], position[seat, 1], position[seat, 2], walked[seat])
         lanes = _rounds(lanes, velocity[seat, 0], velocity[seat, 1], velocity[seat, 2], yaw[seat])
         lanes = _rounds(
             lanes,
@@ -108,7 +109,7 @@ def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], fram
             _pair(_flags(agents, seat), agents.damage[seat]),
             np.uint64(seat),
         )
-        # Where no shot was fired and no robot sits, these have not changed.
+        # Without a shot or without a robot, these have not changed.
         if agents.fired[seat]:
             lanes = _rounds(lanes, shot_end[seat, 0], shot_end[seat, 1], shot_end[seat, 2], np.uint64(1))
         if agents.robot[seat] != 0:
@@ -120,17 +121,17 @@ def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], fram
 
 @kernel
 def digest_box(digest: Word, supplies: Supplies, slot: int) -> Word:
-    """Return the digest with the box of a slot in it, as it is now."""
-    place = supplies.position[slot].view(np.uint32)
+    """Mix the present box of a slot into a digest."""
+    position = supplies.position[slot].view(np.uint32)
     digest = mix(digest, _pair(slot, supplies.quantity[slot]))
     digest = mix(digest, _pair(supplies.serial[slot], supplies.appears[slot]))
-    digest = mix(digest, np.uint64(place[0]) | (np.uint64(place[1]) << SHIFT_32))
-    return mix(digest, np.uint64(place[2]))
+    digest = mix(digest, np.uint64(position[0]) | (np.uint64(position[1]) << SHIFT_32))
+    return mix(digest, np.uint64(position[2]))
 
 
 @kernel
 def digest_boxes(digest: Word, supplies: Supplies) -> Word:
-    """Return the digest with all boxes in it."""
+    """Mix all boxes into a digest."""
     for slot in range(supplies.quantity.shape[0]):
         digest = digest_box(digest, supplies, slot)
     return digest

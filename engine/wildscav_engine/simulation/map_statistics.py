@@ -1,4 +1,4 @@
-"""Statistics of a map: its size, houses, water, plants, places and supplies."""
+"""Statistics of a map: its size, houses, water, plants, locations and supplies."""
 
 from collections import Counter
 
@@ -8,7 +8,7 @@ from wildscav_engine.geometry.world import CELL, Kind
 from wildscav_engine.maps.export.mesh import solids_mesh, terrain_mesh, water_mesh
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 
-SUPPLY_SEED = 0  # of the match whose supplies are counted
+SUPPLY_SEED = 0  # seed of the match whose supplies are counted
 
 
 def map_statistics(game_map: GameMap) -> dict[str, str]:
@@ -17,7 +17,7 @@ def map_statistics(game_map: GameMap) -> dict[str, str]:
     rows, columns = world.water.shape
     storeys = Counter(house.storeys for house in game_map.houses)
     meshes = [solids_mesh(world), terrain_mesh(world), water_mesh(world)]
-    figures = {
+    statistics = {
         "size": f"{columns * CELL:g} × {rows * CELL:g} m",
         "seed": str(game_map.spec.seed),
         "digest": game_map.digest,
@@ -27,7 +27,7 @@ def map_statistics(game_map: GameMap) -> dict[str, str]:
         "ground": f"{world.heights.min():.1f} to {world.heights.max():.1f} m high",
         "water": f"{100 * _share_of_water(game_map):.1f} % of the area",
         "plants and rocks": ", ".join(
-            f"{_things(game_map, kind)} {name}"
+            f"{_count(game_map, kind)} {name}"
             for kind, name in ((Kind.TRUNK, "trees"), (Kind.BUSH, "bushes"), (Kind.ROCK, "rocks"))
         ),
         "solids": f"{len(world.solid_kind):,} with {len(world.faces):,} faces",
@@ -36,7 +36,7 @@ def map_statistics(game_map: GameMap) -> dict[str, str]:
         "supplies": _supplies(game_map),
     }
     share = getattr(game_map, "reachable_share", None)
-    return figures if share is None else figures | {"ground that can be walked": f"{100 * share:.1f} %"}
+    return statistics if share is None else statistics | {"ground that can be walked": f"{100 * share:.1f} %"}
 
 
 def _houses(houses: int, storeys: Counter[int], density: str) -> str:
@@ -50,19 +50,19 @@ def _houses(houses: int, storeys: Counter[int], density: str) -> str:
 
 
 def _share_of_water(game_map: GameMap) -> float:
-    """Return how much of the area is under water, at the middles of the cells."""
+    """Return the share of the area under water, sampled at the centers of the cells."""
     heights = game_map.world.heights
-    # The middle of a cell lies on the diagonal that its two triangles share.
-    middle = (heights[:-1, :-1] + heights[1:, 1:]) / 2
-    return float(np.mean(game_map.world.water > middle))
+    # The center of a cell lies on the diagonal that its two triangles share.
+    center = (heights[:-1, :-1] + heights[1:, 1:]) / 2
+    return float(np.mean(game_map.world.water > center))
 
 
-def _things(game_map: GameMap, kind: Kind) -> int:
+def _count(game_map: GameMap, kind: Kind) -> int:
     return int(np.count_nonzero(game_map.world.solid_kind == kind))
 
 
 def _supplies(game_map: GameMap) -> str:
-    """Say what a match of the gathering track would find, at the start of one and in all."""
+    """Describe the supplies of a match of the gathering track."""
     from wildscav_engine.simulation.match import Match
     from wildscav_engine.specs.match_spec import MatchSpec
 

@@ -1,4 +1,4 @@
-"""One match: what the server, re-simulation and tests play."""
+"""A single match, as the server, re-simulation and tests play it."""
 
 import copy
 from collections.abc import Sequence
@@ -23,24 +23,24 @@ __all__ = ["Match", "MatchSetupError", "StartInfo", "StateError", "WaveInfo"]
 
 
 class StartInfo(NamedTuple):
-    """What a seat is told before the first step."""
+    """What a seat knows before the first step."""
 
     position: tuple[float, float, float]  # m
     target: tuple[float, float, float] | None  # m
     team: int
     seed: int  # private, 63 bits
-    waves: tuple[WaveInfo, ...]  # of supplies, known in advance
+    waves: tuple[WaveInfo, ...]  # of supplies, announced in advance
 
 
 class Match:
     """One match, from its first state to its result."""
 
     def __init__(self, spec: MatchSpec, game_map: GameMap | None = None) -> None:
-        """Set a match up.
+        """Set up a match.
 
         Args:
-            spec: The match.
-            game_map: Its map, where it is at hand; else it is made.
+            spec: The spec of the match.
+            game_map: Its map; None to generate it.
 
         Raises:
             MatchSetupError: The match cannot be set up; the message says why.
@@ -53,7 +53,7 @@ class Match:
 
     @property
     def track(self) -> Track:
-        """The kind of match."""
+        """The track of the match."""
         return self._batch.track
 
     @property
@@ -63,22 +63,22 @@ class Match:
 
     @property
     def seen(self) -> Seen:
-        """What every agent sees now, with a leading axis of length one."""
+        """What each agent sees now, with a leading axis of length one."""
         return self._batch.seen
 
     @property
     def tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
-        """Where agents, boxes, the match and what is seen now lie, for kernels, until ``set_state``."""
+        """The address tables of agents, boxes, match and ``seen``; ``set_state`` invalidates them."""
         return self._batch.tables
 
     @property
     def seats(self) -> int:
-        """How many seats there are."""
+        """The number of seats."""
         return len(self.spec.seats)
 
     @property
     def robots(self) -> dict[int, str]:
-        """The seats that robots fill, and which."""
+        """The names of the robots by the seats that they fill."""
         return {seat: name for seat, name in enumerate(self.spec.seats) if name != SUBMISSION}
 
     @property
@@ -88,12 +88,12 @@ class Match:
 
     @property
     def frame(self) -> int:
-        """Frames played so far."""
+        """The number of frames played."""
         return int(self.state.matches.frame[0])
 
     @property
     def step_number(self) -> int:
-        """Steps played so far."""
+        """The number of steps played."""
         return int(self.state.matches.step[0])
 
     @property
@@ -102,7 +102,7 @@ class Match:
         return int(self.state.matches.digest[0])
 
     def start_info(self, seat: int) -> StartInfo:
-        """Return what a seat is told before the first step.
+        """Return what a seat knows before the first step.
 
         Raises:
             ValueError: The match has no such seat.
@@ -116,13 +116,13 @@ class Match:
         return StartInfo(_triple(setup.starts[seat]), target, team, seed, setup.waves)
 
     def step(self, actions: ArrayLike | None = None) -> None:
-        """Play one step; nothing happens once the match is over.
+        """Play one step; do nothing if the match is over.
 
         Args:
-            actions: (A, FIELDS), as ``Batch.step`` takes them; None for no action of anyone.
+            actions: (A, FIELDS), as in ``Batch.step``; None if no seat acts.
 
         Raises:
-            ValueError: The actions have another shape or are no real numbers.
+            ValueError: The actions have another shape or are not real numbers.
         """
         if self.over:
             return
@@ -131,12 +131,12 @@ class Match:
         self.digests.append(self.digest)
 
     def get_state(self) -> bytes:
-        """Return the match as bytes: all that it takes to go on, and what was played so far."""
+        """Return the match as bytes: its state, and the actions and digests so far."""
         actions = np.array(self.actions_played, np.float32).reshape(-1, self.seats, FIELDS)
         return self._batch.get_state(0, History(actions, np.array(self.digests, np.uint64)))
 
     def set_state(self, data: bytes) -> None:
-        """Go on from a state that ``get_state`` gave, of this match or of another one of its track and rules.
+        """Continue from a state that ``get_state`` returned, of any match with the same track and rules.
 
         Raises:
             StateError: The bytes are no state of a match, damaged, or of another version of the rules or of
@@ -157,17 +157,17 @@ class Match:
         return other
 
     def _take_copies(self) -> None:
-        """Let go of everything that is shared and changes."""
+        """Replace all mutable data that is shared with another match by copies."""
         self._batch = self._batch.fork()
         self.actions_played, self.digests = list(self.actions_played), list(self.digests)
 
     def play_out(self) -> None:
-        """Play the rest of the match with no action of the submissions."""
+        """Play the rest of the match without actions of submissions."""
         while not self.over:
             self.step()
 
     def result(self) -> MatchResult:
-        """Return the result, from the state as it stands."""
+        """Return the result of the match so far."""
         return MatchResult(
             track=self.track.name,
             frames=self.frame,
@@ -192,5 +192,5 @@ class Match:
         )
 
 
-def _triple(place: Sequence[float] | NDArray[np.float64]) -> tuple[float, float, float]:
-    return float(place[0]), float(place[1]), float(place[2])
+def _triple(position: Sequence[float] | NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(position[0]), float(position[1]), float(position[2])

@@ -1,4 +1,4 @@
-"""What sensors and tracks read of a match: a match on its own, or one row of a batch."""
+"""The view of a match that sensors and tracks read: a single match, or one match of a batch."""
 
 from typing import Protocol
 
@@ -9,11 +9,11 @@ from wildscav_engine.specs.match_spec import MatchSpec
 
 
 class MatchView(Protocol):
-    """A match as it stands now."""
+    """The present state of a match."""
 
     @property
     def spec(self) -> MatchSpec:
-        """The match."""
+        """The spec of the match."""
 
     @property
     def game_map(self) -> GameMap:
@@ -21,7 +21,7 @@ class MatchView(Protocol):
 
     @property
     def seats(self) -> int:
-        """How many seats there are."""
+        """The number of seats."""
 
     @property
     def state(self) -> State:
@@ -29,8 +29,8 @@ class MatchView(Protocol):
 
     @property
     def seen(self) -> Seen:
-        """What every agent sees now, with a leading axis of length one."""
+        """What each agent sees now, with a leading axis of length one."""
 
     @property
     def frame(self) -> int:
-        """Frames played so far."""
+        """The number of frames played."""

@@ -1,9 +1,9 @@
-"""One match as bytes: all of its state, to go on from later, elsewhere, or twice.
+"""Snapshots: the state of one match as bytes, from which it can continue later or elsewhere.
 
-The layout is that of ``container``. The payload holds what the match uses of each array of the state, without
-padding, then the actions and digests so far where a ``Match`` keeps them. There is no state of random
-numbers: they are functions of the seed and the frame. The checksum finds damage, not forgery; take no state
-from strangers.
+The bytes have the layout of ``storage/binary_format.py``. The payload holds the part of each state array that
+the match uses, without padding. If the snapshot is of a ``Match``, the actions and digests so far follow.
+Random numbers have no state, because they are functions of the seed and the frame. The checksum detects
+damage but not forgery: do not load states from untrusted sources.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.validation import one_line
-from wildscav_engine.storage.binary_format import ContainerError, Layout, pack, unpack
+from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, pack, unpack
 from wildscav_engine.version import SIMULATION_VERSION
 
 LAYOUT = Layout(b"WILDSNAP", 1, "a state of a match")
@@ -30,51 +30,51 @@ VERSIONS = {"simulation_version": SIMULATION_VERSION, "generator_version": GENER
 
 
 class StateError(ValueError):
-    """A match cannot go on from some bytes; the message is one line that says why."""
+    """A match cannot continue from some bytes; the message is one line that says why."""
 
 
 class History(NamedTuple):
-    """What was played so far."""
+    """The actions and digests of the steps played."""
 
     actions: NDArray[np.float32]  # (T, A, FIELDS)
     digests: NDArray[np.uint64]  # (T,)
 
 
 class Snapshot(NamedTuple):
-    """What the bytes of a state hold."""
+    """The decoded bytes of a state."""
 
     spec: MatchSpec
     map_digest: str
     counts: tuple[int, int, int]  # seats, slots for boxes, and phases of the safe zone
-    content: NDArray[np.uint8]  # (N,) what the match uses of all arrays
+    content: NDArray[np.uint8]  # (N,) the parts of all arrays that the match uses
     history: History | None
 
 
-class Length(IntEnum):
-    """What of an array's second axis belongs to a match."""
+class Extent(IntEnum):
+    """The part of an array's second axis that belongs to a match."""
 
     SEATS = 0
     SLOTS = 1
     PHASES = 2
     WHOLE = 3
-    NOTHING = 4  # it follows from the rest: an index that is made anew
+    NOTHING = 4  # derived data, which is computed anew
 
 
-# Of the arrays of ``Matches``; those not named are whole.
-_OF_MATCHES = {"members_left": Length.SEATS, "zone": Length.PHASES, "crowd": Length.NOTHING}
-# Of each part of a batch, (F,) a Length for each array. What is seen is found out anew.
-LENGTHS = (
-    np.full(len(Agents._fields), Length.SEATS),
-    np.full(len(Supplies._fields), Length.SLOTS),
-    np.array([_OF_MATCHES.get(name, Length.WHOLE) for name in Matches._fields]),
-    np.full(len(Seen._fields), Length.NOTHING),
+# The arrays of ``Matches`` that are not used as a whole.
+_OF_MATCHES = {"members_left": Extent.SEATS, "zone": Extent.PHASES, "agent_squares": Extent.NOTHING}
+# (F,) the Extent of each array, for each part of a batch. What agents see is computed anew.
+EXTENTS = (
+    np.full(len(Agents._fields), Extent.SEATS),
+    np.full(len(Supplies._fields), Extent.SLOTS),
+    np.array([_OF_MATCHES.get(name, Extent.WHOLE) for name in Matches._fields]),
+    np.full(len(Seen._fields), Extent.NOTHING),
 )
 
 
 def sizes_of(tables: Sequence[Addresses], counts: tuple[int, int, int]) -> list[NDArray[np.int64]]:
-    """Return (F,) for each part of a batch: how many bytes of a row of each array belong to a match."""
+    """Return (F,) the bytes in a row of each array that belong to a match, for each part of a batch."""
     sizes = []
-    for table, kinds in zip(tables, LENGTHS, strict=True):
+    for table, kinds in zip(tables, EXTENTS, strict=True):
         lengths = np.choose(kinds, [*counts, table[:, LENGTH], 0])
         sizes.append(table[:, ITEM] * table[:, LENGTH + 1 :].prod(axis=1) * lengths)
     return sizes
@@ -91,12 +91,12 @@ def encode(
     """Return a match of a batch as bytes.
 
     Args:
-        spec: The match.
+        spec: The spec of the match.
         game_map: Its map.
-        tables: Of the parts of the batch.
-        row: Of the match.
-        counts: Its seats, slots and phases.
-        history: What was played, where it is known.
+        tables: The address tables of the parts of the batch.
+        row: The row of the match.
+        counts: The numbers of its seats, slots and phases.
+        history: The actions and digests so far, if they are known.
     """
     sizes = sizes_of(tables, counts)
     content = np.empty(sum(int(part.sum()) for part in sizes), np.uint8)
@@ -114,14 +114,14 @@ def encode(
 
 
 def decode(data: bytes) -> Snapshot:
-    """Return what some bytes hold.
+    """Decode the bytes of a state.
 
     Raises:
-        StateError: They are no state, damaged, or of other versions of the rules or of the maps.
+        StateError: They are not a state, are damaged, or have other versions of the rules or of the maps.
     """
     try:
         header, payload = unpack(LAYOUT, data)
-    except ContainerError as error:
+    except BinaryFormatError as error:
         raise StateError(f"the state is {error}") from None
     for name, wanted in VERSIONS.items():
         if header.get(name) != wanted:
@@ -153,12 +153,12 @@ def _history(payload: memoryview, steps: int, seats: int) -> History:
 
 
 def check_size(snapshot: Snapshot, tables: Sequence[Addresses]) -> None:
-    """Refuse a snapshot that does not have the size that this engine's states have.
+    """Refuse a snapshot whose size differs from that of this engine's states.
 
-    The size does not depend on how much room a batch has, so this may come before room is made.
+    The size does not depend on the capacity of the batch, so it may be checked before the batch grows.
 
     Raises:
-        StateError: It does not.
+        StateError: The size differs.
     """
     sizes = sizes_of(tables, snapshot.counts)
     if sum(int(part.sum()) for part in sizes) != len(snapshot.content):
@@ -166,7 +166,7 @@ def check_size(snapshot: Snapshot, tables: Sequence[Addresses]) -> None:
 
 
 def write(snapshot: Snapshot, tables: Sequence[Addresses], row: int) -> None:
-    """Write a snapshot, whose size was checked, into a row that is clear and large enough."""
+    """Write a snapshot of checked size into a row that is cleared and large enough."""
     _copy(tables, row, sizes_of(tables, snapshot.counts), snapshot.content, writes=True)
 
 
@@ -186,10 +186,10 @@ def _copy(
 
 
 def map_for(snapshot: Snapshot, known: Sequence[GameMap]) -> GameMap:
-    """Return the map of a snapshot: one of those at hand, or made.
+    """Return the map of a snapshot, which is generated if it is not among the known maps.
 
     Raises:
-        StateError: It cannot be made, or another one comes out.
+        StateError: It cannot be generated, or its digest differs.
     """
     for game_map in known:
         if game_map.digest == snapshot.map_digest:
@@ -197,9 +197,9 @@ def map_for(snapshot: Snapshot, known: Sequence[GameMap]) -> GameMap:
     try:
         game_map = map_of(snapshot.spec.map)
     except MapError as error:
-        raise StateError(f"the map of the state cannot be made: {error}") from None
+        raise StateError(f"the map of the state cannot be generated: {error}") from None
     if game_map.digest != snapshot.map_digest:
         raise StateError(
-            f"the state is on map {snapshot.map_digest}, but its spec makes {game_map.digest} here"
+            f"the state is on map {snapshot.map_digest}, but its spec generates {game_map.digest} here"
         )
     return game_map

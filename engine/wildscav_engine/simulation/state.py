@@ -1,7 +1,7 @@
 """The state of a batch of matches: structures of arrays with a leading match axis.
 
-B matches, A seats in the largest of them, S slots for supply boxes in the largest. Kernels work on one
-match's slices, which have the same names and no B axis.
+There are B matches, with at most A seats and at most S slots for supply boxes each. Kernels work on slices of
+one match, which have the same names and no B axis.
 """
 
 import math
@@ -12,115 +12,115 @@ import numpy as np
 from numpy.typing import NDArray
 
 NOBODY = -1  # in place of a seat
-NOT_OUT = -1  # in place of the frame of an elimination
-MEMORY = 8  # numbers that a robot can remember
-MOST_SQUARES = 64  # along each side of a map, in the grid of agents
-BOX_SQUARES = 16  # the same at most in the grid of boxes
+NOT_ELIMINATED = -1  # in place of the frame of an elimination
+MEMORY = 8  # numbers in a robot's memory
+MAX_SQUARES = 64  # along each side of a map, in the grid of agents
+BOX_SQUARES = 16  # maximum along each side of a map, in the grid of boxes
 
 
 class Ending(IntEnum):
     """Why a match is over."""
 
-    NONE = 0  # it is not
+    NONE = 0  # it is not over
     TIME_UP = 1
     GOAL = 2  # the target is reached, or enough supplies are collected
-    LAST_STANDING = 3  # no more than one team is left
+    LAST_STANDING = 3  # at most one team is left
 
 
 class Agents(NamedTuple):
-    """Every fact about the agents."""
+    """The state of the agents."""
 
-    present: NDArray[np.bool_]  # (B, A) whether the match has this seat at all
+    present: NDArray[np.bool_]  # (B, A) whether the match has this seat
     team: NDArray[np.int32]  # (B, A)
     robot: NDArray[np.int32]  # (B, A) the number of the robot that fills the seat, 0 for none
-    memory: NDArray[np.float64]  # (B, A, 8) what a robot remembers
+    memory: NDArray[np.float64]  # (B, A, 8) numbers that a robot remembers
     start: NDArray[np.float64]  # (B, A, 3) m, where it started
-    # What it has at the start and after each return.
+    # Equipment at the start and after each respawn.
     full_health: NDArray[np.int32]  # (B, A) hp
     clip_size: NDArray[np.int32]  # (B, A) rounds
     full_spare_ammo: NDArray[np.int32]  # (B, A) rounds
-    shot_damage: NDArray[np.int32]  # (B, A) hp that its shots cost others
+    shot_damage: NDArray[np.int32]  # (B, A) hp per hit
     position: NDArray[np.float64]  # (B, A, 3) m, soles of the feet, y up
-    velocity: NDArray[np.float64]  # (B, A, 3) m/s, as it came out in the last frame
+    velocity: NDArray[np.float64]  # (B, A, 3) m/s, actual velocity in the last frame
     yaw: NDArray[np.float64]  # (B, A) degrees in (-180, 180], 0 faces +z, grows clockwise from above
     pitch: NDArray[np.float64]  # (B, A) degrees in [-90, 90], positive looks down
     on_ground: NDArray[np.bool_]  # (B, A)
     in_water: NDArray[np.bool_]  # (B, A)
-    walked: NDArray[np.float64]  # (B, A) m, horizontal way so far
-    course: NDArray[np.float64]  # (B, A, 2) m/s east and north, of the walk wanted in this step
+    walked: NDArray[np.float64]  # (B, A) m, horizontal distance walked so far
+    walk_velocity: NDArray[np.float64]  # (B, A, 2) m/s east and north, wanted in this step
     reached: NDArray[np.bool_]  # (B, A) whether it is at the target
-    knows_target: NDArray[np.bool_]  # (B, A) whether it has been told the target, or its team has found it
+    knows_target: NDArray[np.bool_]  # (B, A) whether the target is not hidden or its team has found it
     health: NDArray[np.int32]  # (B, A) hp, 0 = dead
-    respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent comes back, 0 if it never does
-    eliminated: NDArray[np.int32]  # (B, A) the frame in which it died for good, or NOT_OUT
-    placement: NDArray[np.int32]  # (B, A) of its team, 1 = best, 0 as long as the team is in the match
+    respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent respawns, 0 if it never does
+    eliminated: NDArray[np.int32]  # (B, A) the frame of its elimination, or NOT_ELIMINATED
+    placement: NDArray[np.int32]  # (B, A) of its team, 1 = best, 0 while the team is in the match
     invincible_left: NDArray[np.int32]  # (B, A) frames
     clip: NDArray[np.int32]  # (B, A) rounds in the weapon
-    spare_ammo: NDArray[np.int32]  # (B, A) rounds carried besides
+    spare_ammo: NDArray[np.int32]  # (B, A) rounds outside the weapon
     reload_left: NDArray[np.int32]  # (B, A) frames until a reload is done, 0 = not reloading
     fire_left: NDArray[np.int32]  # (B, A) frames until the weapon can fire again
     supplies: NDArray[np.int32]  # (B, A) carried
-    picked_up: NDArray[np.int32]  # (B, A) supplies picked up in all
+    picked_up: NDArray[np.int32]  # (B, A) supplies picked up since the start
     kills: NDArray[np.int32]  # (B, A)
     deaths: NDArray[np.int32]  # (B, A)
     shots: NDArray[np.int32]  # (B, A)
     hits: NDArray[np.int32]  # (B, A)
-    # What happened during the current step; cleared when the next begins.
+    # What happened in the current step; cleared when the next one begins.
     fired: NDArray[np.bool_]  # (B, A)
     shot_end: NDArray[np.float64]  # (B, A, 3) m, where the last shot ended
-    hit_seat: NDArray[np.int32]  # (B, A) whom it hit, or NOBODY
-    hit_by_seat: NDArray[np.int32]  # (B, A) who hit it, or NOBODY
-    damage: NDArray[np.int32]  # (B, A) hp, lost at the end of a frame
+    hit_seat: NDArray[np.int32]  # (B, A) the seat that it hit, or NOBODY
+    hit_by_seat: NDArray[np.int32]  # (B, A) the seat that hit it, or NOBODY
+    damage: NDArray[np.int32]  # (B, A) hp to be lost at the end of the frame
     gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
-    # No state: the seats in the order of the frame (``systems/turn_order.py``), and what follows from where
-    # the agents are (``systems/crowd.py``).
+    # Derived data: the seats in the order of the frame (``systems/turn_order.py``), and the grid of agents
+    # (``systems/agent_grid.py``).
     turns: NDArray[np.int32]  # (B, A)
     next_in_square: NDArray[np.int32]  # (B, A) seat + 1 of the next agent in the same square, 0 = none
-    near: NDArray[np.int32]  # (B, A) seats near the agent that moves
+    near: NDArray[np.int32]  # (B, A) seats near the agent that is moving
 
 
 class Supplies(NamedTuple):
-    """The supply boxes, those of later waves and those dropped at deaths included."""
+    """The supply boxes, including those of later waves and those dropped by agents."""
 
     position: NDArray[np.float32]  # (B, S, 3) m, on the ground or floor
-    quantity: NDArray[np.int32]  # (B, S) supplies in it, 0 = taken or a free slot
-    appears: NDArray[np.int32]  # (B, S) frame from which it is there
-    serial: NDArray[np.int32]  # (B, S) number of the box in its match, never used twice
+    quantity: NDArray[np.int32]  # (B, S) supplies in the box, 0 = taken or a free slot
+    appears: NDArray[np.int32]  # (B, S) the frame from which on it is present
+    serial: NDArray[np.int32]  # (B, S) number of the box, unique in its match
     next_in_square: NDArray[np.int32]  # (B, S) slot + 1 of the next box in the same square, 0 = none
 
 
 class Matches(NamedTuple):
-    """What is one number for a whole match."""
+    """The state of whole matches."""
 
     map_index: NDArray[np.int64]  # (B,) in the map bank
-    seats: NDArray[np.int64]  # (B,) how many seats this match has; the rest of the A are padding
-    slots: NDArray[np.int64]  # (B,) how many slots for boxes; the rest of the S are padding
+    seats: NDArray[np.int64]  # (B,) number of seats; the rest of the A are padding
+    slots: NDArray[np.int64]  # (B,) number of slots for boxes; the rest of the S are padding
     seed: NDArray[np.uint64]  # (B,)
     frame: NDArray[np.int64]  # (B,) frames played
     frame_limit: NDArray[np.int64]  # (B,)
     step: NDArray[np.int64]  # (B,) steps played
     over: NDArray[np.bool_]  # (B,)
     ending: NDArray[np.int64]  # (B,) why it is over, an Ending
-    respawns: NDArray[np.bool_]  # (B,) whether the dead come back
-    respawns_at_start: NDArray[np.bool_]  # (B,) whether they do so where they started
-    teams: NDArray[np.int64]  # (B,) how many teams there are
-    teams_left: NDArray[np.int64]  # (B,) how many of them have someone who is not out
-    members_left: NDArray[np.int32]  # (B, A) of each team, those who are not out
-    supply_goal: NDArray[np.int64]  # (B,) what a team must carry to end the match, 0 = no goal
+    respawns: NDArray[np.bool_]  # (B,) whether agents respawn
+    respawns_at_start: NDArray[np.bool_]  # (B,) whether they respawn where they started
+    teams: NDArray[np.int64]  # (B,) number of teams
+    teams_left: NDArray[np.int64]  # (B,) number of teams that are not eliminated
+    members_left: NDArray[np.int32]  # (B, A) number of seats of each team that are not eliminated
+    supply_goal: NDArray[np.int64]  # (B,) supplies that a team must carry to end the match, 0 = no goal
     target: NDArray[np.float64]  # (B, 3) m
     has_target: NDArray[np.bool_]  # (B,) whether reaching the target ends the match
-    reached_by: NDArray[np.int64]  # (B,) a seat that reached it, or NOBODY
+    reached_by: NDArray[np.int64]  # (B,) the first seat that reached it, or NOBODY
     next_serial: NDArray[np.int64]  # (B,) for the next box dropped
-    zone: NDArray[np.float64]  # (B, Z, 9) phases of the safe zone: frames in which shrinking starts and ends,
-    # then x, z and radius before, x, z and radius after it in m, and hp a second outside
-    phases: NDArray[np.int64]  # (B,) how many phases this match has; the rest of the Z are padding
+    zone: NDArray[np.float64]  # (B, Z, 9) phases of the safe zone: the frames in which shrinking starts and
+    # ends, x, z and radius in m before it, x, z and radius after it, and hp per second outside
+    phases: NDArray[np.int64]  # (B,) number of phases; the rest of the Z are padding
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
-    crowd: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
+    agent_squares: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
     box_squares: NDArray[np.int32]  # (B, 256) slot + 1 of the first box in each square, 0 = none
 
 
 class State(NamedTuple):
-    """All that changes in a batch of matches."""
+    """The whole mutable state of a batch of matches."""
 
     agents: Agents
     supplies: Supplies
@@ -128,12 +128,12 @@ class State(NamedTuple):
 
 
 def squares_for(seats: int) -> int:
-    """Return how many squares the grid of agents has along each side of the map: two agents a square."""
-    return min(MOST_SQUARES, max(1, int(math.sqrt(seats * 0.5))))
+    """Return the number of squares along each side of the grid of agents, for about two agents per square."""
+    return min(MAX_SQUARES, max(1, int(math.sqrt(seats * 0.5))))
 
 
 def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> State:
-    """Return a state with everything zero, nobody present and no boxes."""
+    """Return a state of zeros, without agents and boxes."""
     b, a, s = matches, seats, slots
     agents = Agents(
         present=np.zeros((b, a), np.bool_),
@@ -148,10 +148,10 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
         on_ground=np.zeros((b, a), np.bool_),
         in_water=np.zeros((b, a), np.bool_),
         walked=np.zeros((b, a)),
-        course=np.zeros((b, a, 2)),
+        walk_velocity=np.zeros((b, a, 2)),
         reached=np.zeros((b, a), np.bool_),
         knows_target=np.zeros((b, a), np.bool_),
-        eliminated=np.full((b, a), NOT_OUT, np.int32),
+        eliminated=np.full((b, a), NOT_ELIMINATED, np.int32),
         placement=np.zeros((b, a), np.int32),
         **{name: np.zeros((b, a), np.int32) for name in _COUNTS},
         fired=np.zeros((b, a), np.bool_),
@@ -205,16 +205,21 @@ def _allocate_matches(b: int, a: int, phases: int) -> Matches:
         zone=np.zeros((b, phases, 9)),
         phases=np.zeros(b, np.int64),
         digest=np.zeros(b, np.uint64),
-        crowd=np.zeros((b, squares_for(a) ** 2), np.int32),
+        agent_squares=np.zeros((b, squares_for(a) ** 2), np.int32),
         box_squares=np.zeros((b, BOX_SQUARES * BOX_SQUARES), np.int32),
     )
 
 
 def with_room(state: State, slots: int, phases: int) -> State:
-    """Return a state with room for so many boxes and phases in each match: the same one if it has that.
+    """Return a state with at least the given capacity: the same state if it is large enough.
 
-    What changes are only the arrays that need more room; they get a quarter more than asked for, so that this
-    is seldom.
+    Only arrays that are too small are replaced. Those of boxes grow by a quarter more than needed, so that
+    this happens rarely.
+
+    Args:
+        state: The state.
+        slots: The number of boxes in each match.
+        phases: The number of phases in each match.
     """
     supplies, matches = state.supplies, state.matches
     if slots <= supplies.quantity.shape[1] and phases <= matches.zone.shape[1]:

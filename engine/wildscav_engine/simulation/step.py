@@ -1,4 +1,4 @@
-"""The step: the rulebook in its order."""
+"""One step of a match: all rules in the order in which they apply."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,8 @@ from wildscav_engine.simulation.robots.base import Situation
 from wildscav_engine.simulation.robots.decide import decide
 from wildscav_engine.simulation.robots.skill import skill_of
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
-from wildscav_engine.simulation.systems.crowd import index_agents, others_near
-from wildscav_engine.simulation.systems.damage import apply_damage, bring_back, equip
+from wildscav_engine.simulation.systems.agent_grid import index_agents, others_near
+from wildscav_engine.simulation.systems.damage import apply_damage, equip, respawn_agents
 from wildscav_engine.simulation.systems.elimination import rank_teams
 from wildscav_engine.simulation.systems.endings import (
     end_at_last_standing,
@@ -25,9 +25,9 @@ from wildscav_engine.simulation.systems.endings import (
 )
 from wildscav_engine.simulation.systems.supplies import index_boxes, pick_up
 from wildscav_engine.simulation.systems.turn_order import draw_turns
-from wildscav_engine.simulation.systems.visibility import Seen, look_around
+from wildscav_engine.simulation.systems.visibility import Seen, find_seen
 from wildscav_engine.simulation.systems.weapons import handle_weapons, shoot
-from wildscav_engine.simulation.systems.zone import hurt_outside
+from wildscav_engine.simulation.systems.zone import damage_outside_zone
 from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, Field
 from wildscav_engine.specs.rules import FRAME, Rules
 
@@ -46,29 +46,29 @@ def play_step(
     rules: Rules,
     opening: bool,
 ) -> None:
-    """Play one step of one match, in place: one action of every agent, held for some frames.
+    """Play one step of one match in place: one action of every agent, held for several frames.
 
     Args:
         world: The static world.
         agents: The agents of the match.
-        supplies: Its boxes.
+        supplies: The supply boxes of the match.
         matches: All matches.
-        match: Which one it is.
-        seen: What the agents see; robots look before they decide, the others' rows are left alone.
-        actions: (A, FIELDS); becomes what was really played (robots decide, invalid rows do nothing).
-        allowed: (FIELDS,) the track's action set.
-        frames_per_action: How many frames the actions are held.
+        match: The index of the match.
+        seen: What the agents see. Only the rows of robots are updated, before they decide.
+        actions: (A, FIELDS). Replaced by the actions played: robots decide, and invalid rows do nothing.
+        allowed: (FIELDS,) the action set of the track.
+        frames_per_action: The number of frames for which the actions are held.
         rules: The rules.
-        opening: Whether the match is only opened: everybody is equipped, and the boxes are indexed.
+        opening: Whether to open the match instead of playing: equip the agents and index the boxes.
     """
     if opening:
         _open(world, agents, supplies, matches, match)
         return
-    _let_robots_look(world, agents, supplies, matches, match, rules, seen)
+    _update_seen_of_robots(world, agents, supplies, matches, match, rules, seen)
     _clear_step_facts(agents)
     for seat in range(actions.shape[0]):
         action = actions[seat]
-        _settle_action(agents, supplies, matches, match, seen, seat, frames_per_action, allowed, action)
+        _resolve_action(agents, supplies, matches, match, seen, seat, frames_per_action, allowed, action)
     for _ in range(frames_per_action):
         if not matches.over[match]:
             play_frame(world, agents, supplies, matches, match, actions, rules)
@@ -86,26 +86,26 @@ def play_frame(
     actions: NDArray[np.float32],
     rules: Rules,
 ) -> None:
-    """Play one frame, in place. The order below is the rulebook."""
+    """Play one frame in place. The order of the calls is part of the rules."""
     draw_turns(matches.seed[match], matches.frame[match], agents.turns)
-    # Collisions and shots of the whole frame go by where everybody is now.
+    # Collisions and shots of the whole frame use the present positions.
     index_agents(world, agents, matches, match)
-    # Times are counted from the frame after: whoever dies now has the whole respawn time before it.
-    bring_back(world, agents, matches, match, rules)
+    # Timers run from the next frame on: an agent that dies now waits for the whole respawn time.
+    respawn_agents(world, agents, matches, match, rules)
     for turn in range(agents.turns.shape[0]):
         _turn_and_move(world, agents, matches, match, agents.turns[turn], actions, rules)
     matches.frame[match] += 1
-    # The target is tested every frame, so that nobody runs through it between two steps.
+    # The target is tested in every frame, so that no agent runs through it between two steps.
     end_at_target(agents, matches, match, rules)
     pick_up(world, agents, supplies, matches, match, actions, rules)
     end_at_supply_goal(agents, matches, match)
     handle_weapons(agents, actions, rules)
-    # Everyone has moved before anyone shoots, so no agent gains by coming first.
+    # All agents have moved before the first shot, so being first is no advantage.
     shoot(world, agents, matches, match, actions, rules)
-    # Damage lands after the last shot: two agents can kill each other in one frame.
-    hurt_outside(agents, matches, match)
+    # Damage takes effect after the last shot: two agents can kill each other in one frame.
+    damage_outside_zone(agents, matches, match)
     apply_damage(world, agents, supplies, matches, match, rules)
-    # After all deaths of the frame: teams that go out together share their placement.
+    # After all deaths of the frame, because teams eliminated together share a placement.
     rank_teams(agents, matches, match)
     end_at_last_standing(matches, match)
     end_at_time_limit(matches, match)
@@ -121,7 +121,7 @@ def _open(world: World, agents: Agents, supplies: Supplies, matches: Matches, ma
 
 
 @inlined_kernel
-def _let_robots_look(
+def _update_seen_of_robots(
     world: World,
     agents: Agents,
     supplies: Supplies,
@@ -137,7 +137,7 @@ def _let_robots_look(
         if not is_indexed:
             index_agents(world, agents, matches, match)
             is_indexed = True
-        look_around(world, agents, supplies, matches, match, seat, rules, seen)
+        find_seen(world, agents, supplies, matches, match, seat, rules, seen)
 
 
 @inlined_kernel
@@ -150,7 +150,7 @@ def _clear_step_facts(agents: Agents) -> None:
 
 
 @inlined_kernel
-def _settle_action(
+def _resolve_action(
     agents: Agents,
     supplies: Supplies,
     matches: Matches,
@@ -161,17 +161,17 @@ def _settle_action(
     allowed: NDArray[np.bool_],
     action: NDArray[np.float32],
 ) -> None:
-    """Turn an action row into what counts: a robot's choice, or what was sent as far as it is valid."""
+    """Replace an action row by what is played: a robot's choice, or the valid part of what was sent."""
     if agents.robot[seat] != 0:
         for field in range(FIELDS):
             action[field] = 0.0
         if agents.health[seat] > 0:
             frame, seed = matches.frame[match], matches.seed[match]
             skill = skill_of(agents.robot[seat])
-            now = Situation(
+            situation = Situation(
                 agents, supplies, seen, seat, seed, frame, frames_per_action, matches, match, skill
             )
-            decide(now, action)
+            decide(situation, action)
     valid = agents.present[seat]
     for field in range(FIELDS):
         if not allowed[field]:
@@ -181,7 +181,8 @@ def _settle_action(
         for field in range(FIELDS):
             action[field] = 0.0
     direction, speed = np.float64(action[Field.WALK_DIRECTION]), np.float64(action[Field.WALK_SPEED])
-    agents.course[seat, 0], agents.course[seat, 1] = speed * sine(direction), speed * cosine(direction)
+    agents.walk_velocity[seat, 0] = speed * sine(direction)
+    agents.walk_velocity[seat, 1] = speed * cosine(direction)
 
 
 @inlined_kernel
@@ -201,23 +202,23 @@ def _turn_and_move(
     agents.yaw[seat] = wrap(agents.yaw[seat] + np.float64(action[Field.TURN]))
     pitch = agents.pitch[seat] + np.float64(action[Field.LOOK])
     agents.pitch[seat] = min(90.0, max(-90.0, pitch))
-    place = agents.position[seat]
+    position = agents.position[seat]
     others = agents.near[: others_near(world, agents, matches, match, seat)]
     moved = move_by(
         world,
         Bodies(agents.position, others, seat),
         agents.velocity[seat, 1],
         agents.on_ground[seat],
-        agents.course[seat, 0],
-        agents.course[seat, 1],
+        agents.walk_velocity[seat, 0],
+        agents.walk_velocity[seat, 1],
         action[Field.JUMP] != 0.0,
         rules.water_speed_factor,
     )
-    way_x, way_z = moved.x - place[0], moved.z - place[2]
-    agents.walked[seat] += np.sqrt(way_x * way_x + way_z * way_z)
-    agents.velocity[seat, 0] = way_x / FRAME
+    dx, dz = moved.x - position[0], moved.z - position[2]
+    agents.walked[seat] += np.sqrt(dx * dx + dz * dz)
+    agents.velocity[seat, 0] = dx / FRAME
     agents.velocity[seat, 1] = moved.rise
-    agents.velocity[seat, 2] = way_z / FRAME
-    place[0], place[1], place[2] = moved.x, moved.y, moved.z
+    agents.velocity[seat, 2] = dz / FRAME
+    position[0], position[1], position[2] = moved.x, moved.y, moved.z
     agents.on_ground[seat] = moved.on_ground
     agents.in_water[seat] = moved.y < water_at(world, moved.x, moved.z)

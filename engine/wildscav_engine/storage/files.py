@@ -1,4 +1,4 @@
-"""Files: read up to a limit, and written whole or not at all."""
+"""Size-limited reads and atomic writes of files."""
 
 import errno
 import io
@@ -7,38 +7,38 @@ import stat
 from pathlib import Path
 
 
-def read_limited(path: Path, most: int) -> bytes:
-    """Return the content of a plain file that may be anybody's: it cannot be too long, and it cannot block.
+def read_limited(path: Path, limit: int) -> bytes:
+    """Return the content of a regular file from an untrusted source, without blocking.
 
     Args:
         path: The file.
-        most: Bytes that it may have.
+        limit: The maximum size in bytes.
 
     Raises:
-        OSError: It cannot be read, is no plain file, or has more bytes; the error names the path.
+        OSError: The file cannot be read, is not a regular file, or is larger; the error names the path.
     """
-    with io.BufferedReader(io.FileIO(path, opener=_open_without_waiting)) as file:
+    with io.BufferedReader(io.FileIO(path, opener=_open_nonblocking)) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise OSError(errno.EINVAL, "it is not a plain file", str(path))
-        content = file.read(most + 1)
-    if content is None:  # as of files in /proc that have nothing to say yet
+        content = file.read(limit + 1)
+    if content is None:  # such as files in /proc that have no data yet
         raise OSError(errno.EAGAIN, "it is not a plain file", str(path))
-    if len(content) > most:
-        raise OSError(errno.EFBIG, f"it has more than {most:,} bytes", str(path))
+    if len(content) > limit:
+        raise OSError(errno.EFBIG, f"it has more than {limit:,} bytes", str(path))
     return content
 
 
-def _open_without_waiting(path: str, flags: int) -> int:
+def _open_nonblocking(path: str, flags: int) -> int:
     return os.open(path, flags | os.O_NONBLOCK)
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that no reader, and no crash, ever sees half of it.
+    """Write a file so that neither readers nor a crash ever leave half of it.
 
-    What is there already and is no file, such as a device or a pipe, is written to and not replaced.
+    An existing path that is not a regular file, such as a device or a pipe, is written to and not replaced.
 
     Raises:
-        OSError: It cannot be written; the error names the path. An older file stays as it was.
+        OSError: It cannot be written; the error names the path. An older file stays unchanged.
     """
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
@@ -48,7 +48,7 @@ def write_whole(path: Path, content: bytes) -> None:
             part.write_bytes(content)
             part.replace(path)
     except OSError as error:
-        # A full disk is noticed in the middle of a write, and that error does not say where.
+        # The error of a full disk, which occurs in the middle of a write, does not name the path.
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         part.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""The kinds of match, one file each. ``extensions.py`` lists them."""
+"""The tracks, one file for each. ``extensions.py`` lists them."""
 
 from wildscav_engine.simulation.track import MEASURES, TRACKS, Measure, Metric, Track, metrics_of
 

@@ -1,4 +1,4 @@
-"""Supply battle: gather in competition with others, who can be shot for what they carry."""
+"""Supply battle: gather supplies in competition with others, who can be shot for what they carry."""
 
 from typing import TYPE_CHECKING, ClassVar
 
@@ -18,11 +18,11 @@ from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView
 
-OVER_THE_MAP = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0)
+DEFAULT_SUPPLIES = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=100.0),), spacing=5.0)
 
 
 class Battle(Track):
-    """The supplies that a seat's team carries at the end; the dead come back after a while."""
+    """Scored by the supplies that a seat's team carries at the end. Dead agents respawn."""
 
     name: ClassVar[str] = "battle"
     title: ClassVar[str] = "Supply battle"
@@ -41,8 +41,8 @@ class Battle(Track):
     )
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
-        """Return the spec's supplies, or the map's, or the competition's first wave over the whole map."""
-        return spec.supplies or spec.map.config.supplies or OVER_THE_MAP
+        """Return the supplies of the spec, else of the map, else one wave over the whole map."""
+        return spec.supplies or spec.map.config.supplies or DEFAULT_SUPPLIES
 
     def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return the supplies that the team carries, and the seat's kills and deaths."""

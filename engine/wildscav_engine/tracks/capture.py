@@ -1,4 +1,4 @@
-"""Target capture: a team looks for a hidden target; the first of them who gets there wins for all."""
+"""Target capture: a team searches for a hidden target; the first member to reach it wins for the team."""
 
 from typing import TYPE_CHECKING, ClassVar
 
@@ -10,10 +10,10 @@ if TYPE_CHECKING:
 
 
 class Capture(Track):
-    """Scored as navigation is, with the teammate who is nearest to the target at the end.
+    """Scored like navigation, by the teammate who is nearest to the target at the end.
 
-    Nobody is told where the target is. Whoever comes as near to it as ``target_sight`` finds it, for the
-    whole team. All seats are one team unless the spec makes it a race of several.
+    The position of the target is hidden. An agent that comes within ``target_sight`` of it finds it for its
+    whole team. All seats form one team unless the spec defines several, which then race each other.
     """
 
     name: ClassVar[str] = "capture"
@@ -27,10 +27,10 @@ class Capture(Track):
     metrics = Navigation.metrics
 
     def teams(self, seats: int) -> tuple[int, ...]:
-        """Return one team for all."""
+        """Return one team for all seats."""
         return (0,) * seats
 
     def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
-        """Return used and punish time, their sum, and whether this seat's team reached the target."""
+        """Return the used time, the punish time, their sum, and whether the team reached the target."""
         team = match.spec.team_of_seats
         return time_to_target(match, [mate for mate in range(match.seats) if team[mate] == team[seat]])

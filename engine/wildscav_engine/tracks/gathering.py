@@ -1,4 +1,4 @@
-"""Supply gathering: collect as many supplies as possible within the time limit, or enough of them soon."""
+"""Supply gathering: collect as many supplies as possible in the time limit, or a given number quickly."""
 
 import functools
 from typing import TYPE_CHECKING, ClassVar
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 
 class Gathering(Track):
-    """The supplies that a seat's team carries at the end; alone, as a team, or teams against each other.
+    """Scored by the supplies that a seat's team carries at the end, with any number of teams.
 
-    With a supply goal in the spec, the first team that carries so many ends the match: then the time counts.
+    With a supply goal in the spec, the first team that carries that many ends the match, and time counts.
     """
 
     name: ClassVar[str] = "gathering"
@@ -44,8 +44,8 @@ class Gathering(Track):
     )
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
-        """Return the spec's supplies, or the map's, or one wave around the middle of the map."""
-        return spec.supplies or spec.map.config.supplies or _around_the_middle(spec.map.config.size)
+        """Return the supplies of the spec, else of the map, else one wave around the center of the map."""
+        return spec.supplies or spec.map.config.supplies or _around_center(spec.map.config.size)
 
     def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return the supplies that the team and the seat carry, and the time of the match."""
@@ -57,5 +57,5 @@ class Gathering(Track):
 
 
 @functools.lru_cache(maxsize=64)
-def _around_the_middle(size: int) -> SupplyConfig:
+def _around_center(size: int) -> SupplyConfig:
     return SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=max(10.0, size / 4)),), spacing=5.0)

@@ -10,14 +10,14 @@ from wildscav_engine.specs.rules import FRAME
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView
 
-PUNISHED_SPEED = 10.0  # m/s: a target not reached costs twice the time that the way left takes at this speed
+PENALTY_SPEED = 10.0  # m/s: missing the target costs twice the time that the rest takes at this speed
 
 
 class Navigation(Track):
-    """The target reached within the time limit: used time. Not reached: plus 2 · distance left / 10 s.
+    """Scored by the time used; if the target is not reached, plus 2 · distance left / 10 s.
 
-    With several teams it is a race: the first at the target ends the match for all. Whoever is there in the
-    same frame has reached it, too.
+    With several teams it is a race: the first agent at the target ends the match for all. Agents that arrive
+    in the same frame have also reached it.
     """
 
     name: ClassVar[str] = "navigation"
@@ -35,18 +35,18 @@ class Navigation(Track):
     )
 
     def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
-        """Return used and punish time, their sum, and whether this seat reached the target."""
+        """Return the used time, the punish time, their sum, and whether this seat reached the target."""
         return time_to_target(match, [seat])
 
 
 def time_to_target(match: "MatchView", seats: list[int]) -> dict[str, float]:
-    """Return used and punish time, their sum, and success, of whichever of some seats did best."""
+    """Return the used time, the punish time, their sum and success, for the best of some seats."""
     agents = match.state.agents
     reached = bool(agents.reached[0, seats].any())
     used = match.frame * FRAME
-    ways = match.state.matches.target[0] - agents.position[0, seats]
-    distance = min(float(np.sqrt(x * x + y * y + z * z)) for x, y, z in ways)
-    punish = 0.0 if reached else 2.0 * distance / PUNISHED_SPEED
+    offsets = match.state.matches.target[0] - agents.position[0, seats]
+    distance = min(float(np.sqrt(x * x + y * y + z * z)) for x, y, z in offsets)
+    punish = 0.0 if reached else 2.0 * distance / PENALTY_SPEED
     return {
         "time": used + punish,
         "used_time": used,

@@ -1,7 +1,8 @@
-"""Rewards as named terms: what a learner is paid for a step, from what is different after it.
+"""Rewards as weighted sums of named terms.
 
-The facts of all agents are read before and after the step; a term is what became of one of them.
-``RewardSum`` weights and adds them up, so that each can be logged, replaced and mixed by name.
+Each term is the change of one fact about an agent in a step, such as the supplies that it carries. The facts
+of all agents are read before and after the step. ``RewardSum`` weights and adds up terms that are chosen by
+name, so that each can be logged on its own.
 """
 
 from collections.abc import Mapping
@@ -13,25 +14,25 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.simulation.state import Agents, Matches, State
-from wildscav_engine.simulation.systems.elimination import placement_now
+from wildscav_engine.simulation.systems.elimination import current_placement
 
 
 class Fact(IntEnum):
-    """The columns of facts, float32."""
+    """The columns of a row of facts about an agent, float32."""
 
     REACHED = 0  # 1 at the target
     TARGET_DISTANCE = 1  # m, 0 without a target
-    SUPPLIES = 2  # carried
-    PICKED_UP = 3  # supplies picked up in all
-    TEAM_PICKED_UP = 4  # by the whole team
+    SUPPLIES = 2  # carried now
+    PICKED_UP = 3  # supplies picked up since the start
+    TEAM_PICKED_UP = 4  # the same, by the whole team
     KILLS = 5
     DEATHS = 6
     HITS = 7
     HEALTH = 8  # hp
-    OUTLIVED = 9  # by the placement as it stands: 0 as the last team, 1 as the first
-    STEPS = 10  # played, the dead and the eliminated included
+    OUTLIVED = 9  # from the current placement: 0 for the last team, 1 for the first
+    STEPS = 10  # played, including steps after death or elimination
     WALKED = 11  # m
-    PICKED_UP_BY_NUMBER = 12  # by the team whose number is that of the row
+    PICKED_UP_BY_NUMBER = 12  # supplies picked up by the team whose number is that of the row
 
 
 FACTS = len(Fact)
@@ -40,19 +41,19 @@ Values = NDArray[np.float32]  # (…)
 
 
 class Change(IntEnum):
-    """How a term comes from one fact before and after a step."""
+    """How a term depends on a fact before and after a step."""
 
-    MORE = 0  # by how much it has grown
-    LESS = 1  # by how much it has shrunk
-    HAS_MORE = 2  # 1 where it has grown at all
-    LOST = 3  # by how much it has shrunk, and nothing where it has grown
+    INCREASE = 0
+    DECREASE = 1
+    HAS_INCREASED = 2  # 1 if it has increased, else 0
+    LOSS = 3  # the decrease, or 0 if it has increased
 
 
-_LESS, _HAS_MORE, _LOST = int(Change.LESS), int(Change.HAS_MORE), int(Change.LOST)
+_DECREASE, _HAS_INCREASED, _LOSS = int(Change.DECREASE), int(Change.HAS_INCREASED), int(Change.LOSS)
 
 
 class Term(NamedTuple):
-    """One way to be paid."""
+    """One term of a reward."""
 
     title: str
     fact: Fact
@@ -61,28 +62,28 @@ class Term(NamedTuple):
 
 # The first two are the paper's (appendix, "Reward Configuration").
 REWARD_TERMS: dict[str, Term] = {
-    "target_reached": Term("1 in the step that reaches the target", Fact.REACHED, Change.HAS_MORE),
-    "supply_found": Term("1 in a step that picks up supplies", Fact.PICKED_UP, Change.HAS_MORE),
-    "supplies": Term("supplies picked up", Fact.PICKED_UP, Change.MORE),
-    "team_supplies": Term("supplies picked up by the team", Fact.TEAM_PICKED_UP, Change.MORE),
-    "supplies_lost": Term("supplies dropped at death", Fact.SUPPLIES, Change.LOST),
-    "approach": Term("m that the target is nearer", Fact.TARGET_DISTANCE, Change.LESS),
-    "walked": Term("m walked", Fact.WALKED, Change.MORE),
-    "kill": Term("enemies killed", Fact.KILLS, Change.MORE),
-    "death": Term("own deaths", Fact.DEATHS, Change.MORE),
-    "hit": Term("hits on enemies", Fact.HITS, Change.MORE),
-    "damage_taken": Term("hp lost", Fact.HEALTH, Change.LOST),
+    "target_reached": Term("1 in the step that reaches the target", Fact.REACHED, Change.HAS_INCREASED),
+    "supply_found": Term("1 in a step that picks up supplies", Fact.PICKED_UP, Change.HAS_INCREASED),
+    "supplies": Term("supplies picked up", Fact.PICKED_UP, Change.INCREASE),
+    "team_supplies": Term("supplies picked up by the team", Fact.TEAM_PICKED_UP, Change.INCREASE),
+    "supplies_lost": Term("supplies dropped on death", Fact.SUPPLIES, Change.LOSS),
+    "approach": Term("m by which the target is nearer", Fact.TARGET_DISTANCE, Change.DECREASE),
+    "walked": Term("m walked", Fact.WALKED, Change.INCREASE),
+    "kill": Term("enemies killed", Fact.KILLS, Change.INCREASE),
+    "death": Term("own deaths", Fact.DEATHS, Change.INCREASE),
+    "hit": Term("hits on enemies", Fact.HITS, Change.INCREASE),
+    "damage_taken": Term("hp lost", Fact.HEALTH, Change.LOSS),
     "outlived": Term(
-        "places won, as other teams go out or time is up: 1 from the last to the first",
+        "placements gained as other teams are eliminated or time is up: 1 in all, from last to first",
         Fact.OUTLIVED,
-        Change.MORE,
+        Change.INCREASE,
     ),
-    "step": Term("1 in every step", Fact.STEPS, Change.MORE),
+    "step": Term("1 in every step", Fact.STEPS, Change.INCREASE),
 }
 
 
-class Plan(NamedTuple):
-    """The T terms of a sum, for kernels."""
+class TermArrays(NamedTuple):
+    """The T terms of a reward, for kernels."""
 
     fact: NDArray[np.int64]  # (T,)
     change: NDArray[np.int64]  # (T,)
@@ -96,10 +97,10 @@ class RewardSum:
         """Choose terms and their weights.
 
         Args:
-            weights: By the names of ``REWARD_TERMS``.
+            weights: The weights by the names of ``REWARD_TERMS``.
 
         Raises:
-            ValueError: There is no such term, or a weight is no finite number.
+            ValueError: There is no such term, or a weight is not a finite number.
         """
         for name, weight in weights.items():
             if name not in REWARD_TERMS:
@@ -108,30 +109,30 @@ class RewardSum:
                 raise ValueError(f"the weight of reward term {name!r} is {weight!r}, must be a finite number")
         self.weights = {name: float(weight) for name, weight in weights.items()}
         terms = [REWARD_TERMS[name] for name in weights]
-        self.plan = Plan(
+        self.term_arrays = TermArrays(
             np.array([term.fact for term in terms], np.int64),
             np.array([term.change for term in terms], np.int64),
             np.array(list(self.weights.values()), np.float32),
         )
 
     def terms(self, before: Facts, after: Facts) -> dict[str, Values]:
-        """Return what each term pays, weighted.
+        """Return the weighted value of each term.
 
         Args:
             before: (…, FACTS) facts before a step.
             after: (…, FACTS) after it.
 
         Returns:
-            (…) float32 by the names of terms.
+            Arrays (…) of float32 by the names of terms.
         """
         rows = after.reshape(-1, FACTS)
-        paid = np.empty((len(rows), len(self.weights)), np.float32)
-        _pay_all(self.plan, before.reshape(-1, FACTS), rows, paid)
-        values = paid.reshape(*after.shape[:-1], -1)
+        weighted = np.empty((len(rows), len(self.weights)), np.float32)
+        _write_all_terms(self.term_arrays, before.reshape(-1, FACTS), rows, weighted)
+        values = weighted.reshape(*after.shape[:-1], -1)
         return {name: values[..., place] for place, name in enumerate(self.weights)}
 
     def total(self, before: Facts, after: Facts) -> Values:
-        """Return (…) float32, the sum of what all terms pay, in the order in which they were named."""
+        """Return (…) float32, the sum of all terms, added in the order in which they were named."""
         total = np.zeros(after.shape[:-1], np.float32)
         for values in self.terms(before, after).values():
             total += values
@@ -139,29 +140,29 @@ class RewardSum:
 
 
 @kernel
-def _pay_all(plan: Plan, before: Facts, after: Facts, paid: Values) -> None:
+def _write_all_terms(terms: TermArrays, before: Facts, after: Facts, values: Values) -> None:
     for row in range(after.shape[0]):
-        pay(plan, before[row], after[row], paid[row])
+        write_terms(terms, before[row], after[row], values[row])
 
 
 @kernel
-def pay(plan: Plan, before: Facts, after: Facts, paid: Values) -> None:
-    """Write (T,) what each term pays, weighted, from (FACTS,) an agent's facts before and after a step."""
-    for term in range(paid.shape[0]):
-        fact, change = plan.fact[term], plan.change[term]
-        more = after[fact] - before[fact]
-        value = np.float32(more)
-        if change == _LESS:
-            value = np.float32(-more)
-        elif change == _HAS_MORE:
-            value = np.float32(1.0 if more > 0.0 else 0.0)
-        elif change == _LOST:
-            value = np.float32(max(-more, 0.0))
-        paid[term] = value * plan.weight[term] + np.float32(0.0)  # never minus zero
+def write_terms(terms: TermArrays, before: Facts, after: Facts, values: Values) -> None:
+    """Write (T,) the weighted terms of a reward from (FACTS,) an agent's facts before and after a step."""
+    for term in range(values.shape[0]):
+        fact, change = terms.fact[term], terms.change[term]
+        increase = after[fact] - before[fact]
+        value = np.float32(increase)
+        if change == _DECREASE:
+            value = np.float32(-increase)
+        elif change == _HAS_INCREASED:
+            value = np.float32(1.0 if increase > 0.0 else 0.0)
+        elif change == _LOSS:
+            value = np.float32(max(-increase, 0.0))
+        values[term] = value * terms.weight[term] + np.float32(0.0)  # never minus zero
 
 
 def read_facts(state: State, facts: Facts) -> None:
-    """Write the facts of all agents of a batch.
+    """Write the facts about all agents of a batch.
 
     Args:
         state: The batch.
@@ -172,7 +173,7 @@ def read_facts(state: State, facts: Facts) -> None:
 
 @kernel
 def write_facts(agents: Agents, matches: Matches, facts: Facts) -> None:
-    """Do what ``read_facts`` says."""
+    """Write the facts about all agents of a batch; see ``read_facts``."""
     for match in range(facts.shape[0]):
         for seat in range(matches.seats[match]):
             row = facts[match, seat]
@@ -202,17 +203,19 @@ def _target_distance(agents: Agents, matches: Matches, match: int, seat: int) ->
 
 @kernel
 def _outlived(agents: Agents, matches: Matches, match: int, seat: int) -> float:
-    """Return how far a seat's team has come from the last place, 0, to the first, 1; 0 where it is alone."""
+    """Return the current placement of a seat's team: 0 for the last, 1 for the first; 0 for a single team."""
     others = matches.teams[match] - 1
     if others == 0:
         return 0.0
-    placement = placement_now(agents.placement[match, seat], matches.teams_left[match], matches.over[match])
+    placement = current_placement(
+        agents.placement[match, seat], matches.teams_left[match], matches.over[match]
+    )
     return float((others + 1 - placement) / others)
 
 
 @kernel
 def _add_up_teams(agents: Agents, match: int, facts: Facts) -> None:
-    """Write what the teams of a match have picked up, by their numbers and then for each of their seats."""
+    """Write what the teams of a match have picked up, by team number and then for each seat."""
     facts[:, Fact.PICKED_UP_BY_NUMBER] = 0.0
     for seat in range(facts.shape[0]):
         facts[agents.team[match, seat], Fact.PICKED_UP_BY_NUMBER] += facts[seat, Fact.PICKED_UP]

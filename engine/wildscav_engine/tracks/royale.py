@@ -1,9 +1,9 @@
-"""Royale: nobody comes back, the safe zone shrinks, and the last seat or team standing wins."""
+"""Royale: agents do not respawn, the safe zone shrinks, and the last team standing wins."""
 
 import functools
 from typing import TYPE_CHECKING, ClassVar
 
-from wildscav_engine.simulation.systems.elimination import placement_now
+from wildscav_engine.simulation.systems.elimination import current_placement
 from wildscav_engine.simulation.track import (
     AGENTS_SEEN,
     PAPER_DEPTH,
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView
 
 WIN = 100.0  # points for the first place
-SHARES = (0.6, 0.5, 0.5, 0.4, 0.0)  # of the zone's radius that each phase leaves
-DAMAGES = (1, 2, 4, 8, 16)  # hp a second outside, in each phase
-WAIT, SHRINK = 0.1, 0.08  # of the time limit, in each phase: the zone is gone after nine tenths
+SHARES = (0.6, 0.5, 0.5, 0.4, 0.0)  # each phase's new radius divided by its old one
+DAMAGES = (1, 2, 4, 8, 16)  # hp per second outside, in each phase
+WAIT, SHRINK = 0.1, 0.08  # of the time limit, in each phase: after nine tenths, the zone is gone
 
 
 class Royale(Track):
-    """Points: 100 for the first place down to 0 for the last, evenly, and one for each supply carried.
+    """Points: from 100 for the first place evenly down to 0 for the last, plus one per supply carried.
 
-    Teams that go out in the same frame share their placement, as do those that are left when the time is up.
+    Teams eliminated in the same frame share a placement, and so do those that are left when the time is up.
     """
 
     name: ClassVar[str] = "royale"
@@ -54,17 +54,17 @@ class Royale(Track):
     )
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig:
-        """Return what a battle has."""
+        """Return the supplies that a battle has."""
         return Battle().supplies(spec)
 
     def zone(self, spec: MatchSpec) -> ZoneConfig:
-        """Return the spec's schedule, or one of five phases that fills nine tenths of the time limit."""
+        """Return the schedule of the spec, or five phases that take nine tenths of the time limit."""
         return spec.zone or _default_zone(spec.time_limit)
 
     def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return points, the team's placement and supplies, and the seat's kills."""
         agents, matches = match.state.agents, match.state.matches
-        placement = placement_now(
+        placement = current_placement(
             int(agents.placement[0, seat]), int(matches.teams_left[0]), bool(matches.over[0])
         )
         others = int(matches.teams[0]) - 1

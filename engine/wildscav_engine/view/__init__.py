@@ -1,4 +1,4 @@
-"""Replays: the Rerun scene of a record. Only this package imports Rerun, and only when a replay is made."""
+"""Replays of records in Rerun. Only this package imports Rerun, and only when a replay is rendered."""
 
 from wildscav_engine.view.replay import ViewError, rendered, write_replay
 

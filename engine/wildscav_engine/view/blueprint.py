@@ -1,4 +1,4 @@
-"""How a replay is laid out when it is opened: the blueprint in the file."""
+"""The blueprint of a replay: the layout of the viewer when the file is opened."""
 
 from typing import Any, NamedTuple
 
@@ -7,15 +7,15 @@ import rerun.blueprint as rrb
 
 from wildscav_engine.view.entities.agents import path_of
 from wildscav_engine.view.entities.depth import DEPTH, SCALE_HEIGHT
-from wildscav_engine.view.entities.follow import ABOVE, COLOR, EYES
+from wildscav_engine.view.entities.follow_cameras import ABOVE, COLOR, EYES
 from wildscav_engine.view.events import EVENTS, KILLS
 from wildscav_engine.view.overview import Overview
-from wildscav_engine.view.recording import frame
+from wildscav_engine.view.recording import coordinates
 from wildscav_engine.view.recording.columns import MATCH_TIME, STEP
 from wildscav_engine.view.recording.history import DEPTH_CAMERA
 from wildscav_engine.view.standings import PATH as STANDINGS
 
-TRAIL_TIME, TRAIL_STEPS = 6.0, 60  # s; on the time line of steps
+TRAIL_TIME, TRAIL_STEPS = 6.0, 60  # s on the timeline of match time; on that of steps
 SKY = (150, 190, 225)
 MARGIN = 2.0  # pixels around a depth map
 ALL = rrb.TimeRangeBoundary.infinite()  # plots show the whole match
@@ -26,44 +26,45 @@ TITLES = {
     "health": "Health",
     "ammo": "Ammunition",
 }
-# What stands between the camera and whom it follows is glass there; roofs are left out altogether.
-GLASS = (255, 255, 255, 70)
+# In the follow view, these are transparent, so that the agent stays visible; roofs are hidden.
+TRANSPARENT_TINT = (255, 255, 255, 70)
 ROOFS = "world/houses/roofs"
-LIKE_GLASS = (
+TRANSPARENT_PATHS = (
     *("world/houses/walls", "world/houses/floors", "world/houses/stairs"),
     *("world/vegetation/crowns", "world/vegetation/trunks", "world/rocks"),
 )
-
-
-ON_THE_GROUND = ("heat", "zone/outside")  # colours that would float before an agent's eyes
+GROUND_OVERLAYS = ("heat", "zone/outside")  # hidden in the views near an agent, where they seem to float
 
 
 class Layout(NamedTuple):
-    """What the blueprint depends on."""
+    """What the blueprint of a replay depends on."""
 
     names: tuple[str, ...]
     follow: int
-    plots: tuple[str, ...]  # measures, the score first
-    images: bool  # whether depth maps and pictures are in the file
+    plots: tuple[str, ...]  # the plotted quantities, the score first
+    images: bool  # whether the file contains depth maps and camera images
     kills: bool  # whether agents can kill each other
-    glass: tuple[str, ...]  # those of ``LIKE_GLASS`` that are there
+    transparent: tuple[str, ...]  # those of ``TRANSPARENT_PATHS`` that the map has
 
 
 def blueprint(layout: Layout, overview: Overview) -> rrb.Blueprint:
-    """Return the layout: standings, the whole match, one agent from above and through its eyes, and plots."""
+    """Return the blueprint: standings, the whole match, one agent from above and from its eyes, and plots."""
     name, followed = layout.names[layout.follow], path_of(layout.follow)
-    glass = {path: rr.Mesh3D.from_fields(albedo_factor=GLASS).visualizer() for path in layout.glass}
+    transparent = {
+        path: rr.Mesh3D.from_fields(albedo_factor=TRANSPARENT_TINT).visualizer()
+        for path in layout.transparent
+    }
     free = _spatial("Match", ["+ /**", *_hidden("follow")], _eye(overview), trails=len(layout.names))
     follow_views = (
         _spatial(
             f"Following {name}",
-            ["+ /**", *_hidden("follow", "trails", *ON_THE_GROUND, ROOFS), f"+ /{ABOVE}"],
+            ["+ /**", *_hidden("follow", "trails", *GROUND_OVERLAYS, ROOFS), f"+ /{ABOVE}"],
             rrb.EyeControls3D(tracking_entity=f"/{ABOVE}"),
-            overrides=glass,
+            overrides=transparent,
         ),
         _spatial(
             f"Eyes of {name}",
-            ["+ /**", *_hidden("follow", "trails", *ON_THE_GROUND, followed), f"+ /{EYES}"],
+            ["+ /**", *_hidden("follow", "trails", *GROUND_OVERLAYS, followed), f"+ /{EYES}"],
             rrb.EyeControls3D(tracking_entity=f"/{EYES}"),
         ),
     )
@@ -90,7 +91,7 @@ def blueprint(layout: Layout, overview: Overview) -> rrb.Blueprint:
 
 
 def _depth_bounds() -> rrb.VisualBounds2D:
-    """Return what a depth map fills with its scale, so that no number of that is cut."""
+    """Return the area of a depth map and its scale, so that no number of the scale is cut off."""
     return rrb.VisualBounds2D(
         x_range=(-MARGIN, DEPTH_CAMERA.width + MARGIN),
         y_range=(-MARGIN, DEPTH_CAMERA.height + SCALE_HEIGHT),
@@ -98,7 +99,7 @@ def _depth_bounds() -> rrb.VisualBounds2D:
 
 
 def _hidden(*paths: str) -> list[str]:
-    """Return what is not seen in a 3D view: some entities, and those that are no part of the scene."""
+    """Return the query lines that hide some entities, and all that do not belong to the 3D scene."""
     return [f"- /{path}/**" for path in (*paths, EVENTS, KILLS, STANDINGS)]
 
 
@@ -122,7 +123,7 @@ def _spatial(
 
 
 def _trail() -> rrb.VisibleTimeRanges:
-    """Return how much of a way is seen: the last few seconds, whichever time line is looked at."""
+    """Return how much of a trail is visible: the last few seconds, on either timeline."""
     seconds = rrb.TimeRangeBoundary.cursor_relative(seconds=-TRAIL_TIME)
     steps = rrb.TimeRangeBoundary.cursor_relative(seq=-TRAIL_STEPS)
     now = rrb.TimeRangeBoundary.cursor_relative(seq=0)
@@ -137,15 +138,15 @@ def _trail() -> rrb.VisibleTimeRanges:
 def _eye(overview: Overview) -> rrb.EyeControls3D:
     return rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
-        position=frame.points(overview.eye),
-        look_target=frame.points(overview.target),
+        position=coordinates.points(overview.eye),
+        look_target=coordinates.points(overview.target),
     )
 
 
 def _logs(layout: Layout) -> rrb.View | rrb.Container:
-    """Return the log of all events, behind the feed of kills where there can be any.
+    """Return the log of all events, behind the log of kills if the track has any.
 
-    The kinds of events are in the file but in no column: the words tell them, and so does the colour.
+    The level of an event has no column, because its text and colour already show what it is.
     """
     columns = rrb.TextLogColumns(text_log_columns=[rrb.encodings.TextLogColumn("Body")])
     views = [
@@ -156,15 +157,15 @@ def _logs(layout: Layout) -> rrb.View | rrb.Container:
 
 
 def _plots(layout: Layout) -> rrb.Container:
-    """Return one plot a measure, in tabs; the first is the score."""
+    """Return one plot per quantity, in tabs; the first is the score."""
     seats = range(len(layout.names))
     views = [
         rrb.TimeSeriesView(
-            name=TITLES[measure],
-            contents=[f"+ /{path_of(seat)}/{measure}" for seat in seats],
+            name=TITLES[quantity],
+            contents=[f"+ /{path_of(seat)}/{quantity}" for seat in seats],
             axis_x=rrb.TimeAxis(view_range=rrb.TimeRange(start=ALL, end=ALL)),
             plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=len(seats) > 1),
         )
-        for measure in layout.plots
+        for quantity in layout.plots
     ]
     return rrb.Tabs(*views, name="Numbers")

@@ -1,4 +1,4 @@
-"""The events of a match in words: pick-ups, hits, deaths, respawns, the target."""
+"""The events of a match as text: pick-ups, hits, deaths, respawns, the target."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import rerun as rr
 
-from wildscav_engine.simulation.state import NOBODY, NOT_OUT
+from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED
 from wildscav_engine.view.recording import colors
 from wildscav_engine.view.recording.columns import Columns
 from wildscav_engine.view.recording.history import History, seats_where
 
-EVENTS, KILLS = "events", "kills"  # the entities
+EVENTS, KILLS = "events", "kills"  # entity paths
 
 
 class Event(NamedTuple):
@@ -29,30 +29,30 @@ def events_of(
     opening: str = "The match begins",
     ending: str = "The match is over",
 ) -> list[Event]:
-    """Return all events in time order.
+    """Return all events in chronological order.
 
     Args:
         history: The match.
-        names: What its seats are called.
-        opening: The first line.
-        ending: The last.
+        names: The names of its seats.
+        opening: The text of the first event.
+        ending: The text of the last event.
     """
-    found = [
-        *(event for events in KINDS for event in events(history, names)),
+    events = [
+        *(event for find_events in KINDS for event in find_events(history, names)),
         Event(0, "START", opening, colors.START_END),
         Event(int(history.rows[-1]), "END", ending, colors.START_END),
     ]
-    # What happens in one step is told in the order of KINDS, within the start and the end.
-    return sorted(found, key=lambda event: (event.row, event.kind == "END", event.kind != "START"))
+    # Events of the same step are in the order of KINDS, between the start and the end.
+    return sorted(events, key=lambda event: (event.row, event.kind == "END", event.kind != "START"))
 
 
 def kills_of(history: History, names: Sequence[str]) -> list[Event]:
-    """Return who killed whom, in time order, in the colour of the team that did it."""
-    return list(_deaths(history, names, feed=True))
+    """Return the kills in chronological order, in the colour of the killer's team."""
+    return list(_deaths(history, names, kills_first=True))
 
 
 def event_columns(path: str, events: Sequence[Event]) -> Columns:
-    """Return a text log."""
+    """Return events as the columns of a text log."""
     rows = np.array([event.row for event in events], np.int64)
     values = rr.TextLog.columns(
         text=[event.text for event in events],
@@ -77,17 +77,17 @@ def _hits(history: History, names: Sequence[str]) -> Iterator[Event]:
         yield Event(row, "HIT", text, colors.HURT)
 
 
-def _deaths(history: History, names: Sequence[str], *, feed: bool = False) -> Iterator[Event]:
-    """Yield deaths; in the feed of kills the killer comes first, in its team's colour."""
+def _deaths(history: History, names: Sequence[str], *, kills_first: bool = False) -> Iterator[Event]:
+    """Yield deaths; with ``kills_first``, the text starts with the killer and has its team's colour."""
     agents = history.agents
     died = np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0
     for row, seat in seats_where(died):
         by = int(agents.hit_by_seat[row, seat])
-        out = agents.eliminated[row, seat] != NOT_OUT
+        out = agents.eliminated[row, seat] != NOT_ELIMINATED
         end, kind = ("is out", "OUT") if out else ("dies", "DEATH")
-        if feed and by != NOBODY:
+        if kills_first and by != NOBODY:
             text = f"{names[by]} shoots {names[seat]}{', who is out' if out else ''}"
-            yield Event(row, "KILL", text, colors.of_team(history.team_of(by)))
+            yield Event(row, "KILL", text, colors.team_color(history.team_of(by)))
         else:
             text = f"{names[seat]} {end}{'' if by == NOBODY else f', shot by {names[by]}'}"
             yield Event(row, kind, text, colors.DEATH)

@@ -1,4 +1,4 @@
-"""A match as it is being played, in a Rerun viewer of its own."""
+"""Live view: a match in a Rerun viewer while it is being played."""
 
 import os
 import sys
@@ -9,26 +9,26 @@ import rerun as rr
 
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.palette import of_seat
-from wildscav_engine.simulation.systems.supplies import is_there
+from wildscav_engine.simulation.systems.supplies import is_present
 from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.view.entities import scenery
-from wildscav_engine.view.recording import colors, frame
+from wildscav_engine.view.recording import colors, coordinates
 
 APPLICATION = "wildscav-live"
-BODY = 1.0  # m, height of the middle of a body's mark
-ARROW = 1.6  # m, length of the view direction
-BOX = 0.3  # m, half a supply box
+BODY = 1.0  # m, height of the point that marks a body
+ARROW = 1.6  # m, length of the arrow in view direction
+BOX = 0.3  # m, half the side of a supply box
 
 
 class NoDisplayError(RuntimeError):
-    """There is no screen to open a viewer on."""
+    """There is no display to open a viewer on."""
 
 
 def open_recording() -> rr.RecordingStream:
-    """Return a recording that a viewer shows, which opens if none is there.
+    """Return a recording that is shown by a viewer, which is opened if none is running.
 
     Raises:
-        NoDisplayError: There is no screen for a viewer.
+        NoDisplayError: There is no display for a viewer.
     """
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise NoDisplayError(
@@ -41,10 +41,10 @@ def open_recording() -> rr.RecordingStream:
 
 
 class LiveView:
-    """Shows a match step by step; the viewer opens with the first match that is shown."""
+    """Shows matches step by step. The viewer opens with the first match."""
 
     def __init__(self) -> None:
-        """Open nothing yet."""
+        """Create a live view without opening a viewer."""
         self._recording: Any = None
         self._map: GameMap | None = None
         self._step = 0
@@ -53,47 +53,49 @@ class LiveView:
         """Show a new match.
 
         Args:
-            match: A match, or what has the face of one.
+            match: A ``Match``, or an object with the same properties.
         """
         if self._recording is None:
             self._recording = open_recording()
         if match.game_map is not self._map:
             self._map = match.game_map
             self._recording.log("world", rr.Clear(recursive=True))
-            for path, looks in scenery.static_scene(match.game_map):
-                self._recording.log(path, looks)
+            for path, components in scenery.static_scene(match.game_map):
+                self._recording.log(path, components)
 
     def show(self, match: Any) -> None:
-        """Show where everybody is now, and the boxes that are there."""
+        """Show the present positions of agents and supply boxes."""
         self._recording.set_time("step", sequence=self._step)
         self._step += 1
         self._show_agents(match)
         self._show_boxes(match)
         matches = match.state.matches
         if matches.has_target[0]:
-            target = rr.Points3D([frame.points(matches.target[0])], radii=0.5, colors=[colors.TARGET])
+            target = rr.Points3D([coordinates.points(matches.target[0])], radii=0.5, colors=[colors.TARGET])
             self._recording.log("target", target)
 
     def _show_agents(self, match: Any) -> None:
         agents = match.state.agents
         seats = np.flatnonzero(agents.health[0] > 0)
-        places = agents.position[0, seats] + np.array([0.0, BODY, 0.0])
+        positions = agents.position[0, seats] + np.array([0.0, BODY, 0.0])
         tints = [of_seat(int(team)) for team in agents.team[0, seats]]
-        gaze = frame.directions(agents.yaw[0, seats], agents.pitch[0, seats]) * ARROW
+        gaze = coordinates.directions(agents.yaw[0, seats], agents.pitch[0, seats]) * ARROW
         eyes = agents.position[0, seats] + np.array([0.0, EYE_HEIGHT, 0.0])
         labels = [f"{match.spec.seats[seat]} {seat}" for seat in seats]
-        bodies = rr.Points3D(frame.points(places), radii=BODY_RADIUS, colors=tints, labels=labels)
+        bodies = rr.Points3D(coordinates.points(positions), radii=BODY_RADIUS, colors=tints, labels=labels)
         self._recording.log("agents/bodies", bodies)
-        arrows = rr.Arrows3D(vectors=frame.points(gaze), origins=frame.points(eyes), colors=tints)
+        arrows = rr.Arrows3D(vectors=coordinates.points(gaze), origins=coordinates.points(eyes), colors=tints)
         self._recording.log("agents/views", arrows)
 
     def _show_boxes(self, match: Any) -> None:
         supplies = match.state.supplies
         boxes = type(supplies)(*(array[0] for array in supplies))
-        slots = [slot for slot in range(len(boxes.quantity)) if is_there(boxes, slot, match.frame)]
-        middles = boxes.position[slots] + np.array([0.0, BOX, 0.0])
+        slots = [slot for slot in range(len(boxes.quantity)) if is_present(boxes, slot, match.frame)]
+        centers = boxes.position[slots] + np.array([0.0, BOX, 0.0])
         crates = rr.Boxes3D(
-            centers=frame.points(middles), half_sizes=[[BOX] * 3] * len(slots), colors=[colors.OUTDOOR_BOX]
+            centers=coordinates.points(centers),
+            half_sizes=[[BOX] * 3] * len(slots),
+            colors=[colors.OUTDOOR_BOX],
         )
         self._recording.log("supplies", crates)
 

@@ -1,4 +1,4 @@
-"""Replays: a record played again into a Rerun recording."""
+"""Replays: re-simulated records as Rerun recordings."""
 
 from pathlib import Path
 from threading import Lock
@@ -6,27 +6,27 @@ from threading import Lock
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.storage.files import write_whole
-from wildscav_engine.view.recording.history import collect
+from wildscav_engine.view.recording.history import collect_history
 
-# Rerun tells recordings of one process apart by their ids, and those of a record are always the same.
+# Rerun distinguishes the recordings of a process by their ids, and every replay of a record has the same id.
 RENDERING = Lock()
 
 
 class ViewError(Exception):
-    """A replay cannot be made; the message is one clear line."""
+    """A replay cannot be rendered; the message is one line that says why."""
 
 
 def write_replay(record: Record, path: Path, *, follow: int | None = None, images: bool = True) -> None:
-    """Render a record as a Rerun file that shows the match at once when it is opened.
+    """Render a record as a Rerun file, which shows the match as soon as it is opened.
 
-    The file is there whole or not at all. Rerun keeps a few idle threads for every recording that a process
-    ever made: a server that renders without end should do so in processes that end.
+    The file is written atomically. Rerun keeps a few idle threads for each recording that a process has ever
+    made, so long-running servers should render in short-lived processes.
 
     Args:
-        record: The record; it is re-simulated here.
-        path: Where to write, usually ``*.rrd``.
+        record: The record, which is re-simulated.
+        path: The file to write, usually ``*.rrd``.
         follow: The seat that the cameras follow; by default the first that a submission fills.
-        images: Whether the followed agent's depth maps and pictures are in the file.
+        images: Whether to include the depth maps and camera images of the followed agent.
 
     Raises:
         ViewError: Rerun is not installed, or there is no such seat.
@@ -52,7 +52,7 @@ def rendered(record: Record, *, follow: int | None = None, images: bool = True) 
         if (error.name or "").split(".")[0] != "rerun":
             raise
         raise ViewError("replays need Rerun: pip install 'wildscav[view]'") from error
-    match, history = collect(resimulate(record), len(record.actions), seat if images else None)
+    match, history = collect_history(resimulate(record), len(record.actions), seat if images else None)
     with RENDERING:
         return render(record, match.game_map, history, seat)
 

@@ -1,4 +1,4 @@
-"""The Rerun recording of one match, put together."""
+"""The Rerun recording of one match: all entities, properties and the blueprint."""
 
 from collections.abc import Iterator
 from hashlib import blake2b
@@ -12,55 +12,53 @@ from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.view import standings
-from wildscav_engine.view.blueprint import LIKE_GLASS, Layout, blueprint
-from wildscav_engine.view.entities import agents as actors
-from wildscav_engine.view.entities import follow, heat, scenery, zone
-from wildscav_engine.view.entities import objects as things
-from wildscav_engine.view.entities.draped import Net
+from wildscav_engine.view.blueprint import TRANSPARENT_PATHS, Layout, blueprint
+from wildscav_engine.view.entities import agents, follow_cameras, heat, objects, scenery, zone
+from wildscav_engine.view.entities.ground_overlay import GroundOverlay
 from wildscav_engine.view.events import EVENTS, KILLS, event_columns, events_of, kills_of
+from wildscav_engine.view.outcome import describe_outcome, format_time
 from wildscav_engine.view.overview import overview
 from wildscav_engine.view.recording.columns import Columns, send
 from wildscav_engine.view.recording.history import History
-from wildscav_engine.view.verdict import clock, verdict
 
 
 def render(record: Record, game_map: GameMap, history: History, seat: int) -> bytes:
-    """Return the file's content.
+    """Return the content of the file.
 
     Args:
-        record: What the history came from.
-        game_map: The match's map.
-        history: All that happened.
-        seat: Whom the cameras follow.
+        record: The record.
+        game_map: The map of the match.
+        history: The history of the match, collected from the record.
+        seat: The seat that the cameras follow.
     """
-    names = actors.distinct(record.names)
-    net = Net(game_map.world)
+    names = agents.distinct(record.names)
+    overlay = GroundOverlay(game_map.world)
     scene = dict(scenery.static_scene(game_map))
     layout = _layout(record, history, names, seat, scene)
     identity = _identity(record, layout)
-    # A viewer keeps one layout for each application: so every replay is one, or a second one that is opened
-    # in the same viewer would be laid out like the first.
+    # A viewer keeps one layout per application id. With a common id, a second replay that is opened in the
+    # same viewer would get the layout of the first.
     recording = rr.RecordingStream(f"wildscav-{identity}", recording_id=identity, send_properties=False)
     memory = recording.memory_recording()
     recording.send_blueprint(blueprint(layout, overview(history, game_map.world)))
     _describe(recording, record)
     statics = (
         *scene.items(),
-        *things.static_things(history, record.spec.rules.target_distance),
+        *objects.static_objects(history, record.spec.rules.target_distance),
         *heat.static_heat(history),
         *zone.static_zone(history),
-        *actors.static_agents(history, names),
-        *follow.static_cameras(history),
+        *agents.static_agents(history, names),
+        *follow_cameras.static_cameras(history),
         *standings.static_standings(),
     )
-    for path, looks in statics:
-        recording.log(path, looks, static=True)
+    for path, components in statics:
+        recording.log(path, components, static=True)
     for columns in (
-        *actors.moving_agents(history, names, health=layout.kills),
-        *things.changing_things(history, game_map),
-        *heat.moving_heat(history, net),
+        *agents.moving_agents(history, names, health=layout.kills),
+        *objects.changing_objects(history, game_map),
+        *heat.moving_heat(history, overlay),
         *zone.moving_zone(history, game_map),
-        *follow.moving_cameras(game_map, history, seat),
+        *follow_cameras.moving_cameras(game_map, history, seat),
         standings.moving_standings(record, history, names, seat),
         *_logs(record, history, names),
     ):
@@ -77,28 +75,31 @@ def _layout(
         _plots(record, history),
         history.depth is not None,
         Field.SHOOT in TRACKS[record.spec.track].fields,
-        tuple(path for path in LIKE_GLASS if path in scene),
+        tuple(path for path in TRANSPARENT_PATHS if path in scene),
     )
 
 
 def _logs(record: Record, history: History, names: tuple[str, ...]) -> Iterator[Columns]:
-    """Yield the log of all events, and that of kills."""
-    title, limit = TRACKS[record.spec.track].title, clock(round(record.spec.time_limit * FRAMES_PER_SECOND))
-    agents = "1 agent" if len(names) == 1 else f"{len(names)} agents"
-    opening, ending = f"{title}: {agents}, {limit} at most", verdict(record.result, names)
+    """Yield the log of all events and the log of kills."""
+    title, limit = (
+        TRACKS[record.spec.track].title,
+        format_time(round(record.spec.time_limit * FRAMES_PER_SECOND)),
+    )
+    count = "1 agent" if len(names) == 1 else f"{len(names)} agents"
+    opening, ending = f"{title}: {count}, {limit} at most", describe_outcome(record.result, names)
     yield event_columns(EVENTS, events_of(history, names, opening, ending))
     yield event_columns(KILLS, kills_of(history, names))
 
 
 def _identity(record: Record, layout: Layout) -> str:
-    """The same record shown the same way is the same recording."""
+    """Return the recording's id, which is the same for the same record in the same layout."""
     digest = blake2b(record.spec.model_dump_json().encode(), digest_size=8)
     digest.update(record.actions.tobytes() + repr(layout).encode())
     return f"{record.spec.track}-{digest.hexdigest()}"
 
 
 def _plots(record: Record, history: History) -> tuple[str, ...]:
-    """Return the measures that can change in a track, the score first."""
+    """Return the quantities to plot, which are those that can change in the track, the score first."""
     track = TRACKS[record.spec.track]
     if history.target is not None:
         return ("distance",)
@@ -110,7 +111,7 @@ def _describe(recording: rr.RecordingStream, record: Record) -> None:
     """Write the name and the properties of the recording."""
     spec, result = record.spec, record.result
     recording.send_recording_name(f"{TRACKS[spec.track].title}: {', '.join(record.names)}")
-    about: dict[str, Any] = {
+    properties: dict[str, Any] = {
         "track": spec.track,
         "map_size": spec.map.config.size,
         "map_seed": str(spec.map.seed),
@@ -118,7 +119,7 @@ def _describe(recording: rr.RecordingStream, record: Record) -> None:
         "steps": result.steps,
         "engine": record.engine_version,
     }
-    recording.send_property("match", rr.AnyValues(**about))
+    recording.send_property("match", rr.AnyValues(**properties))
     for seat, name in zip(result.seats, record.names, strict=True):
         values: dict[str, Any] = {"name": name, "filled_by": seat.filled_by, **seat.metrics}
         recording.send_property(f"result/seat_{seat.seat}", rr.AnyValues(**values))

@@ -1,4 +1,4 @@
-"""The standings of a match at every moment, as a table, and its outcome in one sentence."""
+"""The standings of a match over time as a table, and its outcome in one sentence."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
@@ -8,16 +8,16 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from wildscav_engine.record import Record
-from wildscav_engine.simulation.state import NOT_OUT
+from wildscav_engine.simulation.state import NOT_ELIMINATED
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
+from wildscav_engine.view.outcome import describe_outcome, format_time
 from wildscav_engine.view.recording.columns import Columns
 from wildscav_engine.view.recording.history import History, changes
-from wildscav_engine.view.verdict import clock, verdict
 
 PATH = "standings"
-MOST_LINES = 12  # agents in the table; the followed one is always among them
+MAX_LINES = 12  # agents in the table, which always include the followed one
 
 
 class Column(NamedTuple):
@@ -26,33 +26,33 @@ class Column(NamedTuple):
     title: str
     values: NDArray[np.generic]  # (T + 1, A)
     write: Callable[[float], str] = lambda value: f"{value:.0f}"
-    steady: bool = True  # whether a change is worth a new table at once; else it waits for the next second
+    immediate: bool = True  # whether a change gives a new table at once, or only in the next second
 
 
 class Table(NamedTuple):
-    """What is needed to write the standings at any row."""
+    """Everything that the standings of any row of the history depend on."""
 
     title: str
     time_limit: float  # s
     names: tuple[str, ...]
     columns: tuple[Column, ...]
-    keys: tuple[NDArray[np.generic], ...]  # (T + 1, A) each, what seats are ranked by, the most telling first
+    keys: tuple[NDArray[np.generic], ...]  # (T + 1, A) each, the sort keys of seats, most significant first
     followed: int
     outcome: str
 
 
 def static_standings() -> Iterator[tuple[str, rr.AsComponents]]:
-    """Yield that the table is Markdown."""
+    """Yield the media type of the table, which is Markdown."""
     yield PATH, rr.TextDocument.from_fields(media_type="text/markdown")
 
 
 def moving_standings(record: Record, history: History, names: Sequence[str], followed: int) -> Columns:
-    """Return the table wherever it changes, and each second for its clock."""
+    """Return the table in every row in which it changes, and in every second for its clock."""
     table = _table(record, history, tuple(names), followed)
     last = int(history.rows[-1])
     seconds = np.nonzero(np.diff(history.frame // FRAMES_PER_SECOND, prepend=-1))[0]
-    steady = [column.values for column in table.columns if column.steady]
-    rows = np.union1d(changes(history.frame * 0, *steady), np.union1d(seconds, [last]))
+    immediate = [column.values for column in table.columns if column.immediate]
+    rows = np.union1d(changes(history.frame * 0, *immediate), np.union1d(seconds, [last]))
     texts = [_page(table, row, int(history.frame[row]), row == last) for row in rows.tolist()]
     return Columns(PATH, rows, rr.TextDocument.columns(text=texts))
 
@@ -68,7 +68,7 @@ def _table(record: Record, history: History, names: tuple[str, ...], followed: i
         columns.append(Column("Distance", history.distance_to_target, _metres, False))
         keys.append(history.distance_to_target)
     if not track.respawns:
-        out = agents.eliminated != NOT_OUT
+        out = agents.eliminated != NOT_ELIMINATED
         keys += [out, -np.where(out, agents.eliminated, 0)]
     if track.has_supplies:
         keys += [-history.supplies_of_team, history.teams + 0 * agents.supplies, -agents.supplies]
@@ -87,23 +87,23 @@ def _table(record: Record, history: History, names: tuple[str, ...], followed: i
         tuple(columns),
         tuple(keys),
         followed,
-        verdict(record.result, names),
+        describe_outcome(record.result, names),
     )
 
 
 def _page(table: Table, row: int, frame: int, over: bool) -> str:
     """Return the Markdown of one row of the history."""
-    time = f"{clock(frame)} of {clock(round(table.time_limit * FRAMES_PER_SECOND))}"
-    story = f"**{_plain(table.outcome)}**" if over else f"**{time}**"
+    time = f"{format_time(frame)} of {format_time(round(table.time_limit * FRAMES_PER_SECOND))}"
+    headline = f"**{_plain(table.outcome)}**" if over else f"**{time}**"
     order = np.lexsort([key[row] for key in reversed(table.keys)]).tolist()
     places = {seat: place for place, seat in enumerate(order, start=1)}
-    shown = order[:MOST_LINES]
+    shown = order[:MAX_LINES]
     if table.followed not in shown:
         shown[-1] = table.followed
     lines = [
         f"# {table.title}",
         "",
-        story,
+        headline,
         "",
         "| # | Agent |" + "".join(f" {column.title} |" for column in table.columns),
         "|--:|:--|" + "--:|" * len(table.columns),
@@ -129,7 +129,8 @@ def _health(left: float) -> str:
 
 
 def _plain(text: str) -> str:
-    """Return text that Markdown shows as it stands: names are made by competitors and may be anything."""
+    """Escape text for Markdown, because competitors choose the names."""
     return "".join(
-        f"\\{sign}" if sign in "\\`*_{}[]()<>#+-.!|~&$:" else sign for sign in " ".join(text.split())
+        f"\\{character}" if character in "\\`*_{}[]()<>#+-.!|~&$:" else character
+        for character in " ".join(text.split())
     )

@@ -1,6 +1,7 @@
-"""A replay in a browser: Rerun's own web viewer, from the installed package, and one recording.
+"""A replay in a browser: a server for Rerun's web viewer and one recording.
 
-Nothing comes from elsewhere: the pages' security policy forbids the viewer to ask any other host.
+The viewer comes from the installed Rerun package. The content security policy of the pages forbids requests
+to any other host.
 """
 
 import os
@@ -21,7 +22,7 @@ from urllib.request import ProxyHandler, build_opener
 from wildscav_engine.view.replay import ViewError
 
 LOOPBACK = "127.0.0.1"
-PATIENCE = 60.0  # s until Rerun must have handed over its viewer
+PATIENCE = 60.0  # s for Rerun to deliver its viewer
 TYPES = {
     "/index.html": "text/html; charset=utf-8",
     "/re_viewer.js": "text/javascript",
@@ -37,28 +38,28 @@ HOST = re.compile(r"[A-Za-z0-9.-]+(:\d+)?|\[[0-9A-Fa-f:.]+\](:\d+)?")
 
 
 class Content:
-    """What one address answers."""
+    """The response body of one path."""
 
-    def __init__(self, kind: str, body: bytes) -> None:
-        """Keep a body and its media type."""
-        self.kind, self.body = kind, body
+    def __init__(self, media_type: str, body: bytes) -> None:
+        """Store a body and its media type."""
+        self.media_type, self.body = media_type, body
 
 
 class ReplayServer(ThreadingHTTPServer):
-    """Serves one replay with a viewer, until it is closed."""
+    """An HTTP server for one replay and the web viewer."""
 
     daemon_threads = True
 
     def __init__(self, replay: bytes, host: str = LOOPBACK, port: int = 0) -> None:
-        """Listen, and answer from ``serve_forever`` on.
+        """Start to listen; ``serve_forever`` answers requests.
 
         Args:
             replay: The content of an ``.rrd`` file.
-            host: The address to listen at.
-            port: 0: any that is free.
+            host: The address to listen on.
+            port: The port; 0 for any free one.
 
         Raises:
-            ViewError: Rerun or its web viewer is missing, or the address cannot be listened at.
+            ViewError: Rerun or its web viewer is missing, or the server cannot listen on the address.
         """
         self.content: Final[Mapping[str, Content]] = {
             **{path: Content(TYPES[path], body) for path, body in viewer_files().items()},
@@ -68,23 +69,23 @@ class ReplayServer(ThreadingHTTPServer):
         try:
             super().__init__((host, port), _Handler)
         except (OSError, OverflowError) as error:
-            raise ViewError(f"cannot listen at {host}, port {port}: {error}") from None
+            raise ViewError(f"cannot listen on {host}, port {port}: {error}") from None
 
     @property
     def link(self) -> str:
-        """What a person opens; from a wildcard address, on this machine."""
+        """The URL to open in a browser; for a wildcard address, the one on this machine."""
         host, port = str(self.server_address[0]), self.server_address[1]
-        host = {"0.0.0.0": LOOPBACK, "::": "::1"}.get(host, host)  # noqa: S104 - compared, not listened at
+        host = {"0.0.0.0": LOOPBACK, "::": "::1"}.get(host, host)  # noqa: S104 - only compared
         return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """Answers GET and HEAD."""
+    """Handler of GET and HEAD requests."""
 
     server: ReplayServer
     protocol_version = "HTTP/1.1"
-    timeout = 60.0  # s, then an idle connection is closed
-    headers_of_all: ClassVar[dict[str, str]] = {
+    timeout = 60.0  # s until an idle connection is closed
+    common_headers: ClassVar[dict[str, str]] = {
         "Content-Security-Policy": POLICY,
         "X-Content-Type-Options": "nosniff",
         "Referrer-Policy": "no-referrer",
@@ -103,10 +104,12 @@ class _Handler(BaseHTTPRequestHandler):
     do_HEAD = do_GET  # noqa: N815
 
     def _redirect(self, query: str) -> None:
-        """Send the browser to the viewer with the recording's address, which the viewer wants whole."""
+        """Redirect to the viewer with the recording's URL, which must be absolute."""
         host = self.headers.get("Host", "")
         if not HOST.fullmatch(host):
-            return self._answer(400, Content("text/plain; charset=utf-8", b"the request names no host\n"))
+            return self._answer(
+                400, Content("text/plain; charset=utf-8", b"the request has no Host header\n")
+            )
         options = urlencode(
             {
                 "url": f"http://{host}{RECORDING}",
@@ -120,30 +123,30 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _answer(self, status: int, content: Content, more: Mapping[str, str] | None = None) -> None:
         self.send_response(status)
-        own = {"Content-Type": content.kind, "Content-Length": str(len(content.body))}
-        for name, value in (self.headers_of_all | own | dict(more or {})).items():
+        own = {"Content-Type": content.media_type, "Content-Length": str(len(content.body))}
+        for name, value in (self.common_headers | own | dict(more or {})).items():
             self.send_header(name, value)
         self.end_headers()
         if self.command != "HEAD":
             self.wfile.write(content.body)
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - the base class names it
-        """Say nothing: the command has said where it serves."""
+        """Log nothing, because the command has already printed the URL."""
 
 
 def viewer_files() -> dict[str, bytes]:
-    """Return the files of the web viewer that is inside the installed Rerun, by their paths.
+    """Return the files of the web viewer inside the installed Rerun package, by their paths.
 
-    Rerun hands them out by HTTP alone, so its own server runs for a moment, on this machine's loopback. It
-    would report its use to its makers: for that moment it has a configuration of its own that says no.
+    Rerun delivers them only by HTTP, so its own server runs for a moment on the loopback interface. A
+    temporary configuration disables its usage analytics.
 
     Raises:
-        ViewError: Rerun is not installed, or does not hand them out.
+        ViewError: Rerun is not installed, or does not deliver the files.
     """
     program, port = str(_program()), _free_port()
-    # With an address to show, which nobody asks for, it starts nothing beside the viewer.
-    nothing = f"http://{LOOPBACK}:{port}{RECORDING}"
-    command = [program, "--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), nothing]
+    # Given the URL of a recording, Rerun starts no other service beside the viewer.
+    recording = f"http://{LOOPBACK}:{port}{RECORDING}"
+    command = [program, "--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), recording]
     with TemporaryDirectory(prefix="wildscav-viewer-") as folder:
         own = os.environ | dict.fromkeys(("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"), folder)
         silent: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": own}
@@ -156,16 +159,16 @@ def viewer_files() -> dict[str, bytes]:
 
 
 def _program() -> Path:
-    """Return Rerun's program itself: to end the script of that name would leave the program running."""
+    """Return Rerun's executable, because killing the script of that name would leave it running."""
     try:
         import rerun_cli  # type: ignore[import-untyped]
     except ImportError:
         raise ViewError("the web viewer needs Rerun: pip install 'wildscav[view]'") from None
-    found = [Path(folder) / name for folder in rerun_cli.__path__ for name in ("rerun", "rerun.exe")]
-    for program in found:
+    candidates = [Path(folder) / name for folder in rerun_cli.__path__ for name in ("rerun", "rerun.exe")]
+    for program in candidates:
         if program.is_file():
             return program
-    raise ViewError(f"the installed Rerun has no program at {found[0]}")
+    raise ViewError(f"the installed Rerun has no executable at {candidates[0]}")
 
 
 def _free_port() -> int:
@@ -175,10 +178,10 @@ def _free_port() -> int:
 
 
 def _fetch(server: "subprocess.Popen[bytes]", address: str) -> bytes:
-    """Return what an address of a server that may still be starting answers.
+    """Return the response of a URL whose server may still be starting.
 
     Raises:
-        ViewError: The server has ended, or does not answer in time.
+        ViewError: The server has exited, or does not answer in time.
     """
     browser, end = build_opener(ProxyHandler({})), time.monotonic() + PATIENCE
     while True:
@@ -187,5 +190,5 @@ def _fetch(server: "subprocess.Popen[bytes]", address: str) -> bytes:
                 return bytes(answer.read())
         except (URLError, HTTPException, OSError) as error:
             if server.poll() is not None or time.monotonic() > end:
-                raise ViewError(f"the installed Rerun does not hand out its web viewer: {error}") from None
+                raise ViewError(f"the installed Rerun does not deliver its web viewer: {error}") from None
         time.sleep(0.05)

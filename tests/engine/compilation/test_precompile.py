@@ -28,7 +28,7 @@ def test_what_is_compiled_ahead_plays_matches_and_makes_depth_maps() -> None:
         ahead.main()
         from wildscav_engine.maps import generate_map
         from wildscav_engine.simulation.match import Match
-        from wildscav_engine.simulation.play import play_batch
+        from wildscav_engine.simulation.batch_kernels import play_batch
         from wildscav_engine.sensors import DepthCamera
         from wildscav_engine.specs.map_spec import MapConfig
         from wildscav_engine.specs.match_spec import MatchSpec

@@ -82,7 +82,7 @@ def test_neither_the_number_of_environments_nor_of_threads_matters(track: str) -
 
 
 def test_threads_that_share_images_of_what_moves_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_TIME", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
     names: set[str] = set()
 
     def told(threads: int) -> list[Any]:
@@ -110,7 +110,7 @@ def test_threads_that_share_images_of_what_moves_change_no_bit(monkeypatch: pyte
 def test_threads_and_processes_do_not_matter(track: str, monkeypatch: pytest.MonkeyPatch) -> None:
     alone = told_by(track, 4)
     monkeypatch.setattr("wildscav_engine.simulation.batch.LEAST_AGENTS", 1)
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_TIME", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
     assert told_by(track, 4, threads=2) == alone
     code = (
         f"from hashlib import sha256; from {__name__} import told_by; "

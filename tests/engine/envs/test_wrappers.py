@@ -8,7 +8,7 @@ from gymnasium.utils.env_checker import check_env
 from tests.engine.envs.common import TRACK_NAMES, options
 
 from wildscav_engine.envs import FlatActions, FlatObservations, SingleEnv
-from wildscav_engine.envs.spaces.flat import Flattener
+from wildscav_engine.envs.spaces.flattening import Flattener
 
 SENSORS = {"depth": {"width": 4, "height": 3, "far": 50.0}, "teammates": {"limit": 1}}
 

@@ -32,7 +32,7 @@ from wildscav_engine.record.format import LAYOUT, decode, encode
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.storage.binary_format import PREAMBLE, canonical, pack, unpack
+from wildscav_engine.storage.binary_format import PREAMBLE, canonical_json, pack, unpack
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +128,7 @@ def test_a_map_of_another_generator_is_named_before_it_is_made(
     verification = verify_record(decode(encode(old)))
     assert not verification.holds
     assert verification.message == (
-        "played on a map of generator version 1, but this engine makes those of version "
+        "played on a map of generator version 1, but this engine has version "
         f"{GENERATOR_VERSION}: play it with the engine that made it (0.0.9)"
     )
 
@@ -138,7 +138,7 @@ def test_a_record_of_other_rules_says_so(record: Record) -> None:
     verification = verify_record(decode(encode(old)))
     assert not verification.holds
     assert verification.message == (
-        f"played by the rules of simulation version 1, but this engine has version {SIMULATION_VERSION}: "
+        f"played with simulation version 1, but this engine has version {SIMULATION_VERSION}: "
         "play it with the engine that made it (0.0.9)"
     )
 
@@ -234,7 +234,7 @@ def test_a_bomb_is_refused_without_unpacking_it(record: Record) -> None:
     data = encode(record)
     header = json.loads(data[PREAMBLE.size :][: PREAMBLE.unpack_from(data)[2]])
     with pytest.raises(RecordError, match="do not have the"):
-        decode(with_header(record, canonical(header), bytes(1 << 28)))
+        decode(with_header(record, canonical_json(header), bytes(1 << 28)))
 
 
 @pytest.mark.parametrize(
@@ -242,7 +242,7 @@ def test_a_bomb_is_refused_without_unpacking_it(record: Record) -> None:
     [
         (b"[" * 100_000, "not valid"),
         (b'{"steps":1}', "must have"),
-        (b'{ "steps":1}', "canonical"),
+        (b'{ "steps":1}', "canonical form"),
         (b"[]", "not valid"),
         (b"\xff", "not valid"),
     ],
@@ -256,11 +256,11 @@ def test_endless_steps_are_refused(record: Record) -> None:
     data = encode(record)
     header = json.loads(data[PREAMBLE.size :][: PREAMBLE.unpack_from(data)[2]])
     with pytest.raises(RecordError, match="not valid"):
-        decode(with_header(record, canonical({**header, "steps": math.inf}), b""))
+        decode(with_header(record, canonical_json({**header, "steps": math.inf}), b""))
 
 
 def test_more_steps_than_the_match_can_have_are_refused(record: Record) -> None:
     data = encode(record)
     header = json.loads(data[PREAMBLE.size :][: PREAMBLE.unpack_from(data)[2]])
-    with pytest.raises(RecordError, match="80 at most"):
-        decode(with_header(record, canonical({**header, "steps": 10**9}), b""))
+    with pytest.raises(RecordError, match="at most 80"):
+        decode(with_header(record, canonical_json({**header, "steps": 10**9}), b""))

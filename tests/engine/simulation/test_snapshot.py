@@ -14,7 +14,7 @@ from wildscav_engine.simulation import snapshot
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError
-from wildscav_engine.simulation.snapshot import LENGTHS, Length, StateError
+from wildscav_engine.simulation.snapshot import EXTENTS, Length, StateError
 from wildscav_engine.simulation.state import allocate_state
 from wildscav_engine.simulation.systems.visibility import allocate_seen
 from wildscav_engine.specs.actions import FIELDS
@@ -139,7 +139,7 @@ def test_what_is_no_state_of_this_engine_is_refused_in_one_line(monkeypatch: pyt
     before = bytes_of(match)
     refused = [
         (b"nothing", "the state is not a state of a match"),
-        (data[:-1], "the state is cut short or edited: its checksum does not match"),
+        (data[:-1], "the state is truncated or edited: its checksum does not match"),
         (match._batch.get_state(0), "the state is of a row of a batch, which does not keep what was played"),
     ]
     for content, fault in refused:
@@ -185,9 +185,9 @@ def test_a_state_on_a_map_that_is_not_made_here_is_refused() -> None:
 def test_what_a_state_keeps_of_each_array_is_what_grows_with_the_match() -> None:
     sizes = {(50, 200): Length.SEATS, (60, 210): Length.SLOTS, (70, 220): Length.PHASES}
     small, large = allocate_state(1, 50, 60, 70), allocate_state(1, 200, 210, 220)
-    for parts in zip(small, large, LENGTHS, strict=False):
+    for parts in zip(small, large, EXTENTS, strict=False):
         for one, other, length in zip(*parts, strict=True):
             before, after = one.shape[1:2], other.shape[1:2]
             fixed = Length.WHOLE if before == after else Length.NOTHING
             assert length == sizes.get(before + after, fixed)
-    assert len(LENGTHS[-1]) == len(allocate_seen(1, 1))
+    assert len(EXTENTS[-1]) == len(allocate_seen(1, 1))

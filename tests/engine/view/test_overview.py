@@ -5,7 +5,7 @@ import pytest
 from tests.builders import flat_world, make_match, place
 
 from wildscav_engine.view.overview import ASPECT, VIEW_ANGLE, WHOLE_MAP, Overview, overview
-from wildscav_engine.view.recording.history import collect
+from wildscav_engine.view.recording.history import collect_history
 
 
 def on_screen(camera: Overview, points: np.ndarray) -> np.ndarray:
@@ -29,7 +29,7 @@ def on_screen(camera: Overview, points: np.ndarray) -> np.ndarray:
 def test_every_corner_of_the_map_is_in_view_and_the_map_fills_it(size: int, slope: float) -> None:
     world = flat_world(size=size, slope=slope)
     match = make_match("battle", world=world, seats=1, time_limit=60.0)
-    _, history = collect(iter([match]), 0, images_of=None)
+    _, history = collect_history(iter([match]), 0, images_of=None)
 
     corners = [(x, x * slope, z) for x in (-size / 2, size / 2) for z in (-size / 2, size / 2)]
     seen = on_screen(overview(history, world), np.array(corners))
@@ -44,7 +44,7 @@ def test_of_a_huge_map_all_that_moves_is_in_view() -> None:
     match = make_match("battle", world=world, seats=2, time_limit=60.0)
     place(match, 0, (100.0, 0.0, 200.0))
     place(match, 1, (240.0, 0.0, 150.0))
-    _, history = collect(iter([match]), 0, images_of=None)
+    _, history = collect_history(iter([match]), 0, images_of=None)
 
     camera = overview(history, world)
 

@@ -12,12 +12,12 @@ from tests.builders import make_match
 from tests.engine.view.conftest import robots_play
 
 from wildscav_engine.record import Record, resimulate
-from wildscav_engine.sensors.display.colors import of_distances
+from wildscav_engine.sensors.display.colors import distance_colors
 from wildscav_engine.view import ViewError, write_replay
 from wildscav_engine.view.entities.agents import line_color
 from wildscav_engine.view.entities.depth import distances_of
-from wildscav_engine.view.recording.history import DEPTH_CAMERA, History, collect
-from wildscav_engine.view.verdict import verdict
+from wildscav_engine.view.outcome import describe_outcome
+from wildscav_engine.view.recording.history import DEPTH_CAMERA, History, collect_history
 
 RERUN = (sys.executable, "-m", "rerun")
 BATTLE_ENTITIES = [
@@ -31,7 +31,7 @@ BATTLE_ENTITIES = [
 
 @pytest.fixture(scope="module")
 def seen(battle: Record) -> History:
-    return collect(resimulate(battle), battle.steps, images_of=1)[1]
+    return collect_history(resimulate(battle), battle.steps, images_of=1)[1]
 
 
 def rows_of(path: Path, entity: str, ending: str) -> tuple[list[int], list[object]]:
@@ -55,7 +55,7 @@ def test_everything_of_a_battle_is_in_the_file(battle_file: Path) -> None:
 
 
 def test_agents_stand_where_they_stood(battle: Record, battle_file: Path) -> None:
-    _, history = collect(resimulate(battle), battle.steps, None)
+    _, history = collect_history(resimulate(battle), battle.steps, None)
     for seat in range(3):
         steps, places = rows_of(battle_file, f"/agents/seat_{seat}", "translation")
 
@@ -66,7 +66,7 @@ def test_agents_stand_where_they_stood(battle: Record, battle_file: Path) -> Non
 
 
 def test_the_log_has_every_pick_up(battle: Record, battle_file: Path) -> None:
-    _, history = collect(resimulate(battle), battle.steps, None)
+    _, history = collect_history(resimulate(battle), battle.steps, None)
     _, texts = rows_of(battle_file, "/events", "text")
 
     picked = [text for text in texts if "picks up" in str(text)]
@@ -88,8 +88,8 @@ def test_depth_maps_are_the_sensors_in_the_colours_of_look(seen: History, battle
 
     shades = np.array([np.frombuffer(bytes(buffer[0]), np.uint8) for buffer in buffers])  # type: ignore[index]
     shades = shades.reshape(-1, DEPTH_CAMERA.height, DEPTH_CAMERA.width)
-    look = of_distances(seen.depth.images.reshape(-1, DEPTH_CAMERA.width), DEPTH_CAMERA.far)
-    shown = of_distances(distances_of(shades).reshape(-1, DEPTH_CAMERA.width), DEPTH_CAMERA.far)
+    look = distance_colors(seen.depth.images.reshape(-1, DEPTH_CAMERA.width), DEPTH_CAMERA.far)
+    shown = distance_colors(distances_of(shades).reshape(-1, DEPTH_CAMERA.width), DEPTH_CAMERA.far)
 
     assert steps == seen.depth.rows.tolist()
     assert np.abs(shown.astype(int) - look).max() <= 3  # of 255: half a shade
@@ -114,7 +114,7 @@ def test_pictures_are_the_cameras_but_for_what_jpeg_loses(seen: History, battle_
 def test_the_standings_end_with_the_winner(battle: Record, battle_file: Path) -> None:
     steps, texts = rows_of(battle_file, "/standings", "text")
     _, events = rows_of(battle_file, "/events", "text")
-    outcome = verdict(battle.result, battle.names)
+    outcome = describe_outcome(battle.result, battle.names)
 
     assert steps[0] == 0
     assert steps[-1] == battle.steps
@@ -148,7 +148,7 @@ def test_labels_tell_health_only_where_somebody_can_be_hurt(battle_file: Path, t
 )
 def test_lines_in_plots_are_told_apart(teams: tuple[int, ...], colors: int) -> None:
     match = make_match("gathering", seats=3, teams=teams)
-    history = collect([match], 0, None)[1]
+    history = collect_history([match], 0, None)[1]
 
     assert len({line_color(history, seat) for seat in range(3)}) == colors
 
@@ -186,7 +186,7 @@ def test_a_replay_without_images_has_none(battle: Record, tmp_path: Path, entity
 def test_the_first_seat_of_a_submission_is_followed(battle: Record, tmp_path: Path) -> None:
     path = tmp_path / "followed.rrd"
     write_replay(battle, path, images=False)
-    _, history = collect(resimulate(battle), battle.steps, None)
+    _, history = collect_history(resimulate(battle), battle.steps, None)
 
     steps, eyes = rows_of(path, "/follow/eyes", "translation")
 

@@ -6,9 +6,9 @@ from tests.builders import make_match
 from wildscav_engine.maps import GameMap
 from wildscav_engine.record import Record, record_of, resimulate
 from wildscav_engine.specs.result import MatchResult, SeatResult
-from wildscav_engine.view.recording.history import collect
-from wildscav_engine.view.standings import MOST_LINES, moving_standings
-from wildscav_engine.view.verdict import clock, verdict
+from wildscav_engine.view.outcome import describe_outcome, format_time
+from wildscav_engine.view.recording.history import collect_history
+from wildscav_engine.view.standings import MAX_LINES, moving_standings
 
 
 def result(track: str, *seats: tuple[int, dict[str, float]], frames: int = 2000) -> MatchResult:
@@ -67,15 +67,21 @@ def time(seconds: float, success: float) -> dict[str, float]:
     ],
 )
 def test_the_outcome_says_who_won_and_with_what(ended: MatchResult, told: str) -> None:
-    assert verdict(ended, ("ann", "bob", "eve")) == told
+    assert describe_outcome(ended, ("ann", "bob", "eve")) == told
 
 
 def test_a_clock_shows_minutes_and_seconds() -> None:
-    assert [clock(frame) for frame in (0, 49, 50, 3000, 30_050)] == ["0:00", "0:00", "0:01", "1:00", "10:01"]
+    assert [format_time(frame) for frame in (0, 49, 50, 3000, 30_050)] == [
+        "0:00",
+        "0:00",
+        "0:01",
+        "1:00",
+        "10:01",
+    ]
 
 
 def pages(record: Record, followed: int = 0, game_map: GameMap | None = None) -> list[str]:
-    _, history = collect(resimulate(record, game_map), record.steps, None)
+    _, history = collect_history(resimulate(record, game_map), record.steps, None)
     columns = moving_standings(record, history, record.names, followed)
     (component,) = columns.values
     return [str(text[0]) for text in component.as_arrow_array().to_pylist()]
@@ -104,12 +110,12 @@ def test_names_are_text_and_no_markdown() -> None:
 
 
 def test_of_many_agents_the_best_and_the_followed_one_are_shown() -> None:
-    match = make_match("battle", seats=MOST_LINES + 8, time_limit=0.2)
+    match = make_match("battle", seats=MAX_LINES + 8, time_limit=0.2)
     match.play_out()
-    record = record_of(match, [f"agent{seat:02d}" for seat in range(MOST_LINES + 8)])
+    record = record_of(match, [f"agent{seat:02d}" for seat in range(MAX_LINES + 8)])
 
-    page = pages(record, followed=MOST_LINES + 5, game_map=match.game_map)[-1]
+    page = pages(record, followed=MAX_LINES + 5, game_map=match.game_map)[-1]
 
-    assert page.count("agent") == MOST_LINES + page.splitlines()[2].count("agent")
-    assert f"**agent{MOST_LINES + 5}**" in page
+    assert page.count("agent") == MAX_LINES + page.splitlines()[2].count("agent")
+    assert f"**agent{MAX_LINES + 5}**" in page
     assert page.endswith("and 8 more")

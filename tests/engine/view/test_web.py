@@ -95,7 +95,7 @@ def test_a_port_that_is_taken_is_one_clear_error() -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        with pytest.raises(ViewError, match=f"cannot listen at 127.0.0.1, port {port}: "):
+        with pytest.raises(ViewError, match=f"cannot listen on 127.0.0.1, port {port}: "):
             ReplayServer(b"", port=port)
 
 

@@ -86,7 +86,7 @@ def test_a_rendered_replay_is_served_as_it_is(
     ("options", "said"),
     [
         (["--port", "8000"], "--host and --port say where --web serves: add --web"),
-        (["--web", "--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid, port 0: "),
+        (["--web", "--host", "no.such.host.invalid"], "cannot listen on no.such.host.invalid, port 0: "),
     ],
 )
 def test_what_cannot_be_served_is_one_clear_error(

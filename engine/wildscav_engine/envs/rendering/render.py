@@ -13,7 +13,7 @@ from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.arena import Arena
-    from wildscav_engine.envs.spaces.row_view import RowView
+    from wildscav_engine.envs.spaces.match_in_batch import RowView
     from wildscav_engine.view.live import LiveView
 
 FROM_ABOVE = 40.0  # degrees, the field of view of the picture from above

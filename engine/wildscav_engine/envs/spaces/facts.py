@@ -9,11 +9,11 @@ from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.array_tables import Addresses, reader
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.envs.spaces.columns import Part
-from wildscav_engine.simulation.state import NOBODY, NOT_OUT, Agents, Ending, Matches, allocate_state
+from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED, Agents, Ending, Matches, allocate_state
 from wildscav_engine.simulation.systems.supplies import team_supplies
 from wildscav_engine.simulation.systems.visibility import allocate_seen
 from wildscav_engine.specs.rules import FRAME
-from wildscav_engine.tracks.rewards import FACTS, Fact, Facts, Plan, RewardSum, pay, write_facts
+from wildscav_engine.tracks.rewards import FACTS, Fact, Facts, RewardSum, TermArrays, write_facts, write_terms
 
 Row = NDArray[np.float32]
 
@@ -30,7 +30,7 @@ class Desk(NamedTuple):
 
     learners: NDArray[np.int64]  # (L,) their seats
     start: NDArray[np.int64]  # (PARTS,) the first column of each part, or -1 where it is not told
-    fact: NDArray[np.int64]  # (T,) this and the next two: the reward terms, as in ``Plan``
+    fact: NDArray[np.int64]  # (T,) this and the next two: the reward terms, as in ``TermArrays``
     change: NDArray[np.int64]  # (T,)
     weight: NDArray[np.float32]  # (T,)
     before: Facts  # (B, A, FACTS) of the step before
@@ -39,15 +39,17 @@ class Desk(NamedTuple):
     done: NDArray[np.bool_]  # (B, L) whose episode had ended before the step; brought up to date
 
 
-def allocate_desk(matches: int, seats: int, learners: int, start: NDArray[np.int64], plan: Plan) -> Desk:
+def allocate_desk(
+    matches: int, seats: int, learners: int, start: NDArray[np.int64], terms: TermArrays
+) -> Desk:
     """Return a desk for a batch whose matches are all fresh, the first seats being the learners'."""
     facts = np.zeros((2, matches, seats, FACTS), np.float32)
     return Desk(
         learners=np.arange(learners),
         start=start,
-        fact=plan.fact,
-        change=plan.change,
-        weight=plan.weight,
+        fact=terms.fact,
+        change=terms.change,
+        weight=terms.weight,
         before=facts[0],
         after=facts[1],
         fresh=np.ones(matches, np.bool_),
@@ -55,7 +57,7 @@ def allocate_desk(matches: int, seats: int, learners: int, start: NDArray[np.int
     )
 
 
-_EXAMPLE = allocate_desk(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).plan)
+_EXAMPLE = allocate_desk(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).term_arrays)
 # Kernels that take the arrays out of their tables.
 agents_at = reader(allocate_state(1, 1, 1, 1).agents)
 matches_at = reader(allocate_state(1, 1, 1, 1).matches)
@@ -186,14 +188,14 @@ def _write_outcome(agents: Agents, matches: Matches, match: int, learner: int, d
     events = row[desk.start[EVENTS] :]
     standing = row[desk.start[STANDING] :]
     terms = row[desk.start[TERMS] : desk.start[TERMS] + desk.fact.shape[0]]
-    out = agents.eliminated[match, seat] != NOT_OUT
+    out = agents.eliminated[match, seat] != NOT_ELIMINATED
     over = matches.over[match]
     late = over and not out and matches.ending[match] == TIME_UP
     standing[0], standing[1] = (over or out) and not late, late
     if desk.done[match, learner]:
         terms[:] = 0.0
     else:
-        pay(Plan(desk.fact, desk.change, desk.weight), before, after, terms)
+        write_terms(TermArrays(desk.fact, desk.change, desk.weight), before, after, terms)
     total = np.float32(0.0)
     for term in range(terms.shape[0]):
         total += terms[term]

@@ -13,7 +13,7 @@ from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import FAR, FAST, LONG, MANY
-from wildscav_engine.simulation.state import NOT_OUT, Agents, State
+from wildscav_engine.simulation.state import NOT_ELIMINATED, Agents, State
 from wildscav_engine.specs.rules import FRAME
 
 MATCH_LOW, MATCH_HIGH = (0.0, -FAR, -FAR, -FAR), (LONG, FAR, FAR, FAR)
@@ -43,7 +43,7 @@ def global_state(state: State) -> NDArray[np.float32]:
 def _write_seats(agents: Agents, rows: NDArray[np.float32]) -> None:
     for seat in range(rows.shape[0]):
         row = rows[seat]
-        row[0] = agents.eliminated[0, seat] == NOT_OUT
+        row[0] = agents.eliminated[0, seat] == NOT_ELIMINATED
         row[1] = agents.team[0, seat]
         for axis in range(3):
             row[2 + axis] = agents.position[0, seat, axis]

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import EVENTS, GROUPS, PARTS, STANDING, Part, parts_of
-from wildscav_engine.envs.spaces.flat import Flattener
-from wildscav_engine.envs.spaces.row_view import RowView
+from wildscav_engine.envs.spaces.flattening import Flattener
+from wildscav_engine.envs.spaces.match_in_batch import RowView
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
-from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, some_of
+from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, select_cameras
 from wildscav_engine.sensors.scalars import ScalarSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.tracks import TRACKS
@@ -121,7 +121,7 @@ class Sight:
         self._viewers = np.tile(np.array(self._learners, np.int32), len(maps))
         for game_map in maps:
             for sensor in self._optical:
-                sensor.prepare(game_map)  # here, not in several threads at once
+                sensor.prepare(game_map)  # before the threads, which would all do it
 
     def read(self, batch: "Batch", view: Callable[[int], RowView], found: Readings) -> None:
         """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
@@ -145,7 +145,7 @@ class Sight:
 
         least = len(matches)
         if isinstance(sensor, OpticalSensor):
-            least = -(-sensor.least_images // len(self._learners))
+            least = -(-sensor.min_images_per_thread // len(self._learners))
         share(read, len(matches), self._threads, least)
         return [readings[match] for match in range(len(matches))]
 
@@ -162,13 +162,13 @@ class Sight:
         """Return (N, *shape) images of the maps alone."""
         images = np.empty((len(self._maps), *sensor.shape), sensor.dtype)
         if self._threads == 1:
-            sensor.look_at_maps(self._maps, cameras, images)
+            sensor.render_maps_into(self._maps, cameras, images)
             return images
 
-        def look_at(part: slice) -> bool:
-            return sensor.look_at_maps(self._maps[part], some_of(cameras, part), images[part])
+        def render_part(part: slice) -> bool:
+            return sensor.render_maps_into(self._maps[part], select_cameras(cameras, part), images[part])
 
-        share(look_at, len(images), self._threads, sensor.least_images)
+        share(render_part, len(images), self._threads, sensor.min_images_per_thread)
         return images
 
 

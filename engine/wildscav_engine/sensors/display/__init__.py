@@ -1,1 +1,1 @@
-"""Readings of sensors as pictures for people."""
+"""Sensor readings as images for people."""

@@ -1,7 +1,7 @@
-"""The colours that readings are shown in: one way for each kind of image a sensor makes.
+"""The colours in which sensor readings are displayed.
 
-Pictures keep their colours. Distances go from near, bright, to far, dark. Normals are red, green and blue by
-how far they point east, up and north. Labels have a colour each.
+Colour images stay as they are. Distances run from bright (near) to dark (far). The red, green and blue of
+normals are their components to the east, up and north. Each label has a colour of its own.
 """
 
 from colorsys import hsv_to_rgb
@@ -15,7 +15,7 @@ from wildscav_engine.sensors.optics.optical import OpticalSensor
 
 Colors = NDArray[np.uint8]  # (H, W, 3) red, green, blue
 
-# From near to far: the colour map "inferno" of Matplotlib (CC0), the other way round, at equal steps.
+# From near to far: the colour map "inferno" of Matplotlib (CC0), reversed, at equal steps.
 NEAR_TO_FAR = np.array(
     [
         *((252, 255, 164), (249, 201, 50), (249, 140, 10), (227, 89, 51), (186, 54, 85)),
@@ -23,7 +23,7 @@ NEAR_TO_FAR = np.array(
     ],
     np.float64,
 )
-OF_KIND: dict[int, tuple[int, int, int]] = {
+KIND_COLORS: dict[int, tuple[int, int, int]] = {
     Kind.NOTHING: (0, 0, 0),
     Kind.TERRAIN: (120, 168, 84),
     Kind.WATER: (40, 130, 215),
@@ -39,51 +39,53 @@ OF_KIND: dict[int, tuple[int, int, int]] = {
     Kind.AGENT: (255, 30, 150),
     Kind.SUPPLY_BOX: (90, 240, 255),
 }
-GOLDEN = 0.6180339887498949  # of a turn from one hue to the next, so that none comes twice
+HUE_STEP = 0.6180339887498949  # of a turn, the golden ratio: no hue occurs twice
 
 
-def colors_of(sensor: OpticalSensor, reading: NDArray[Any]) -> Colors:
-    """Return one reading of a sensor as a picture; what it is follows from its type and shape.
+def reading_colors(sensor: OpticalSensor, reading: NDArray[Any]) -> Colors:
+    """Return one reading of a sensor as an image; its dtype and shape tell what kind of reading it is.
 
     Args:
-        sensor: What read it.
-        reading: Of the shape of its space: (H, W) distances or labels, (H, W, 3) colours or normals.
+        sensor: The sensor.
+        reading: An array of the shape of its space: (H, W) distances or labels, (H, W, 3) colours or normals.
     """
     if reading.dtype == np.uint8 and reading.ndim == 3:
         return reading
     if reading.ndim == 3:
-        return of_normals(reading)
+        return normal_colors(reading)
     if np.issubdtype(reading.dtype, np.integer):
-        return of_labels(reading)
-    return of_distances(reading, sensor.lens[1])
+        return label_colors(reading)
+    return distance_colors(reading, sensor.lens[1])
 
 
-def of_distances(distances: NDArray[np.floating], farthest: float) -> Colors:
-    """Return colours for (H, W) distances in m; they get darker with the square root, to ``farthest``.
+def distance_colors(distances: NDArray[np.floating], farthest: float) -> Colors:
+    """Return colours for (H, W) distances in m, which darken with the square root up to ``farthest``.
 
-    The square root leaves more colours for what is near.
+    The square root leaves more colours for near distances.
     """
-    way = np.sqrt(np.clip(distances / farthest, 0.0, 1.0)) * (len(NEAR_TO_FAR) - 1)
-    place = np.minimum(way.astype(np.int64), len(NEAR_TO_FAR) - 2)
-    share = (way - place)[..., None]
+    scaled = np.sqrt(np.clip(distances / farthest, 0.0, 1.0)) * (len(NEAR_TO_FAR) - 1)
+    place = np.minimum(scaled.astype(np.int64), len(NEAR_TO_FAR) - 2)
+    share = (scaled - place)[..., None]
     return np.asarray(np.round(NEAR_TO_FAR[place] * (1 - share) + NEAR_TO_FAR[place + 1] * share), np.uint8)
 
 
-def of_normals(normals: NDArray[np.floating]) -> Colors:
-    """Return colours for (H, W, 3) unit normals: -1 is 0 and 1 is 255; black where there is none."""
+def normal_colors(normals: NDArray[np.floating]) -> Colors:
+    """Return colours for (H, W, 3) unit normals: -1 is 0 and 1 is 255; black where there is no surface."""
     colors = np.round((np.clip(normals, -1.0, 1.0) + 1.0) * 127.5)
     return np.asarray(np.where(normals.any(axis=-1, keepdims=True), colors, 0.0), np.uint8)
 
 
-def of_labels(labels: NDArray[np.integer]) -> Colors:
-    """Return colours for (H, W) labels: those of kinds as in ``OF_KIND``, any others strewn over the hues."""
-    found, which = np.unique(labels, return_inverse=True)
-    table = np.array([OF_KIND.get(label) or _strewn(label) for label in found.tolist()], np.uint8)
-    return np.asarray(table[which.reshape(labels.shape)], np.uint8)
+def label_colors(labels: NDArray[np.integer]) -> Colors:
+    """Return colours for (H, W) labels: kinds as in ``KIND_COLORS``, other labels spread over the hues."""
+    distinct, index = np.unique(labels, return_inverse=True)
+    table = np.array(
+        [KIND_COLORS.get(label) or _distinct_color(label) for label in distinct.tolist()], np.uint8
+    )
+    return np.asarray(table[index.reshape(labels.shape)], np.uint8)
 
 
-def _strewn(label: int) -> tuple[int, int, int]:
-    """Return a bright colour for a label, unlike those of its neighbours."""
+def _distinct_color(label: int) -> tuple[int, int, int]:
+    """Return a bright colour for a label, unlike those of the next labels."""
     saturation, value = (0.45, 0.95, 0.7)[label % 3], (1.0, 0.8)[label // 3 % 2]
-    red, green, blue = hsv_to_rgb(label * GOLDEN % 1.0, saturation, value)
+    red, green, blue = hsv_to_rgb(label * HUE_STEP % 1.0, saturation, value)
     return round(255 * red), round(255 * green), round(255 * blue)

@@ -1,4 +1,4 @@
-"""Readings as pictures with a legend beneath. Pillow is imported only when one is made."""
+"""Sensor readings as images with a legend beneath them. Pillow is imported only when one is drawn."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -6,7 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.sensors.display.colors import OF_KIND, Colors, colors_of, of_distances, of_normals
+from wildscav_engine.sensors.display.colors import (
+    KIND_COLORS,
+    Colors,
+    distance_colors,
+    normal_colors,
+    reading_colors,
+)
 from wildscav_engine.sensors.lidar import Lidar
 from wildscav_engine.sensors.optics.optical import OpticalSensor
 
@@ -14,12 +20,12 @@ if TYPE_CHECKING:
     from PIL.Image import Image
     from PIL.ImageDraw import ImageDraw
 
-LEAST_WIDTH = 400  # pixels that a legend needs
-MOST_ROWS = 4000  # of an image that is drawn larger for that
-LINE, TEXT, SWATCH, GAP = 24, 13, 12, 10  # pixels: a line of the legend, its text, a patch of colour, between
+MIN_WIDTH = 400  # pixels that a legend needs
+MAX_ROWS = 4000  # of an image that is enlarged for its legend
+LINE, TEXT, SWATCH, GAP = 24, 13, 12, 10  # pixels: line height, text size, side of a colour patch, and gaps
 PAPER, INK = (250, 248, 243), (44, 40, 38)
-STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000)  # m that a scale may name
-LABEL_WIDTH = 46  # pixels between two of them
+STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000)  # m, the labels that a scale may have
+LABEL_WIDTH = 46  # pixels between two labels
 AXES = {
     "east": (1, 0, 0),
     "west": (-1, 0, 0),
@@ -31,18 +37,18 @@ AXES = {
 
 
 def draw_reading(sensor: OpticalSensor, reading: NDArray[Any], *, legend: bool = True) -> "Image":
-    """Return one reading as a picture in red, green and blue.
+    """Return one reading as an image in red, green and blue.
 
     Args:
-        sensor: What read it.
-        reading: Of the shape of its space.
-        legend: Whether what the colours mean stands beneath; pictures in true colours have none. Images that
-            are too small for it are drawn larger, each pixel as a block. Without a legend, a pixel of the
-            reading is a pixel of the picture.
+        sensor: The sensor.
+        reading: An array of the shape of its space.
+        legend: Whether to explain the colours beneath the image; colour images have no legend. Images that
+            are too small for it are enlarged, each pixel to a block. Without a legend, each pixel of the
+            reading is one pixel of the image.
     """
     from PIL import Image
 
-    colors = colors_of(sensor, reading)
+    colors = reading_colors(sensor, reading)
     if not legend or (reading.dtype == np.uint8 and reading.ndim == 3):
         return Image.fromarray(colors)
     image = Image.fromarray(_enlarged(sensor, colors))
@@ -54,8 +60,8 @@ def draw_reading(sensor: OpticalSensor, reading: NDArray[Any], *, legend: bool =
 
 
 def _enlarged(sensor: OpticalSensor, colors: Colors) -> Colors:
-    """Draw each pixel as a block, where a legend needs the room or rings are farther apart than columns."""
-    times = max(1, min(-(-LEAST_WIDTH // colors.shape[1]), MOST_ROWS // colors.shape[0]))
+    """Enlarge each pixel to a block, for the legend or because rings are farther apart than columns."""
+    times = max(1, min(-(-MIN_WIDTH // colors.shape[1]), MAX_ROWS // colors.shape[0]))
     tall = times
     if isinstance(sensor, Lidar) and sensor.channels > 1:
         apart = (sensor.highest - sensor.lowest) / (sensor.channels - 1)
@@ -64,21 +70,23 @@ def _enlarged(sensor: OpticalSensor, colors: Colors) -> Colors:
 
 
 def _patches_of_normals() -> list[tuple[str, tuple[int, int, int]]]:
-    colors = of_normals(np.array([list(AXES.values())], np.float64))[0].tolist()
+    colors = normal_colors(np.array([list(AXES.values())], np.float64))[0].tolist()
     return [(name, (red, green, blue)) for name, (red, green, blue) in zip(AXES, colors, strict=True)]
 
 
 def _patches_of_labels(labels: NDArray[np.integer]) -> list[tuple[str, tuple[int, int, int]]]:
-    """Name the kinds that are seen; things that are told apart have no names."""
-    seen = [Kind(label) for label in np.unique(labels).tolist() if label in OF_KIND]
-    patches = [(kind.name.lower().replace("_", " "), OF_KIND[kind]) for kind in seen]
+    """Return the names and colours of the visible kinds; instances have no names."""
+    seen = [Kind(label) for label in np.unique(labels).tolist() if label in KIND_COLORS]
+    patches = [(kind.name.lower().replace("_", " "), KIND_COLORS[kind]) for kind in seen]
     return (
-        patches if labels.max(initial=0) in OF_KIND else [*patches, ("all else: one thing a colour", PAPER)]
+        patches
+        if labels.max(initial=0) in KIND_COLORS
+        else [*patches, ("others: one colour per object", PAPER)]
     )
 
 
 def _with_patches(image: "Image", patches: list[tuple[str, tuple[int, int, int]]]) -> "Image":
-    """Put patches of colour with their names beneath an image, in as many lines as they need."""
+    """Draw named patches of colour beneath an image, in as many lines as they need."""
     from PIL import ImageFont
 
     font = ImageFont.load_default(TEXT)
@@ -102,14 +110,14 @@ def _with_patches(image: "Image", patches: list[tuple[str, tuple[int, int, int]]
 
 
 def _with_scale(image: "Image", farthest: float) -> "Image":
-    """Put the colours of distances beneath an image, from 0 to the farthest."""
+    """Draw the scale of the colours of distances beneath an image, from 0 to the farthest."""
     from PIL import Image, ImageFont
 
     font = ImageFont.load_default(TEXT)
     sheet, draw = _sheet(image, 2)
     left, width, top = GAP, image.width - 2 * GAP, image.height + 6
     distances = ((np.arange(width) + 0.5) / width) ** 2 * farthest
-    bar = of_distances(np.tile(distances, (SWATCH, 1)), farthest)
+    bar = distance_colors(np.tile(distances, (SWATCH, 1)), farthest)
     sheet.paste(Image.fromarray(bar), (left, top))
     end = -np.inf
     for distance in (0.0, *(step for step in STEPS if step < farthest), farthest):
@@ -126,7 +134,7 @@ def _with_scale(image: "Image", farthest: float) -> "Image":
 
 
 def _sheet(image: "Image", lines: int) -> "tuple[Image, ImageDraw]":
-    """Return an image with room for lines beneath it, and what draws on it."""
+    """Return a sheet with an image and space for lines beneath it, and its drawing interface."""
     from PIL import Image, ImageDraw
 
     sheet = Image.new("RGB", (image.width, image.height + lines * LINE), PAPER)

@@ -1,1 +1,1 @@
-"""What sensors share that look out of an agent's eyes: cameras, and what moves in front of them."""
+"""Code that all ray-casting sensors share: cameras, and the agents and boxes that they see."""

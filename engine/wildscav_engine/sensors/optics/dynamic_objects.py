@@ -1,7 +1,8 @@
-"""What moves in a match, as images show it: the living agents and the supply boxes that are there.
+"""The dynamic objects of a match as images show them: living agents and supply boxes.
 
-Each is a few convex parts. An agent's lie within the cylinder that collides and is hit: legs, a body in the
-colour of its team, a helmet with a dark visor, a rifle and a pack, so that one sees which way it looks.
+Each consists of a few convex parts. Those of an agent lie within the cylinder that collisions and shots use:
+legs, a torso in the colour of its team, a helmet with a dark visor, a rifle and a pack. They show which way
+the agent faces.
 """
 
 from functools import lru_cache
@@ -17,13 +18,13 @@ from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.palette import SUPPLY_BOX, of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
 from wildscav_engine.simulation.state import State, Supplies
-from wildscav_engine.simulation.systems.supplies import is_there
+from wildscav_engine.simulation.systems.supplies import is_present
 
 FACES, CORNERS = 6, 8  # of a part
 AGENT, BOX = int(Kind.AGENT), int(Kind.SUPPLY_BOX)
 
-# A part is a box that may taper. Each row: height of the bottom, its left, back, right and front; the same of
-# the top. All in m from the middle of the soles, across to the right and along the view.
+# A part is a box that may taper. Each row has the height, left, back, right and front of its bottom, then the
+# same of its top. All are in m from the point between the soles, to the right and along the view.
 BODY = np.array(
     [
         [0.00, -0.27, -0.15, -0.05, 0.21, 0.86, -0.25, -0.15, -0.02, 0.14],  # left leg
@@ -39,8 +40,10 @@ LEGS = (52, 54, 60)
 BODY_COLORS = np.array(
     [LEGS, LEGS, (0, 0, 0), (40, 42, 46), (16, 18, 24), (34, 34, 38), (58, 56, 50)], np.float64
 )
-TEAM_SHARE = np.array([0.30, 0.30, 1.0, 0.75, 0.0, 0.0, 0.45])  # of the team's colour in that of each part
-# A crate reaches a little into the ground, which need not be level. Its bands stand out from its sides.
+TEAM_SHARE = np.array(
+    [0.30, 0.30, 1.0, 0.75, 0.0, 0.0, 0.45]
+)  # weight of the team's colour in the colour of each part
+# A crate reaches a little into the ground, which may be sloped. Its band protrudes from its sides.
 CRATE = np.array(
     [
         [-0.10, -0.28, -0.28, 0.28, 0.28, 0.44, -0.30, -0.30, 0.30, 0.30],  # crate
@@ -49,12 +52,12 @@ CRATE = np.array(
     ]
 )
 CRATE_COLORS = np.array([SUPPLY_BOX, (206, 240, 255), (30, 74, 128)], np.float64)
-TURN_OF_BOXES = 137.5  # degrees between one box and the next, so that they do not stand in rank and file
-PALE = 0.5  # share of white in the colours of an agent that cannot be hurt
+BOX_YAW_STEP = 137.5  # degrees between the yaws of successive boxes, so that they do not line up
+INVINCIBLE_WHITE = 0.5  # weight of white in the colours of an invincible agent
 
 
-class Moment(Protocol):
-    """What images show of a match: as it stands now."""
+class DrawableMatch(Protocol):
+    """What images need to know about a match: its present state."""
 
     @property
     def state(self) -> State:
@@ -65,8 +68,8 @@ class Moment(Protocol):
         """Frames played so far."""
 
 
-def dynamic_objects_of(match: Moment) -> DynamicObjects:
-    """Return the living agents of a match and the boxes that are there now; seats own their bodies."""
+def dynamic_objects_of(match: DrawableMatch) -> DynamicObjects:
+    """Return the living agents of a match and its present boxes; the owner of a body is its seat."""
     agents = match.state.agents
     supplies = Supplies(*(array[0] for array in match.state.supplies))
     seats = np.nonzero(agents.present[0] & (agents.health[0] > 0))[0]
@@ -75,20 +78,20 @@ def dynamic_objects_of(match: Moment) -> DynamicObjects:
     bodies, crates = len(seats) * len(BODY), len(slots) * len(CRATE)
     solids = allocate_parts(bodies + crates)
     write_parts(AGENT, BODY, agents.position[0], agents.yaw[0], seats, 0, solids)
-    turns = TURN_OF_BOXES * supplies.serial.astype(np.float64)
-    write_parts(BOX, CRATE, supplies.position.astype(np.float64), turns, slots, bodies, solids)
+    yaws = BOX_YAW_STEP * supplies.serial.astype(np.float64)
+    write_parts(BOX, CRATE, supplies.position.astype(np.float64), yaws, slots, bodies, solids)
     instance, color = np.empty(bodies + crates, np.int32), np.empty((bodies + crates, 3))
     teams, invincible_left = agents.team[0], agents.invincible_left[0]
-    looks = colors_of_bodies(int(teams.max(initial=0)) + 1)
-    _write_looks_of_agents(seats, looks, teams, invincible_left, instance[:bodies], color[:bodies])
-    _write_looks_of_boxes(supplies.serial, slots, instance[bodies:], color[bodies:])
+    body_colors = colors_of_bodies(int(teams.max(initial=0)) + 1)
+    _write_agent_colors(seats, body_colors, teams, invincible_left, instance[:bodies], color[:bodies])
+    _write_box_colors(supplies.serial, slots, instance[bodies:], color[bodies:])
     return DynamicObjects(solids, instance, color)
 
 
 def as_dynamic_objects(solids: Solids) -> DynamicObjects:
-    """Return dynamic objects as they are, other solids in the colour of their owner or of supply boxes.
+    """Return dynamic objects unchanged, and other solids with the colour of their owner or of supply boxes.
 
-    The instance of such a solid is its owner, or its own index if it has none.
+    The instance number of such a solid is its owner, or its own index if it has none.
     """
     if isinstance(solids, DynamicObjects):
         return solids
@@ -101,33 +104,33 @@ def as_dynamic_objects(solids: Solids) -> DynamicObjects:
 
 @lru_cache(maxsize=8)
 def colors_of_bodies(teams: int) -> NDArray[np.float64]:
-    """Return (T, P, 3) the colours of the parts of each team's bodies."""
+    """Return (T, P, 3) the colours of the body parts of each team."""
     colors = np.array([of_seat(team) for team in range(teams)], np.float64)[:, None]
     return np.asarray(BODY_COLORS + (colors - BODY_COLORS) * TEAM_SHARE[:, None])
 
 
 @kernel
-def _write_looks_of_agents(
+def _write_agent_colors(
     seats: NDArray[np.int64],
-    looks: NDArray[np.float64],
+    body_colors: NDArray[np.float64],
     teams: NDArray[np.int32],
     invincible_left: NDArray[np.int32],
     instance: NDArray[np.int32],
     color: NDArray[np.float64],
 ) -> None:
-    """Write the seat and the colour of each part of some agents, by (T, P, 3) colours of each team's."""
-    parts = looks.shape[1]
+    """Write the seat and the colour of each part of some agents, from the (T, P, 3) colours of teams."""
+    parts = body_colors.shape[1]
     for part in range(instance.shape[0]):
         seat = seats[part // parts]
         instance[part] = seat
-        pale = PALE if invincible_left[seat] > 0 else 0.0
+        white = INVINCIBLE_WHITE if invincible_left[seat] > 0 else 0.0
         for channel in range(3):
-            own = looks[teams[seat], part % parts, channel]
-            color[part, channel] = own + (255.0 - own) * pale
+            own = body_colors[teams[seat], part % parts, channel]
+            color[part, channel] = own + (255.0 - own) * white
 
 
 @kernel
-def _write_looks_of_boxes(
+def _write_box_colors(
     serials: NDArray[np.int32],
     slots: NDArray[np.int64],
     instance: NDArray[np.int32],
@@ -145,14 +148,14 @@ def _write_looks_of_boxes(
 def _find_boxes(supplies: Supplies, frame: int, slots: NDArray[np.int64]) -> int:
     count = 0
     for slot in range(supplies.quantity.shape[0]):
-        if is_there(supplies, slot, frame):
+        if is_present(supplies, slot, frame):
             slots[count] = slot
             count += 1
     return count
 
 
 def allocate_parts(count: int) -> Solids:
-    """Return room for so many parts."""
+    """Return arrays for ``count`` parts."""
     return Solids(
         np.empty(count, np.int8),
         np.empty(count, np.int32),
@@ -175,23 +178,23 @@ def write_parts(
     first: int,
     solids: Solids,
 ) -> None:
-    """Write the parts of some things of one shape.
+    """Write the parts of some objects of the same shape.
 
     Args:
-        kind: What they are.
-        shapes: (P, 10) m, the parts of each as in ``BODY``.
-        places: (A, 3) m, where all of their sort stand.
-        yaws: (A,) degrees, which way these look.
-        rows: (N,) which of them are wanted; agents own their bodies.
-        first: Where the first part goes.
-        solids: Of parts, N * P of them written.
+        kind: The ``Kind`` of the objects.
+        shapes: (P, 10) m, the parts of each object, as in ``BODY``.
+        places: (A, 3) m, the positions of all objects of this kind.
+        yaws: (A,) degrees, their directions.
+        rows: (N,) the indices of the objects to write; agents own their bodies.
+        first: The index of the first part to write.
+        solids: The parts; N * P of them are written.
     """
     part = first
-    for thing in rows:
-        turn = (sine(yaws[thing]), cosine(yaws[thing]))
+    for index in rows:
+        turn = (sine(yaws[index]), cosine(yaws[index]))
         for shape in range(shapes.shape[0]):
-            solids.kind[part], solids.owner[part] = kind, thing if kind == AGENT else NO_OWNER
-            _write_corners(shapes[shape], places[thing], turn, part, solids)
+            solids.kind[part], solids.owner[part] = kind, index if kind == AGENT else NO_OWNER
+            _write_corners(shapes[shape], places[index], turn, part, solids)
             _write_faces(part, solids)
             part += 1
 
@@ -204,7 +207,7 @@ def _write_corners(
     part: int,
     solids: Solids,
 ) -> None:
-    """Write the corners of a part, numbered by the bits (along, up, across), and the box around them."""
+    """Write the corners of a part, numbered by the bits (along, up, across), and its bounding box."""
     low, high = solids.low[part], solids.high[part]
     for corner in range(8):
         side = 5 * (corner >> 1 & 1)

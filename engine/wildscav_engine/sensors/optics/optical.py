@@ -1,4 +1,4 @@
-"""What all sensors share that look out of the eyes of agents, or from any other place."""
+"""The base class of sensors that cast rays from the eyes of agents or from any other place."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
 
-LEAST_TIME = 250_000  # ns of work that a thread is given: less takes no longer than waking the thread
-IMAGE_TIME = 2_500  # ns that an image takes besides its rays
+MIN_THREAD_TIME = 250_000  # ns of work for a thread; less takes no longer than waking the thread
+IMAGE_TIME = 2_500  # ns that an image takes in addition to its rays
 ARRAY = np.ndarray
 FLOAT = np.dtype(np.float64)
-MOST_SEAT = 2**31 - 1
-NO_VIEWER = -2  # sees every body
-NOTHING_MOVES = gather_solids([])
+MAX_SEAT = 2**31 - 1
+NO_VIEWER = -2  # a camera that sees all bodies
+NO_DYNAMIC_OBJECTS = gather_solids([])
 
 
 class OpticalSensor(Sensor):
-    """A sensor that looks: out of agents' eyes, who never see their own bodies, or from any other place."""
+    """A sensor that casts rays from any position, or from the eyes of agents, whose own bodies it omits."""
 
     dtype: ClassVar[type[np.generic]]
-    ray_time: ClassVar[int] = 10  # ns that a ray takes, about; it decides which images threads share
+    ray_time: ClassVar[int] = 10  # approximate ns per ray, which decides how threads share images
 
     @property
     @abstractmethod
@@ -42,63 +42,67 @@ class OpticalSensor(Sensor):
     @property
     @abstractmethod
     def lens(self) -> tuple[float, float]:
-        """The half width and the reach of ``Cameras``."""
+        """The half width and the range, as ``Cameras`` has them."""
 
     @abstractmethod
-    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> bool:
-        """Make the images of some cameras.
+    def render_into(
+        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]
+    ) -> bool:
+        """Render the images of some cameras.
 
         Args:
-            game_map: The map to look at; its scene is made already.
-            moving: What is in it besides.
-            cameras: N of them.
+            game_map: The map, whose scene has been prepared.
+            moving: The dynamic objects.
+            cameras: N cameras.
             images: (N, *shape), written.
 
         Returns:
-            Whether all cameras are finite numbers; else nothing is written.
+            Whether all numbers of the cameras are finite; if not, nothing is written.
         """
 
-    def look_at_maps(self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[Any]) -> bool:
-        """Make the images of some cameras on maps in which nothing moves.
+    def render_maps_into(self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[Any]) -> bool:
+        """Render the images of some cameras on maps without dynamic objects.
 
         Args:
-            maps: N of them, which may be the same; their scenes are made already.
-            cameras: N of them.
+            maps: N maps, possibly with repetitions, whose scenes have been prepared.
+            cameras: N cameras.
             images: (N, *shape), written.
 
         Returns:
-            Whether all cameras are finite numbers.
+            Whether all numbers of the cameras are finite.
         """
-        rows_of: dict[int, list[int]] = {}
+        rows_of_map: dict[int, list[int]] = {}
         for row, game_map in enumerate(maps):
-            rows_of.setdefault(id(game_map), []).append(row)
-        for rows in rows_of.values():
-            found = np.empty((len(rows), *self.shape), self.dtype)
-            if not self.look(maps[rows[0]], NOTHING_MOVES, some_of(cameras, rows), found):
+            rows_of_map.setdefault(id(game_map), []).append(row)
+        for rows in rows_of_map.values():
+            rendered = np.empty((len(rows), *self.shape), self.dtype)
+            if not self.render_into(
+                maps[rows[0]], NO_DYNAMIC_OBJECTS, select_cameras(cameras, rows), rendered
+            ):
                 return False
-            images[rows] = found
+            images[rows] = rendered
         return True
 
     def prepare(self, game_map: "GameMap") -> None:
-        """Make what images of a map are made from, which takes longer than an image."""
+        """Compute in advance what images of a map are made from; it takes longer than one image."""
         _ = game_map.scene
 
     @property
     def rays(self) -> int:
-        """How many rays one reading takes."""
+        """The number of rays that one reading casts."""
         return self.shape[0] * self.shape[1]
 
     @property
-    def least_images(self) -> int:
-        """How many images take so long that a thread is worth waking for them."""
-        return -(-LEAST_TIME // (IMAGE_TIME + self.rays * self.ray_time))
+    def min_images_per_thread(self) -> int:
+        """The least number of images that are worth waking a thread for."""
+        return -(-MIN_THREAD_TIME // (IMAGE_TIME + self.rays * self.ray_time))
 
     def moving_in(self, match: "MatchView") -> Solids:  # noqa: ARG002
-        """Return what is seen in a match besides the static world: nothing, unless a sensor says else."""
-        return NOTHING_MOVES
+        """Return the dynamic objects that the sensor sees in a match; none by default."""
+        return NO_DYNAMIC_OBJECTS
 
     def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[Any]:
-        """Return what some agents see, (len(seats), *shape).
+        """Return the images of some agents, (len(seats), *shape).
 
         Raises:
             ValueError: The match has no such seat.
@@ -125,36 +129,36 @@ class OpticalSensor(Sensor):
         viewers: ArrayLike | None = None,
         threads: int = 1,
     ) -> NDArray[Any]:
-        """Return what is seen from N places.
+        """Return the images from N positions.
 
         Args:
-            game_map: The map to look at.
-            positions: (N, 3) m, of the eyes themselves.
+            game_map: The map.
+            positions: (N, 3) m, of the eyes.
             yaws: (N,) degrees, clockwise from +z.
             pitches: (N,) degrees, positive looks down.
-            moving: What is in the map besides; nothing if None.
-            viewers: (N,) seats, whose own bodies are not seen; everything is seen if None.
-            threads: How many threads share the places at most. The images are the same, bit for bit.
+            moving: The dynamic objects; None for none.
+            viewers: (N,) seats whose own bodies are invisible; None to see all bodies.
+            threads: The maximum number of threads. It does not change any bit of the images.
 
         Returns:
             (N, *shape) of the sensor's dtype.
 
         Raises:
-            ValueError: An array is not of its shape or holds what is no finite number, or there is no
-                thread.
+            ValueError: An array has the wrong shape or holds a number that is not finite, or ``threads`` is
+                less than 1.
         """
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
         cameras = self._cameras(positions, yaws, pitches, viewers)
         images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
-        solids = NOTHING_MOVES if moving is None else moving
-        self.prepare(game_map)  # here, not in several threads at once
+        solids = NO_DYNAMIC_OBJECTS if moving is None else moving
+        self.prepare(game_map)  # before the threads, which would all do it
 
-        def look_at(part: slice) -> bool:
-            return self.look(game_map, solids, some_of(cameras, part), images[part])
+        def render_part(part: slice) -> bool:
+            return self.render_into(game_map, solids, select_cameras(cameras, part), images[part])
 
-        if not share(look_at, len(images), threads, self.least_images):
-            _refuse_numbers(cameras.eyes, cameras.yaws, cameras.pitches)
+        if not share(render_part, len(images), threads, self.min_images_per_thread):
+            _raise_not_finite(cameras.eyes, cameras.yaws, cameras.pitches)
         return images
 
     def _cameras(
@@ -164,49 +168,53 @@ class OpticalSensor(Sensor):
         turns: Any = yaws
         tilts: Any = pitches
         if not are_ready(eyes, turns, tilts):
-            eyes, turns, tilts = _real("positions", positions), _real("yaws", yaws), _real("pitches", pitches)
+            eyes, turns, tilts = (
+                _as_floats("positions", positions),
+                _as_floats("yaws", yaws),
+                _as_floats("pitches", pitches),
+            )
             _check_shapes(eyes, turns, tilts)
         count = len(turns)
-        seats = _nobody(count) if viewers is None else _seats_of(viewers, count)
+        seats = _no_viewers(count) if viewers is None else _seats_of(viewers, count)
         return Cameras(eyes, turns, tilts, seats, *self.lens)
 
 
 @lru_cache(maxsize=8)
-def _nobody(count: int) -> NDArray[np.int32]:
-    """Return the viewers of so many places where nobody is."""
+def _no_viewers(count: int) -> NDArray[np.int32]:
+    """Return the viewers of ``count`` cameras that belong to no seat."""
     return np.full(count, NO_VIEWER, np.int32)
 
 
 def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
-    """Return (count,) seats whose eyes look.
+    """Return (count,) the seats of the viewers.
 
     Raises:
-        ValueError: They are not as many, or no whole numbers.
+        ValueError: Their number differs, or they are not whole numbers.
     """
     seats = np.asarray(viewers)
     if seats.shape != (count,) or seats.dtype.kind not in "iu":
         raise ValueError(
             f"viewers are {seats.dtype} of shape {seats.shape}, must be whole numbers of shape ({count},)"
         )
-    if (seats < 0).any() or (seats > MOST_SEAT).any():
+    if (seats < 0).any() or (seats > MAX_SEAT).any():
         raise ValueError(
-            f"viewers hold {seats[(seats < 0) | (seats > MOST_SEAT)][0]}, must be seats, 0 or more"
+            f"viewers hold {seats[(seats < 0) | (seats > MAX_SEAT)][0]}, must be seats, 0 or more"
         )
     return seats.astype(np.int32)
 
 
 class MovingOption(OpticalSensor):
-    """A sensor with the option ``moving``: whether agents and supply boxes are seen, too."""
+    """A sensor with the option ``moving``: whether it also sees agents and supply boxes."""
 
     moving: bool
 
     def moving_in(self, match: "MatchView") -> Solids:
-        """Return the agents and supply boxes if they are asked for."""
-        return dynamic_objects_of(match) if self.moving else NOTHING_MOVES
+        """Return the agents and supply boxes if the option says so."""
+        return dynamic_objects_of(match) if self.moving else NO_DYNAMIC_OBJECTS
 
 
-def some_of(cameras: Cameras, part: "slice | list[int]") -> Cameras:
-    """Return some of the cameras."""
+def select_cameras(cameras: Cameras, part: "slice | list[int]") -> Cameras:
+    """Return the cameras at some indices."""
     return cameras._replace(
         eyes=cameras.eyes[part],
         yaws=cameras.yaws[part],
@@ -216,25 +224,25 @@ def some_of(cameras: Cameras, part: "slice | list[int]") -> Cameras:
 
 
 def are_ready(eyes: Any, yaws: Any, pitches: Any) -> bool:
-    """Return whether kernels take three arrays as they are, without being compiled once more."""
+    """Return whether kernels accept three arrays as they are, without another compilation."""
     return (
         type(eyes) is type(yaws) is type(pitches) is ARRAY
         and eyes.dtype is yaws.dtype is pitches.dtype is FLOAT
         and yaws.shape == pitches.shape
         and eyes.ndim == 2
         and eyes.shape == (*yaws.shape, 3)
-        # In order, aligned and writable.
+        # C-contiguous, aligned and writable.
         and eyes.flags.carray
         and yaws.flags.carray
         and pitches.flags.carray
     )
 
 
-def _real(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Return values as an array of the sort that kernels take.
+def _as_floats(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Return values as an array that kernels accept.
 
     Raises:
-        ValueError: They are no real numbers.
+        ValueError: They are not real numbers.
     """
     array = np.asarray(values)
     if array.dtype.kind not in "biuf":
@@ -255,9 +263,9 @@ def _check_shapes(eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches:
             raise ValueError(f"{name} are float64 of shape {values.shape}, must be of shape ({len(eyes)},)")
 
 
-def _refuse_numbers(*arrays: NDArray[np.float64]) -> NoReturn:
-    """Say which of positions, yaws and pitches holds what is no finite number."""
+def _raise_not_finite(*arrays: NDArray[np.float64]) -> NoReturn:
+    """Raise a ValueError that names the array with a number that is not finite."""
     for name, values in zip(("positions", "yaws", "pitches"), arrays, strict=True):
         if not np.isfinite(values).all():
             raise ValueError(f"{name} hold {values[~np.isfinite(values)][0]}, must be finite")
-    raise ValueError("positions, yaws and pitches add up to what is not finite")
+    raise ValueError("positions, yaws and pitches are too large: sums of them are not finite")

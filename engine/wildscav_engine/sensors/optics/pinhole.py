@@ -1,4 +1,4 @@
-"""What all cameras share: a pinhole, whose rays go through the centres of square pixels.
+"""The base classes of cameras: pinholes, with rays through the centres of square pixels.
 
 Row 0 is at the top, column 0 at the left.
 """
@@ -15,13 +15,13 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.trace import Hits, allocate_hits, trace
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optics.optical import OpticalSensor, some_of
+from wildscav_engine.sensors.optics.optical import OpticalSensor, select_cameras
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
 
 
-RAYS_AT_ONCE = 2**20
+MAX_RAYS_AT_ONCE = 2**20
 
 
 @lru_cache(maxsize=64)
@@ -32,14 +32,14 @@ def _half_width(field_of_view: float) -> float:
 
 @sensor
 class PinholeCamera(OpticalSensor):
-    """A camera: how many pixels it has, how wide and how far it sees."""
+    """A camera with its resolution, field of view and range."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 38  # pixels
     height: Annotated[int, Field(ge=1, le=1080)] = 22  # pixels
-    far: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m along the ray; nothing beyond is met
-    field_of_view: Annotated[float, Field(ge=1, le=170)] = 60.0  # degrees from the left edge to the right
+    far: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m along the ray, its range
+    field_of_view: Annotated[float, Field(ge=1, le=170)] = 60.0  # degrees, horizontally
 
-    channels: ClassVar[tuple[int, ...]] = ()  # length of the axes after height and width
+    channels: ClassVar[tuple[int, ...]] = ()  # lengths of the axes after height and width
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
@@ -52,34 +52,36 @@ class PinholeCamera(OpticalSensor):
         return _half_width(self.field_of_view), self.far
 
 
-class PaintedCamera(PinholeCamera):
-    """A camera whose pixels are made from what their rays met: each kind says how (``paint``)."""
+class RayHitCamera(PinholeCamera):
+    """A camera that computes its pixels from what their rays hit (``write_pixels``)."""
 
-    sees_water: ClassVar[bool] = False  # whether rays meet the surface of water; else they go to its bed
+    sees_water: ClassVar[bool] = False  # whether water stops rays; otherwise they reach its bed
 
     @abstractmethod
-    def paint(
+    def write_pixels(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, hits: Hits, images: NDArray[Any]
     ) -> None:
-        """Make pixels from what their rays met.
+        """Compute pixels from what their rays hit.
 
         Args:
-            game_map: The map that is looked at.
-            moving: What is in it besides.
+            game_map: The map.
+            moving: The dynamic objects.
             cameras: N cameras.
-            hits: Of N images.
+            hits: The hits of N images.
             images: (N, *shape), written.
         """
 
-    def look(self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]) -> bool:
-        """Make the images of some cameras."""
-        # Some at a time: what all rays of many images meet would take more memory than the images.
-        each = max(1, RAYS_AT_ONCE // (self.height * self.width))
-        for first in range(0, len(images), each):
-            part = slice(first, first + each)
-            some = cameras if each >= len(images) else some_of(cameras, part)
+    def render_into(
+        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]
+    ) -> bool:
+        """Render the images of some cameras."""
+        # A few images at a time, because the hits of all rays take more memory than the images.
+        batch_size = max(1, MAX_RAYS_AT_ONCE // (self.height * self.width))
+        for first in range(0, len(images), batch_size):
+            part = slice(first, first + batch_size)
+            some = cameras if batch_size >= len(images) else select_cameras(cameras, part)
             hits = allocate_hits(len(some.yaws), self.height, self.width)
             if not trace(game_map.scene, moving, some, hits, with_water=self.sees_water):
                 return False
-            self.paint(game_map, moving, some, hits, images[part])
+            self.write_pixels(game_map, moving, some, hits, images[part])
         return True

@@ -1,4 +1,4 @@
-"""Agents and supply boxes put somewhere by hand, for pictures without a match."""
+"""Agents and supply boxes that are placed by hand, for images without a match."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -9,22 +9,22 @@ from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.simulation.state import State, allocate_state
 
-Place = tuple[float, float, float]  # m, on the ground
+Position = tuple[float, float, float]  # m, on the ground
 
 
-class _Moment(NamedTuple):
-    """What images want to know of a match."""
+class _DrawableMatch(NamedTuple):
+    """What images need to know about a match."""
 
     state: State
     frame: int = 0
 
 
-def placed_objects(agents: Sequence[tuple[Place, float]], boxes: Sequence[Place]) -> DynamicObjects:
+def placed_objects(agents: Sequence[tuple[Position, float]], boxes: Sequence[Position]) -> DynamicObjects:
     """Return agents and boxes as images show them.
 
     Args:
-        agents: Where each stands and its yaw in degrees; each is a team of its own.
-        boxes: Where each stands.
+        agents: The position and the yaw in degrees of each agent; each is in a team of its own.
+        boxes: The position of each box.
     """
     state = allocate_state(1, len(agents), len(boxes))
     state.agents.present[:], state.agents.health[:] = True, 1
@@ -33,4 +33,4 @@ def placed_objects(agents: Sequence[tuple[Place, float]], boxes: Sequence[Place]
     state.agents.yaw[0] = [yaw for _, yaw in agents]
     state.supplies.quantity[:], state.supplies.serial[0] = 1, np.arange(len(boxes))
     state.supplies.position[0] = np.array(boxes).reshape(-1, 3)
-    return dynamic_objects_of(_Moment(state))
+    return dynamic_objects_of(_DrawableMatch(state))

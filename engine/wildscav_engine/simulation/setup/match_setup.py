@@ -1,4 +1,4 @@
-"""Setting a match up: from its spec and its map to the state before the first step."""
+"""The setup of a match: from its spec and its map to the state before the first step."""
 
 import functools
 from typing import NamedTuple
@@ -23,20 +23,20 @@ from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 __all__ = ["Boxes", "MatchSetupError", "Setup", "WaveInfo", "place_match", "plan_match", "seed_of_seat"]
 
-SPARE_SLOTS = 4  # a seat: free slots for boxes dropped at deaths, beside those of boxes already taken
+SPARE_SLOTS = 4  # per seat, for boxes dropped on death, in addition to slots of boxes that are taken
 NO_ZONE = np.zeros((0, ZONE_COLUMNS))
 
 
 class Boxes(NamedTuple):
-    """Supply boxes of a wave at one kind of place."""
+    """The outdoor or the indoor supply boxes of one wave."""
 
     places: NDArray[np.float64]  # (N, 3) m
     quantity: tuple[int, int]  # least and greatest
-    appears: int  # frame
+    appears: int  # the frame from which on they are present
 
 
 class WaveInfo(NamedTuple):
-    """What is known in advance of a wave of supplies."""
+    """What is announced in advance about a wave of supplies."""
 
     time: float  # s
     center: tuple[float, float]  # m, x and z
@@ -44,7 +44,7 @@ class WaveInfo(NamedTuple):
 
 
 class Setup(NamedTuple):
-    """Everything about a match that is decided before its first step."""
+    """Everything that is decided before the first step of a match."""
 
     spec: MatchSpec
     starts: NDArray[np.float64]  # (A, 3) m
@@ -55,18 +55,17 @@ class Setup(NamedTuple):
 
     @property
     def slots(self) -> int:
-        """Slots for supply boxes that the match needs."""
+        """The number of slots for supply boxes that the match needs."""
         if not self.boxes:
             return 0
         return sum(len(boxes.places) for boxes in self.boxes) + SPARE_SLOTS * len(self.starts)
 
 
 def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
-    """Decide starts, target and supplies of a match.
+    """Decide the starts, the target, the supplies and the safe zone of a match.
 
     Raises:
-        MatchSetupError: A start or target is outside the map or inside something, or there is no way from the
-            start, or none to the target.
+        MatchSetupError: A start or target is outside the map, inside a solid, or disconnected from the map.
     """
     track = TRACKS[spec.track]
     starts, target = choose_starts(spec, game_map, has_target=track.has_target)
@@ -82,7 +81,7 @@ def _choose_boxes(
     boxes, waves = [], []
     seed = np.uint64(spec.seed)
     indoor_points = game_map.supply_points
-    # The places of a map lie about so far apart: a grid as fine has more points than there are places.
+    # A grid as fine as the spacing of the map's locations has more points than there are locations.
     is_fine = config.spacing <= OUTDOOR_SPACING
     outdoor_points = game_map.ground_points if is_fine else game_map.outdoor
     for number, wave in enumerate(sorted(config.waves, key=lambda wave: wave.time)):
@@ -99,7 +98,7 @@ def _choose_boxes(
 
 
 def _center_of(spec: MatchSpec, game_map: GameMap, wave: SupplyWave, number: int) -> tuple[float, float]:
-    """Return a wave's center: as given, or a random indoor location (outdoor on a map without houses)."""
+    """Return the center of a wave: given, or a random indoor location (outdoor on maps without houses)."""
     if wave.center is not None:
         return wave.center
     places = game_map.indoor if len(game_map.indoor) else game_map.outdoor
@@ -108,7 +107,7 @@ def _center_of(spec: MatchSpec, game_map: GameMap, wave: SupplyWave, number: int
 
 
 def place_match(state: State, match: int, setup: Setup) -> None:
-    """Write a match's first state into its row of a batch, which is clear; nobody is equipped yet."""
+    """Write the first state of a match into its cleared row of a batch; agents are not yet equipped."""
     agents, matches, spec = state.agents, state.matches, setup.spec
     track, seats, seed = TRACKS[spec.track], len(spec.seats), np.uint64(spec.seed)
     matches.seats[match] = seats
@@ -133,13 +132,13 @@ def place_match(state: State, match: int, setup: Setup) -> None:
     agents.robot[match, :seats] = lineup.robot
     agents.present[match, :seats] = True
     agents.position[match, :seats] = agents.start[match, :seats] = setup.starts
-    _hand_out(state, match, spec)
+    _write_equipment(state, match, spec)
     if setup.boxes:
         _place_boxes(state, match, setup, seed)
 
 
-def _hand_out(state: State, match: int, spec: MatchSpec) -> None:
-    """Write what every seat of a match has at the start: what the rules say, or its own equipment."""
+def _write_equipment(state: State, match: int, spec: MatchSpec) -> None:
+    """Write the equipment of every seat of a match: that of the rules, or its own."""
     agents, rules, seats = state.agents, spec.rules, len(spec.seats)
     agents.full_health[match, :seats] = rules.start_health
     agents.clip_size[match, :seats] = rules.clip_size
@@ -153,12 +152,12 @@ def _hand_out(state: State, match: int, spec: MatchSpec) -> None:
 
 
 class Lineup(NamedTuple):
-    """Who plays: what is the same in all matches with the same seats."""
+    """The teams and robots of a match, which depend only on its track, seats and teams."""
 
-    team: NDArray[np.int32]  # (A,) of each seat
-    robot: NDArray[np.int32]  # (A,) number of the robot that fills it, 0 for none
-    teams: int
-    members: NDArray[np.int32]  # (A,) of each team
+    team: NDArray[np.int32]  # (A,) the team of each seat
+    robot: NDArray[np.int32]  # (A,) number of the robot in each seat, 0 for none
+    teams: int  # number of teams
+    members: NDArray[np.int32]  # (A,) number of seats of each team
 
 
 @functools.lru_cache(maxsize=64)
@@ -170,7 +169,7 @@ def _line_up(track: str, seats: tuple[str, ...], teams: tuple[int, ...] | None) 
 
 
 def _place_boxes(state: State, match: int, setup: Setup, seed: np.uint64) -> None:
-    """Fill a match's boxes, and number them: a box's number must not tell where others lie."""
+    """Write the boxes of a match, with serial numbers that reveal nothing about other boxes."""
     supplies, first = state.supplies, 0
     position, quantity, appears = (array[match] for array in supplies[:3])
     for places, (low, high), frame in setup.boxes:
@@ -190,5 +189,5 @@ def draw_words(seed: Word, stream: int, words: NDArray[np.uint64]) -> None:
 
 
 def seed_of_seat(spec: MatchSpec, seat: int) -> int:
-    """Return a seat's private random seed, 63 bits; it tells nothing of the match's own seed."""
+    """Return the private random seed of a seat, 63 bits, which reveals nothing about the match's seed."""
     return int(philox(np.uint64(spec.seed), Stream.AGENT_SEED, 0, seat, 0)[0]) >> 1

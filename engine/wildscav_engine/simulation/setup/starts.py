@@ -1,4 +1,4 @@
-"""Where the agents of a match start, and its target: as its spec says, or drawn from its seed."""
+"""The starts of a match and its target: given by its spec, or drawn from its seed."""
 
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
@@ -22,33 +22,33 @@ from wildscav_engine.motion.collision import Bodies, Point
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EDGE_MARGIN
 from wildscav_engine.specs.match_spec import MatchSpec, Position
 
-LONGEST_FALL = 1000  # frames until a body rests, wherever it starts
-LIFT = 2.0 * SKIN  # m, of a given start, off a floor that it may lie on exactly
-START_TRIES = 64  # draws for a start apart from the others, before one is looked for among all places
-START_DISTANCE = 3.0  # m between two starts, where the map has room
-NEAR_DISTANCE = 4.0 * BODY_RADIUS  # m between two starts around a target, where the map has room
-LEAST_DISTANCE = 2.0 * BODY_RADIUS + 2.0 * SKIN  # m between two starts: nobody starts inside another
-TARGET_DISTANCE = 10.0  # m at least from the first start to the target, where the map has room
-KNOWN_PLACE = 6.0  # m, how far the nearest of the map's places may be from a start around the target
-KEPT_PLACES = 256  # given places of a map that are known to be good
+MAX_FALL = 1000  # frames within which every body comes to rest
+LIFT = 2.0 * SKIN  # m by which a given start is lifted off a floor on which it may lie exactly
+START_TRIES = 64  # random draws of a start apart from the others, before all places are searched
+START_DISTANCE = 3.0  # m between two starts, if the map has space
+NEAR_DISTANCE = 4.0 * BODY_RADIUS  # m between two starts around a target, if the map has space
+LEAST_DISTANCE = 2.0 * BODY_RADIUS + 2.0 * SKIN  # m between two starts: bodies never start inside each other
+TARGET_DISTANCE = 10.0  # m, least distance from the first start to the target, if the map has space
+KNOWN_PLACE = 6.0  # m, maximum distance of a start around the target from one of the map's places
+CACHED_PLACES = 256  # valid given places that are remembered for each map
 
 STARTS, TARGET = int(Stream.STARTS), int(Stream.TARGET)
-EVERYBODY = -1  # in place of the first seat that has no room
+ALL_PLACED = -1  # in place of the first seat without a start
 
 
 class MatchSetupError(ValueError):
-    """A match cannot be set up from its spec; the message says what, and what is allowed."""
+    """A match cannot be set up from its spec; the message says what is wrong and what is allowed."""
 
 
-class Given(NamedTuple):
-    """A place that a spec gives, and what it is for."""
+class GivenPlace(NamedTuple):
+    """A start or target that a spec gives."""
 
     place: Position
-    name: str
-    reach: float | None  # m, from where a target counts as reached; None: it is a start
+    name: str  # for messages
+    reach: float | None  # m, distance at which a target counts as reached; None for a start
 
 
-_good: WeakKeyDictionary[GameMap, dict[Given, NDArray[np.float64]]] = WeakKeyDictionary()
+_valid_places: WeakKeyDictionary[GameMap, dict[GivenPlace, NDArray[np.float64]]] = WeakKeyDictionary()
 
 
 def choose_starts(
@@ -57,54 +57,54 @@ def choose_starts(
     """Return (A, 3) m the starts of a match, and (3,) m its target or None.
 
     Raises:
-        MatchSetupError: A start or target is outside the map or inside something, or there is no way from the
-            start, or none to the target; or the map has no room for so many starts.
+        MatchSetupError: A start or target is outside the map, inside a solid, or disconnected from the rest
+            of the map; or the map has too little space for all starts.
     """
     starts, is_placed = _given_starts(spec, game_map)
     seed, spawns = np.uint64(spec.seed), game_map.world.spawns
     target = None
     if spec.target is not None:
-        target = _checked(game_map, Given(spec.target, "target", spec.rules.target_distance))
+        target = _checked(game_map, GivenPlace(spec.target, "target", spec.rules.target_distance))
     if spec.start_range is not None:
         target = spawns[draw_place(spawns, seed)] if target is None else target
         reach = spec.rules.target_distance
-        nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+        no_bodies = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
         spread = spec.start_range
-        left_out = draw_starts_near(game_map.world, nobody, target, reach, spread, seed, is_placed, starts)
+        unplaced = draw_starts_near(game_map.world, no_bodies, target, reach, spread, seed, is_placed, starts)
     else:
-        left_out = draw_starts(spawns, seed, is_placed, starts)
+        unplaced = draw_starts(spawns, seed, is_placed, starts)
         if has_target and target is None:
             target = spawns[draw_target(spawns, seed, starts[0])]
-    if left_out != EVERYBODY:
+    if unplaced != ALL_PLACED:
         raise MatchSetupError(
             f"{len(starts)} seats are too many for this map: it has {len(spawns)} places, "
-            f"and none of them has room for seat {left_out}"
+            f"and none of them has space for seat {unplaced}"
         )
     return starts, target
 
 
 def usable_place(game_map: GameMap, place: Position, reach: float | None) -> Position:
-    """Return a place that a spec may give, or the nearest of the map's places if it may not.
+    """Return a place if a spec may give it, otherwise the nearest of the map's places.
 
     Args:
         game_map: The map.
-        place: m.
-        reach: m, from where a target counts as reached; None: it is a start.
+        place: (x, y, z) in m.
+        reach: m, distance at which a target counts as reached; None for a start.
     """
     try:
-        _checked(game_map, Given(place, "place", reach))
+        _checked(game_map, GivenPlace(place, "place", reach))
     except MatchSetupError:
-        ways = game_map.world.spawns - np.array(place)
-        x, y, z = game_map.world.spawns[np.argmin((ways * ways).sum(axis=1))].tolist()
+        offsets = game_map.world.spawns - np.array(place)
+        x, y, z = game_map.world.spawns[np.argmin((offsets * offsets).sum(axis=1))].tolist()
         return x, y, z
     return place
 
 
 def _given_starts(spec: MatchSpec, game_map: GameMap) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return (A, 3) m the starts that the spec gives, and (A,) which they are.
+    """Return (A, 3) m the starts that the spec gives, and (A,) which seats have one.
 
     Raises:
-        MatchSetupError: One is no good.
+        MatchSetupError: A start is invalid.
     """
     seats = len(spec.seats)
     starts, is_placed = np.zeros((seats, 3)), np.zeros(seats, np.bool_)
@@ -113,34 +113,34 @@ def _given_starts(spec: MatchSpec, game_map: GameMap) -> tuple[NDArray[np.float6
     for seat, place in enumerate(spec.start_of_seats):
         if place is not None:
             name = f"start of seat {seat}" if seat else "start"
-            starts[seat] = _checked(game_map, Given(place, name, None))
+            starts[seat] = _checked(game_map, GivenPlace(place, name, None))
             is_placed[seat] = True
     return starts, is_placed
 
 
-def _checked(game_map: GameMap, given: Given) -> NDArray[np.float64]:
-    """Return (3,) m a place of the spec on the ground; the last good ones of a map are remembered.
+def _checked(game_map: GameMap, given: GivenPlace) -> NDArray[np.float64]:
+    """Return (3,) m a place of the spec, put on the ground; valid places are cached for each map.
 
     Raises:
-        MatchSetupError: It is no good.
+        MatchSetupError: The place is invalid.
     """
-    good = _good.setdefault(game_map, {})
-    if given not in good:
+    valid = _valid_places.setdefault(game_map, {})
+    if given not in valid:
         place = _standing_place(given, game_map)
-        _check_ways(given, game_map, place)
-        if len(good) >= KEPT_PLACES:
-            good.clear()
-        good[given] = place
-    return good[given]
+        _check_connected(given, game_map, place)
+        if len(valid) >= CACHED_PLACES:
+            valid.clear()
+        valid[given] = place
+    return valid[given]
 
 
-def _standing_place(given: Given, game_map: GameMap) -> NDArray[np.float64]:
-    """Return (3,) m a place of the spec, lifted onto the ground, or onto the floor that it is a little below.
+def _standing_place(given: GivenPlace, game_map: GameMap) -> NDArray[np.float64]:
+    """Return (3,) m a place of the spec, lifted onto the ground or onto a floor just above it.
 
-    Wherever a body can get, one may start: no more room is asked for than a body needs.
+    Agents may start wherever a body can get, so no more space is required than a body needs.
 
     Raises:
-        MatchSetupError: It is outside the map, or inside something.
+        MatchSetupError: The place is outside the map, or inside a solid.
     """
     x, y, z = given.place
     limit = game_map.config.size / 2 - EDGE_MARGIN
@@ -154,10 +154,10 @@ def _standing_place(given: Given, game_map: GameMap) -> NDArray[np.float64]:
 
 
 def _onto_floor(world: World, x: float, soles: float, z: float) -> float:
-    """Return the height in m of the soles of a body, lifted out of what reaches up to CLEARANCE into it.
+    """Return the height in m of the soles of a body, lifted out of solids that reach up to CLEARANCE into it.
 
-    No floor holds a body that is inside it already: from a start that is rounded to centimetres, it would
-    fall through a storey.
+    A body that is already inside a floor would fall through it, for example from a start that was rounded to
+    centimetres.
     """
     if is_free(world, x, soles, soles + CLEARANCE, z, 0.0):
         return soles
@@ -165,13 +165,13 @@ def _onto_floor(world: World, x: float, soles: float, z: float) -> float:
     return float(soles + CLEARANCE * (1.0 - down.fraction))
 
 
-def _check_ways(given: Given, game_map: GameMap, place: NDArray[np.float64]) -> None:
-    """Refuse a start or a target that would make the match impossible.
+def _check_connected(given: GivenPlace, game_map: GameMap, place: NDArray[np.float64]) -> None:
+    """Refuse a start or a target that is disconnected from the rest of the map.
 
-    Places that are chosen at random need no check: a map's places can all be reached from each other.
+    Random places need no check, because all of the map's places can be reached from each other.
 
     Raises:
-        MatchSetupError: One does not get away from the start, or not to the target.
+        MatchSetupError: There is no path away from the start, or to the target.
     """
     if given.reach is None:
         if not leads_out(game_map.graph, _come_to_rest(game_map.world, place)):
@@ -181,11 +181,11 @@ def _check_ways(given: Given, game_map: GameMap, place: NDArray[np.float64]) -> 
 
 
 def _come_to_rest(world: World, start: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (3,) m where a body comes to stand that starts in the air or on a steep slope."""
+    """Return (3,) m the place where a body that starts in the air or on a steep slope comes to rest."""
     body = Bodies(start[np.newaxis].copy(), np.zeros(0, np.int32), 0)
     place: NDArray[np.float64] = body.position[0]
     rise, on_ground = 0.0, False
-    for _ in range(LONGEST_FALL):
+    for _ in range(MAX_FALL):
         moved = move(world, body, rise, on_ground, 0.0, 0.0, False, 1.0)
         rests = moved.on_ground and (moved.x, moved.y, moved.z) == tuple(place)
         place[:] = moved.x, moved.y, moved.z
@@ -195,7 +195,7 @@ def _come_to_rest(world: World, start: NDArray[np.float64]) -> NDArray[np.float6
     return place
 
 
-def _named(given: Given) -> str:
+def _named(given: GivenPlace) -> str:
     x, y, z = given.place
     return f"{given.name} is at x = {x}, y = {y}, z = {z}"
 
@@ -204,18 +204,18 @@ def _named(given: Given) -> str:
 def draw_starts(
     spawns: NDArray[np.float64], seed: Word, is_placed: NDArray[np.bool_], starts: NDArray[np.float64]
 ) -> int:
-    """Draw the starts that are not given among a map's places, apart from each other.
+    """Draw the starts that are not given from a map's places, apart from each other.
 
-    Where no draw keeps apart, the start is the place that is farthest from all others.
+    If no draw is far enough from the other starts, the start is the place farthest from them.
 
     Args:
-        spawns: (N, 3) m.
-        seed: Of the match.
+        spawns: (N, 3) m, the map's places.
+        seed: The seed of the match.
         is_placed: (A,) which starts are given; becomes all True.
         starts: (A, 3) m; the others are written.
 
     Returns:
-        The first seat that would start inside another, EVERYBODY if all have room.
+        The first seat that would start inside another, or ALL_PLACED.
     """
     for seat in range(starts.shape[0]):
         if is_placed[seat]:
@@ -230,7 +230,7 @@ def draw_starts(
         if not (is_apart or _take_farthest(spawns, starts, is_placed, seat)):
             return seat
         is_placed[seat] = True
-    return EVERYBODY
+    return ALL_PLACED
 
 
 @kernel
@@ -243,7 +243,7 @@ def _put(place: NDArray[np.float64], start: NDArray[np.float64]) -> None:
 def _distance_to_nearest(
     starts: NDArray[np.float64], is_placed: NDArray[np.bool_], place: NDArray[np.float64]
 ) -> float:
-    """Return how far in m a place (3,) is from the nearest start that is placed, seen from above."""
+    """Return the horizontal distance in m from a place (3,) to the nearest start that is placed."""
     nearest = np.inf
     for other in range(starts.shape[0]):
         if is_placed[other]:
@@ -256,7 +256,7 @@ def _distance_to_nearest(
 def _take_farthest(
     spawns: NDArray[np.float64], starts: NDArray[np.float64], is_placed: NDArray[np.bool_], seat: int
 ) -> bool:
-    """Write the place farthest from all placed starts; return False if even there is one of them."""
+    """Write the place farthest from all placed starts; return False if a start is too close even there."""
     best, farthest = 0, -np.inf
     for place in range(spawns.shape[0]):
         distance = _distance_to_nearest(starts, is_placed, spawns[place])
@@ -268,7 +268,7 @@ def _take_farthest(
 
 @kernel
 def draw_target(spawns: NDArray[np.float64], seed: Word, start: NDArray[np.float64]) -> int:
-    """Return which of a map's places (N, 3) m is the target: one away from the start (3,) m."""
+    """Return which of a map's places (N, 3) m is the target, away from the start (3,) m."""
     place = 0
     for attempt in range(START_TRIES):
         place = integer_in(0, spawns.shape[0] - 1, seed, TARGET, 0, 0, attempt)
@@ -280,14 +280,14 @@ def draw_target(spawns: NDArray[np.float64], seed: Word, start: NDArray[np.float
 
 @kernel
 def draw_place(spawns: NDArray[np.float64], seed: Word) -> int:
-    """Return which of a map's places (N, 3) m is the target, wherever the starts are."""
+    """Return which of a map's places (N, 3) m is the target, regardless of the starts."""
     return integer_in(0, spawns.shape[0] - 1, seed, TARGET, 0, 0, 0)
 
 
 @kernel
 def draw_starts_near(
     world: World,
-    nobody: Bodies,
+    no_bodies: Bodies,
     target: NDArray[np.float64],
     reach: float,
     spread: float,
@@ -295,35 +295,35 @@ def draw_starts_near(
     is_placed: NDArray[np.bool_],
     starts: NDArray[np.float64],
 ) -> int:
-    """Draw the starts that are not given around a target, as the paper's set-up of navigation has them.
+    """Draw the starts that are not given around a target, as in the paper's navigation experiments.
 
-    One lies in a random direction, as far away as ``reach`` and the size of N(0, spread), where a body can
-    stand and get to the target. If none is found in some tries, it is the nearest of the map's places beyond
-    reach that is apart from the other starts.
+    A start lies in a random direction from the target at the distance ``reach`` + |N(0, spread)|, where a
+    body can stand and reach the target. If no draw succeeds, it is the nearest of the map's places beyond
+    ``reach`` that is apart from the other starts.
 
     Args:
         world: The static world.
-        nobody: No bodies.
+        no_bodies: An empty set of bodies.
         target: (3,) m.
-        reach: m, from where the target counts as reached.
-        spread: m.
-        seed: Of the match.
+        reach: m, distance at which the target counts as reached.
+        spread: m, standard deviation.
+        seed: The seed of the match.
         is_placed: (A,) which starts are given; becomes all True.
         starts: (A, 3) m; the others are written.
 
     Returns:
-        The first seat that would start inside another, EVERYBODY if all have room.
+        The first seat that would start inside another, or ALL_PLACED.
     """
     for seat in range(starts.shape[0]):
         if is_placed[seat]:
             continue
         is_found = False
         for attempt in range(START_TRIES):
-            turn = uniform_in(0.0, 360.0, seed, STARTS, 0, seat, 2 * attempt)
+            direction = uniform_in(0.0, 360.0, seed, STARTS, 0, seat, 2 * attempt)
             far = reach + abs(normal(seed, STARTS, 0, seat, 2 * attempt + 1)) * spread
-            starts[seat, 0] = target[0] + far * sine(turn)
-            starts[seat, 2] = target[2] + far * cosine(turn)
-            starts[seat, 1] = _height_near(world, nobody, target, starts[seat, 0], starts[seat, 2])
+            starts[seat, 0] = target[0] + far * sine(direction)
+            starts[seat, 2] = target[2] + far * cosine(direction)
+            starts[seat, 1] = _height_near(world, no_bodies, target, starts[seat, 0], starts[seat, 2])
             is_apart = _distance_to_nearest(starts, is_placed, starts[seat]) >= NEAR_DISTANCE
             is_found = is_apart and starts[seat, 1] > -np.inf
             if is_found:
@@ -335,15 +335,15 @@ def draw_starts_near(
         if not is_found:
             return seat
         is_placed[seat] = True
-    return EVERYBODY
+    return ALL_PLACED
 
 
 @kernel
-def _height_near(world: World, nobody: Bodies, target: NDArray[np.float64], x: float, z: float) -> float:
-    """Return the height in m at which a body stands at a place and gets to the target, -inf if at none.
+def _height_near(world: World, no_bodies: Bodies, target: NDArray[np.float64], x: float, z: float) -> float:
+    """Return the height in m at which a body at (x, z) can stand and reach the target, or -inf.
 
-    It gets there if it can walk straight to it and back, or if one of the map's places is near: from those,
-    one gets everywhere.
+    It can reach the target if it can walk straight there and back, or straight to one of the map's places
+    nearby, from which every other can be reached.
     """
     rows, columns = world.water.shape
     east, north = world.corner[0] + columns * CELL, world.corner[1] + rows * CELL
@@ -351,9 +351,9 @@ def _height_near(world: World, nobody: Bodies, target: NDArray[np.float64], x: f
     if not (inside_x and world.corner[1] + EDGE_MARGIN <= z <= north - EDGE_MARGIN):
         return -np.inf
     goal = Point(target[0], target[1], target[2])
-    height = walk_straight(world, nobody, goal, x, z, SPACING)
+    height = walk_straight(world, no_bodies, goal, x, z, SPACING)
     if height > -np.inf and is_clear(world, x, height, z):
-        back = walk_straight(world, nobody, Point(x, height, z), goal.x, goal.z, SPACING)
+        back = walk_straight(world, no_bodies, Point(x, height, z), goal.x, goal.z, SPACING)
         if abs(back - goal.y) <= SAME_SURFACE:
             return height
     height = ground_at(world, x, z).height
@@ -362,7 +362,7 @@ def _height_near(world: World, nobody: Bodies, target: NDArray[np.float64], x: f
     here, spawns = Point(x, height, z), world.spawns
     for place in range(spawns.shape[0]):
         if abs(spawns[place, 0] - x) <= KNOWN_PLACE and abs(spawns[place, 2] - z) <= KNOWN_PLACE:
-            arrival = walk_straight(world, nobody, here, spawns[place, 0], spawns[place, 2], SPACING)
+            arrival = walk_straight(world, no_bodies, here, spawns[place, 0], spawns[place, 2], SPACING)
             if abs(arrival - spawns[place, 1]) <= SAME_SURFACE:
                 return height
     return -np.inf
@@ -378,10 +378,10 @@ def _take_nearest(
     is_placed: NDArray[np.bool_],
     seat: int,
 ) -> bool:
-    """Write the place nearest to the target, beyond ``reach`` m and ``distance`` m from all placed starts.
+    """Write the place nearest to the target beyond ``reach`` m, ``distance`` m from all placed starts.
 
     Returns:
-        Whether there is one.
+        Whether there is such a place.
     """
     best, nearest = -1, np.inf
     for place in range(spawns.shape[0]):

@@ -1,4 +1,4 @@
-"""Damage, death, what a dead agent loses, and its return."""
+"""Damage, death and respawn."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,39 +8,39 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import Squares, link, square_of, squares_around
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
-from wildscav_engine.simulation.systems.crowd import crowd_of
+from wildscav_engine.simulation.systems.agent_grid import agent_grid_of
 from wildscav_engine.simulation.systems.elimination import eliminate
 from wildscav_engine.simulation.systems.supplies import drop_supplies
 from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules, frames
 
-RESPAWN_TRIES = 16  # places looked at before one beside another agent is taken
-RESPAWN_DISTANCE = 4.0 * BODY_RADIUS  # m kept from other agents
+RESPAWN_TRIES = 16  # random places that are tried before one near another agent is accepted
+RESPAWN_DISTANCE = 4.0 * BODY_RADIUS  # m to other agents
 
 
 @inlined_kernel
 def apply_damage(
     world: World, agents: Agents, supplies: Supplies, matches: Matches, match: int, rules: Rules
 ) -> None:
-    """Take health away; who has none left dies and drops a share of its supplies.
+    """Subtract damage from health. Agents without health left die and drop a share of their supplies.
 
-    It waits to come back, or is out for good where nobody comes back.
+    Dead agents wait to respawn, or are eliminated in tracks without respawns.
 
     Args:
         world: The static world.
         agents: The agents of the match.
-        supplies: The boxes of the match.
+        supplies: The supply boxes of the match.
         matches: All matches.
-        match: Which one it is.
+        match: The index of the match.
         rules: The rules.
     """
     for seat in range(agents.health.shape[0]):
         if agents.damage[seat] != 0:
-            _hurt(world, agents, supplies, matches, match, seat, rules)
+            _damage_agent(world, agents, supplies, matches, match, seat, rules)
 
 
 @kernel
-def _hurt(
+def _damage_agent(
     world: World,
     agents: Agents,
     supplies: Supplies,
@@ -49,10 +49,10 @@ def _hurt(
     seat: int,
     rules: Rules,
 ) -> None:
-    hurt, agents.damage[seat] = agents.damage[seat], 0
+    damage, agents.damage[seat] = agents.damage[seat], 0
     if agents.health[seat] <= 0:
         return
-    agents.health[seat] = max(0, agents.health[seat] - hurt)
+    agents.health[seat] = max(0, agents.health[seat] - damage)
     if agents.health[seat] > 0:
         return
     agents.deaths[seat] += 1
@@ -69,33 +69,35 @@ def _hurt(
 
 
 @inlined_kernel
-def bring_back(world: World, agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
-    """Count down respawn and invincibility; bring back the agents whose time has come."""
+def respawn_agents(world: World, agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
+    """Count down the timers of respawn and invincibility, and respawn agents whose time is up."""
     for seat in range(agents.health.shape[0]):
         agents.invincible_left[seat] = max(0, agents.invincible_left[seat] - 1)
         if agents.respawn_left[seat] > 0:
             agents.respawn_left[seat] -= 1
             if agents.respawn_left[seat] == 0:
-                _come_back(world, agents, matches, match, seat, rules)
+                _respawn(world, agents, matches, match, seat, rules)
 
 
 @kernel
-def _come_back(world: World, agents: Agents, matches: Matches, match: int, seat: int, rules: Rules) -> None:
-    squares, heads, links = crowd_of(world, agents, matches, match)
+def _respawn(world: World, agents: Agents, matches: Matches, match: int, seat: int, rules: Rules) -> None:
+    squares, heads, links = agent_grid_of(world, agents, matches, match)
     start = agents.start[seat]
-    at_start = matches.respawns_at_start[match] and _is_free(agents, squares, heads, start[0], start[2])
+    at_start = matches.respawns_at_start[match] and _is_away_from_agents(
+        agents, squares, heads, start[0], start[2]
+    )
     place = free_spawn(world, agents, squares, heads, seat, matches.seed[match], matches.frame[match])
     equip(agents, seat)
     for axis in range(3):
         agents.position[seat, axis] = agents.start[seat, axis] if at_start else world.spawns[place, axis]
     agents.invincible_left[seat] = int(rules.invincible_time * FRAMES_PER_SECOND + 0.5)
-    if agents.health.shape[0] > 1:  # one that is alone is not indexed
+    if agents.health.shape[0] > 1:  # a single agent is not indexed
         link(heads, links, square_of(squares, agents.position[seat, 0], agents.position[seat, 2]), seat)
 
 
 @kernel
 def equip(agents: Agents, seat: int) -> None:
-    """Give an agent all that it starts with, but no place."""
+    """Give an agent its equipment and reset its motion, except for its position."""
     agents.health[seat] = agents.full_health[seat]
     agents.clip[seat] = agents.clip_size[seat]
     agents.spare_ammo[seat] = agents.full_spare_ammo[seat]
@@ -117,18 +119,20 @@ def free_spawn(
     seed: Word,
     frame: int,
 ) -> int:
-    """Return the index of a random spawn that keeps away from the living, if one is found in some tries."""
+    """Return the index of a random spawn, away from living agents if one is found in some tries."""
     place = 0
     for attempt in range(RESPAWN_TRIES):
         place = integer_in(0, world.spawns.shape[0] - 1, seed, Stream.RESPAWN, frame, seat, attempt)
-        if _is_free(agents, squares, heads, world.spawns[place, 0], world.spawns[place, 2]):
+        if _is_away_from_agents(agents, squares, heads, world.spawns[place, 0], world.spawns[place, 2]):
             break
     return place
 
 
 @kernel
-def _is_free(agents: Agents, squares: Squares, heads: NDArray[np.int32], x: float, z: float) -> bool:
-    """Return whether all of the living keep away from a place."""
+def _is_away_from_agents(
+    agents: Agents, squares: Squares, heads: NDArray[np.int32], x: float, z: float
+) -> bool:
+    """Return whether no living agent is near a place."""
     around = squares_around(squares, x, z, RESPAWN_DISTANCE)
     for row in range(around.south, around.north + 1):
         for column in range(around.west, around.east + 1):

@@ -1,12 +1,12 @@
-"""Death for good: who is out of a match where nobody comes back, and which place its team takes."""
+"""Elimination from matches without respawns, and the placement of teams."""
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.simulation.state import NOT_OUT, Agents, Matches
+from wildscav_engine.simulation.state import NOT_ELIMINATED, Agents, Matches
 
 
 @kernel
 def eliminate(agents: Agents, matches: Matches, match: int, seat: int) -> None:
-    """Take a seat out of the match, and its team with the last of its seats."""
+    """Eliminate a seat, and its team if it was the last seat of the team."""
     team = agents.team[seat]
     agents.eliminated[seat] = matches.frame[match]
     matches.members_left[match, team] -= 1
@@ -16,26 +16,28 @@ def eliminate(agents: Agents, matches: Matches, match: int, seat: int) -> None:
 
 @inlined_kernel
 def rank_teams(agents: Agents, matches: Matches, match: int) -> None:
-    """Give the teams that went out in this frame their placement: one more than there are teams left."""
+    """Write the placement of teams eliminated in this frame: one more than the number of teams left."""
     if matches.respawns[match]:
         return
     for seat in range(agents.team.shape[0]):
-        out = agents.eliminated[seat] != NOT_OUT and matches.members_left[match, agents.team[seat]] == 0
+        out = (
+            agents.eliminated[seat] != NOT_ELIMINATED and matches.members_left[match, agents.team[seat]] == 0
+        )
         if out and agents.placement[seat] == 0:
             agents.placement[seat] = matches.teams_left[match] + 1
 
 
 @kernel
-def placement_now(placement: int, teams_left: int, over: bool) -> int:
-    """Return the place of a team as it stands, for scores and rewards alike.
+def current_placement(placement: int, teams_left: int, over: bool) -> int:
+    """Return the current placement of a team, for scores and rewards.
 
-    Teams that share a place share the best of it. So all that are left when the match is over are first.
-    Until then, a team that is still in has outlived those that are out, and no more.
+    Teams that share a placement get the best one of theirs. All teams left when the match is over are
+    therefore first. Until then, a team that is left is ranked directly before those that are eliminated.
 
     Args:
-        placement: With which it went out, 0 if it is still in.
-        teams_left: How many are in.
-        over: Whether the match is.
+        placement: The placement with which the team was eliminated, 0 if it is left.
+        teams_left: The number of teams left.
+        over: Whether the match is over.
     """
     if placement != 0:
         return placement

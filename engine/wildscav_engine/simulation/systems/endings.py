@@ -1,4 +1,4 @@
-"""What ends a match: the target reached, enough supplies, one team left, the time up."""
+"""The ends of a match: target reached, enough supplies, one team left, or time up."""
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.simulation.state import NOBODY, Agents, Ending, Matches
@@ -10,7 +10,7 @@ TIME_UP, GOAL, LAST_STANDING = int(Ending.TIME_UP), int(Ending.GOAL), int(Ending
 
 @inlined_kernel
 def end(matches: Matches, match: int, ending: int) -> None:
-    """End a match; the first reason counts."""
+    """End a match; only the first reason counts."""
     if not matches.over[match]:
         matches.over[match] = True
         matches.ending[match] = ending
@@ -18,9 +18,9 @@ def end(matches: Matches, match: int, ending: int) -> None:
 
 @inlined_kernel
 def end_at_target(agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
-    """End the match when agents are at the target (3D, from the soles): all of them have reached it.
+    """End the match when agents are at the target (3D distance from the soles). All of them have reached it.
 
-    Who comes near a hidden target finds it, for the whole team.
+    An agent that comes near a hidden target finds it for its whole team.
     """
     if not matches.has_target[match]:
         return
@@ -34,7 +34,7 @@ def end_at_target(agents: Agents, matches: Matches, match: int, rules: Rules) ->
         dz = agents.position[seat, 2] - target[2]
         distance = dx * dx + dy * dy + dz * dz
         if not agents.knows_target[seat] and distance <= rules.target_sight * rules.target_sight:
-            _tell_team(agents, agents.team[seat])
+            _reveal_to_team(agents, agents.team[seat])
         if distance <= reach * reach:
             agents.reached[seat] = True
             end(matches, match, GOAL)
@@ -43,7 +43,7 @@ def end_at_target(agents: Agents, matches: Matches, match: int, rules: Rules) ->
 
 
 @kernel
-def _tell_team(agents: Agents, team: int) -> None:
+def _reveal_to_team(agents: Agents, team: int) -> None:
     for seat in range(agents.team.shape[0]):
         if agents.team[seat] == team:
             agents.knows_target[seat] = True
@@ -51,12 +51,12 @@ def _tell_team(agents: Agents, team: int) -> None:
 
 @inlined_kernel
 def end_at_supply_goal(agents: Agents, matches: Matches, match: int) -> None:
-    """End the match when a team carries as much as its goal."""
+    """End the match when a team carries as many supplies as the goal."""
     goal = matches.supply_goal[match]
     if goal == 0:
         return
     for seat in range(agents.team.shape[0]):
-        # Only who found something in this step can have brought the team to its goal.
+        # Only an agent that picked up supplies in this step can have brought its team to the goal.
         if agents.gained[seat] > 0 and team_supplies(agents.team, agents.supplies, agents.team[seat]) >= goal:
             end(matches, match, GOAL)
             return
@@ -64,7 +64,7 @@ def end_at_supply_goal(agents: Agents, matches: Matches, match: int) -> None:
 
 @inlined_kernel
 def end_at_last_standing(matches: Matches, match: int) -> None:
-    """End a match when one team of several is left, or nobody; a team on its own plays till it is out."""
+    """End a match when one of several teams is left, or none; a single team plays until it is eliminated."""
     left = matches.teams_left[match]
     if left == 0 or (left == 1 and matches.teams[match] > 1 and not matches.respawns[match]):
         end(matches, match, LAST_STANDING)

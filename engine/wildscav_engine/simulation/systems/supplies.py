@@ -1,10 +1,10 @@
-"""Supply boxes: where they are put, how they are picked up, and what a dead agent leaves behind.
+"""Supply boxes: where they are placed, how agents pick them up, and what agents drop when they die.
 
-An outdoor wave looks at a square grid over the map. A grid point on open ground, which is the map's outdoor
-locations or, on a grid finer than those, every whole metre of it, gets a box with probability
-richness · exp(-d² / 2r²), d being its distance from the wave's center and r the heat map's radius. Indoor
-points are indoor locations 5 m apart; each gets a box with probability indoor richness, wherever it is. So
-there are fewer boxes indoors, and what they hold is more.
+The outdoor part of a wave uses a square grid over the map. Each grid point on open ground gets a box with the
+probability richness · exp(-d² / 2r²), where d is its distance from the wave's center and r the radius of the
+heat map. Open ground means the map's outdoor locations or, if the grid is finer than those, every whole metre
+of it. The indoor points are indoor locations 5 m apart; each gets a box with the probability indoor richness,
+wherever it is. There are thus fewer boxes indoors, but they hold more.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ from wildscav_engine.simulation.state import BOX_SQUARES, Agents, Matches, Suppl
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import Rules
 
-BOX_SQUARE = 16.0  # m, the least side of a square in the grid of boxes
+BOX_SQUARE = 16.0  # m, minimum side of a square in the grid of boxes
 
 
 @array_kernel
@@ -41,17 +41,17 @@ def choose_outdoor(
     seed: Word,
     wave: int,
 ) -> NDArray[np.int64]:
-    """Return which outdoor locations get a box in a wave.
+    """Return the outdoor locations that get a box in a wave.
 
     Args:
         outdoor: (O, 3) m.
-        spacing: m, of the grid; the first location found in a grid square stands for its point.
-        center_x: m, of the heat map.
+        spacing: m, of the grid; the first location in a grid square represents its grid point.
+        center_x: m, center of the heat map.
         center_z: m.
-        radius: m, its standard deviation.
+        radius: m, standard deviation of the heat map.
         richness: Percent at the center.
-        seed: Of the match.
-        wave: Number of the wave.
+        seed: The seed of the match.
+        wave: The number of the wave.
 
     Returns:
         (N,) indices of locations, ascending.
@@ -100,18 +100,18 @@ def fill_boxes(
     quantity: NDArray[np.int32],
     appearance: NDArray[np.int32],
 ) -> None:
-    """Put boxes with random quantities into slots from ``first`` on.
+    """Write boxes with random quantities into slots from ``first`` on.
 
     Args:
         places: (N, 3) m.
-        low: Least quantity.
-        high: Greatest.
-        appears: Frame from which they are there.
-        seed: Of the match.
-        first: Slot of the first box.
-        position: (S, 3) m, written; the other two are (S,).
-        quantity: Written.
-        appearance: Written.
+        low: The least quantity.
+        high: The greatest quantity.
+        appears: The frame from which on they are present.
+        seed: The seed of the match.
+        first: The slot of the first box.
+        position: (S, 3) m, written.
+        quantity: (S,) written.
+        appearance: (S,) written, the frame ``appears``.
     """
     for index in range(places.shape[0]):
         slot = first + index
@@ -122,8 +122,8 @@ def fill_boxes(
 
 
 @inlined_kernel
-def is_there(supplies: Supplies, slot: int, frame: int) -> bool:
-    """Return whether a slot holds a box in this frame."""
+def is_present(supplies: Supplies, slot: int, frame: int) -> bool:
+    """Return whether a slot holds a box that is present in a frame."""
     return bool(supplies.quantity[slot] > 0 and supplies.appears[slot] <= frame)
 
 
@@ -135,7 +135,7 @@ def squares_of_boxes(world: World) -> Squares:
 
 @kernel
 def index_boxes(world: World, supplies: Supplies, matches: Matches, match: int) -> None:
-    """Put all boxes into the squares where they are, those that appear later included."""
+    """Add all boxes to the lists of their squares, including those that appear later."""
     squares, heads = squares_of_boxes(world), matches.box_squares[match]
     for square in range(heads.shape[0]):
         heads[square] = 0
@@ -150,8 +150,8 @@ def _square_of_box(squares: Squares, supplies: Supplies, slot: int) -> int:
 
 
 @inlined_kernel
-def distance_to_box(agents: Agents, supplies: Supplies, seat: int, slot: int) -> float:
-    """Return the distance from an agent's soles to a box, m², squared."""
+def squared_distance_to_box(agents: Agents, supplies: Supplies, seat: int, slot: int) -> float:
+    """Return the squared distance in m² from an agent's soles to a box."""
     dx = supplies.position[slot, 0] - agents.position[seat, 0]
     dy = supplies.position[slot, 1] - agents.position[seat, 1]
     dz = supplies.position[slot, 2] - agents.position[seat, 2]
@@ -168,9 +168,9 @@ def nearest_box(
     frame: int,
     reach: float,
 ) -> int:
-    """Return the slot of the nearest box within reach (3D, from the soles), or -1.
+    """Return the slot of the nearest box within reach (3D distance from the soles), or -1.
 
-    Of boxes equally near, it is the one in the first slot.
+    Of boxes at the same distance, the one in the first slot is returned.
     """
     squares = squares_of_boxes(world)
     around = squares_around(squares, agents.position[seat, 0], agents.position[seat, 2], reach)
@@ -179,8 +179,8 @@ def nearest_box(
         for column in range(around.west, around.east + 1):
             slot = heads[row * squares.side + column] - 1
             while slot >= 0:
-                if is_there(supplies, slot, frame):
-                    distance = distance_to_box(agents, supplies, seat, slot)
+                if is_present(supplies, slot, frame):
+                    distance = squared_distance_to_box(agents, supplies, seat, slot)
                     if distance < nearest or (distance == nearest and (best < 0 or slot < best)):
                         best, nearest = slot, distance
                 slot = supplies.next_in_square[slot] - 1
@@ -197,7 +197,7 @@ def pick_up(
     actions: NDArray[np.float32],
     rules: Rules,
 ) -> None:
-    """Let every living agent that wants to pick up take the nearest box in reach, in the frame's order."""
+    """Let each living agent that picks up take the nearest box in reach, in the order of the frame."""
     if supplies.quantity.shape[0] == 0:
         return
     for turn in range(agents.turns.shape[0]):
@@ -238,9 +238,9 @@ def drop_supplies(
     seat: int,
     share: float,
 ) -> None:
-    """Leave a share of an agent's supplies, rounded down, where it died.
+    """Drop a share of an agent's supplies, rounded down, at its position.
 
-    If no slot is free, it keeps them: nothing is ever lost.
+    If no slot is free, the agent keeps them, so that no supplies are lost.
     """
     dropped = int(np.floor(agents.supplies[seat] * share))
     if dropped == 0:
@@ -249,7 +249,7 @@ def drop_supplies(
         if supplies.quantity[slot] == 0:
             agents.supplies[seat] -= dropped
             squares, heads = squares_of_boxes(world), matches.box_squares[match]
-            # A box that was emptied by hand may still be listed.
+            # A box that a test emptied may still be listed.
             unlink(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
             supplies.quantity[slot] = dropped
             for axis in range(3):
@@ -264,12 +264,12 @@ def drop_supplies(
 
 @kernel
 def team_supplies(teams: NDArray[np.int32], supplies: NDArray[np.int32], team: int) -> int:
-    """Return what all seats of a team carry.
+    """Return the supplies that all seats of a team carry.
 
     Args:
         teams: (A,) the team of each seat of a match.
-        supplies: (A,) what each carries.
-        team: Which team.
+        supplies: (A,) the supplies that each seat carries.
+        team: The team.
     """
     total = 0
     for seat in range(teams.shape[0]):

@@ -1,6 +1,6 @@
-"""Whose turn comes first: in every frame, all orders of the seats are equally likely.
+"""The order in which seats act within a frame: a random permutation, with all orders equally likely.
 
-So of any seats that want the same thing, however many they are, each comes first equally often.
+Of any number of seats that want the same box, each is therefore first equally often.
 """
 
 import numpy as np
@@ -12,14 +12,14 @@ from wildscav_engine.compilation.kernel import kernel
 
 @kernel
 def draw_turns(seed: Word, frame: int, order: NDArray[np.int32]) -> None:
-    """Write the seats in the order of a frame, which depends on nothing else.
+    """Write the order of the seats in a frame, which depends only on the seed and the frame.
 
-    Durstenfeld, "Algorithm 235: Random permutation", 1964. A choice of n takes 32 random bits, so that no
-    order of A seats is likelier than another by a share of more than A² / 2³².
+    Durstenfeld, "Algorithm 235: Random permutation", 1964. A choice among n takes 32 random bits, so the
+    probabilities of the orders of A seats differ by a relative amount of at most A² / 2³².
 
     Args:
-        seed: Of the match.
-        frame: Which one.
+        seed: The seed of the match.
+        frame: The number of the frame.
         order: (A,) written.
     """
     seats = order.shape[0]

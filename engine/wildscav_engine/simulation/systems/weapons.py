@@ -1,4 +1,4 @@
-"""The weapon: one shot is one ray from the eye, stopped by the world and by the first body."""
+"""Weapons: a shot is a ray from the eye, which the world and the first body stop."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from wildscav_engine.geometry.linked_grid import columns_along, row_of
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches
-from wildscav_engine.simulation.systems.crowd import LAG, Crowd, crowd_of
+from wildscav_engine.simulation.systems.agent_grid import LAG, AgentGrid, agent_grid_of
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.specs.rules import Rules, frames
@@ -17,11 +17,11 @@ from wildscav_engine.specs.rules import Rules, frames
 
 @inlined_kernel
 def handle_weapons(agents: Agents, actions: NDArray[np.float32], rules: Rules) -> None:
-    """Let the weapons of the living cool down, and start or finish reloads.
+    """Count down the weapons of living agents, and start or finish reloads.
 
-    A reload moves as many spare rounds into the clip as fit when it is done; until then the weapon is silent.
-    It begins whenever it is asked for and the clip is not full. So whoever holds both triggers fires one
-    round between two reloads.
+    A finished reload moves as many spare rounds into the clip as fit. Until then, the weapon cannot fire. A
+    reload starts whenever it is requested and the clip is not full, so an agent that always shoots and
+    reloads fires one round between two reloads.
     """
     for seat in range(agents.health.shape[0]):
         if agents.health[seat] <= 0:
@@ -53,14 +53,14 @@ def shoot(
 ) -> None:
     """Fire the weapons of all agents that shoot in this frame.
 
-    Nobody is hurt yet, the damage is only noted: two agents can kill each other in one frame. Of several hits
-    on one agent, the last in the frame's order counts as who hit it.
+    Damage is only added up here, so two agents can kill each other in one frame. Of several agents that hit
+    the same one, the last in the order of the frame counts as the one that hit it.
 
     Args:
         world: The static world.
         agents: The agents of the match.
         matches: All matches.
-        match: Which one it is.
+        match: The index of the match.
         actions: (A, FIELDS).
         rules: The rules.
     """
@@ -72,7 +72,7 @@ def shoot(
 
 @inlined_kernel
 def can_fire(agents: Agents, seat: int) -> bool:
-    """Return whether an agent lives and its weapon is loaded, cool and not being reloaded."""
+    """Return whether an agent is alive and its weapon is loaded, ready and not being reloaded."""
     ready = agents.fire_left[seat] == 0 and agents.reload_left[seat] == 0
     return bool(ready and agents.clip[seat] > 0 and agents.health[seat] > 0)
 
@@ -83,8 +83,8 @@ def _fire(world: World, agents: Agents, matches: Matches, match: int, seat: int,
     agents.fire_left[seat] = frames(rules.fire_interval)
     agents.fired[seat] = True
     agents.shots[seat] += 1
-    crowd = crowd_of(world, agents, matches, match)
-    victim = _hit_by_shot(world, agents, crowd, seat, rules.bullet_range)
+    grid = agent_grid_of(world, agents, matches, match)
+    victim = _hit_by_shot(world, agents, grid, seat, rules.bullet_range)
     if victim != NOBODY and agents.team[victim] != agents.team[seat]:
         agents.hits[seat] += 1
         agents.hit_seat[seat] = victim
@@ -94,8 +94,8 @@ def _fire(world: World, agents: Agents, matches: Matches, match: int, seat: int,
 
 
 @inlined_kernel
-def _hit_by_shot(world: World, agents: Agents, crowd: Crowd, shooter: int, bullet_range: float) -> int:
-    """Return whose body a shot hits, or NOBODY, and note where the shot ends."""
+def _hit_by_shot(world: World, agents: Agents, grid: AgentGrid, shooter: int, bullet_range: float) -> int:
+    """Return the seat that a shot hits, or NOBODY, and write where the shot ends."""
     eye_x = agents.position[shooter, 0]
     eye_y = agents.position[shooter, 1] + EYE_HEIGHT
     eye_z = agents.position[shooter, 2]
@@ -104,7 +104,7 @@ def _hit_by_shot(world: World, agents: Agents, crowd: Crowd, shooter: int, bulle
     dy = -sine(agents.pitch[shooter])
     dz = cosine(agents.yaw[shooter]) * level
     far = min(bullet_range, cast_ray(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
-    distance, victim = first_body(agents, crowd, shooter, (eye_x, eye_y, eye_z), (dx, dy, dz), far)
+    distance, victim = first_body(agents, grid, shooter, (eye_x, eye_y, eye_z), (dx, dy, dz), far)
     agents.shot_end[shooter, 0] = eye_x + dx * distance
     agents.shot_end[shooter, 1] = eye_y + dy * distance
     agents.shot_end[shooter, 2] = eye_z + dz * distance
@@ -114,41 +114,41 @@ def _hit_by_shot(world: World, agents: Agents, crowd: Crowd, shooter: int, bulle
 @inlined_kernel
 def first_body(
     agents: Agents,
-    crowd: Crowd,
+    grid: AgentGrid,
     shooter: int,
     eye: tuple[float, float, float],
-    way: tuple[float, float, float],
+    direction: tuple[float, float, float],
     far: float,
 ) -> tuple[float, int]:
-    """Return how far a ray runs until it meets a living body, and whose it is; ``far`` and NOBODY if none.
+    """Return the distance and the seat of the first living body on a ray; ``far`` and NOBODY if none.
 
-    Of bodies that it meets equally soon, it is that of the first seat.
+    Of bodies at the same distance, that of the first seat counts.
 
     Args:
         agents: The agents of the match.
-        crowd: Its grid.
-        shooter: Whose own body does not count.
-        eye: m, where the ray starts.
-        way: Unit vector of its direction.
-        far: m, bodies beyond are ignored.
+        grid: The grid of the agents.
+        shooter: The seat whose own body is ignored.
+        eye: m, the start of the ray.
+        direction: The unit vector of its direction.
+        far: m, the length of the ray.
     """
-    squares, reach = crowd.squares, BODY_RADIUS + LAG
+    squares, reach = grid.squares, BODY_RADIUS + LAG
     x, y, z = eye
-    dx, dy, dz = way
+    dx, dy, dz = direction
     nearest, victim = far, NOBODY
     for row in range(
         row_of(squares, min(z, z + dz * far) - reach), row_of(squares, max(z, z + dz * far) + reach) + 1
     ):
         first, last = columns_along(squares, row, x, z, dx * far, dz * far, reach)
         for column in range(first, last + 1):
-            other = crowd.heads[row * squares.side + column] - 1
+            other = grid.heads[row * squares.side + column] - 1
             while other >= 0:
                 if other != shooter and agents.health[other] > 0:
-                    place = agents.position[other]
-                    distance = meet_body(x - place[0], y - place[1], z - place[2], dx, dy, dz)
+                    soles = agents.position[other]
+                    distance = meet_body(x - soles[0], y - soles[1], z - soles[2], dx, dy, dz)
                     if distance < nearest or (distance == nearest and victim > other):
                         nearest, victim = distance, other
-                other = crowd.links[other] - 1
+                other = grid.links[other] - 1
     return nearest, victim
 
 
@@ -157,12 +157,12 @@ def meet_body(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> 
     """Return the distance in m at which a ray meets a body; 0 from inside it, inf if it misses.
 
     Args:
-        x: m from the middle of the body's soles to the ray's start; so y and z.
+        x: m, start of the ray relative to the point between the body's soles.
         y: m.
         z: m.
-        dx: Unit vector of the ray's direction; so dy and dz.
-        dy: See dx.
-        dz: See dx.
+        dx: Unit vector of the ray's direction, to the east.
+        dy: The same, upwards.
+        dz: The same, to the north.
     """
     enter, leave = 0.0, np.inf
     if dy != 0.0:

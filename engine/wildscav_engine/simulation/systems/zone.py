@@ -1,8 +1,8 @@
-"""The safe zone of a royale: a circle that draws in by a seeded schedule, and hurts whoever is outside.
+"""The safe zone of a royale: a circle that shrinks on a schedule and damages agents outside it.
 
-It begins as the circle around the whole map. Each phase waits, then moves evenly to a smaller circle that
-lies inside the old one and has its middle on the map. Outside, the damage of the running phase is taken once
-a second.
+It starts as the circle around the whole map. Each phase waits, then moves at constant speed to a smaller
+circle that lies inside the old one and has its center on the map. Agents outside take the damage of the
+current phase once per second.
 """
 
 from typing import NamedTuple
@@ -22,10 +22,10 @@ COLUMNS = 9  # of a phase in Matches.zone
 class Zone(NamedTuple):
     """The safe zone at one moment."""
 
-    x: float  # m, of its middle
+    x: float  # m, of its center
     z: float  # m
     radius: float  # m
-    damage: float  # hp a second outside
+    damage: float  # hp per second outside
 
 
 def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.float64]:
@@ -33,8 +33,8 @@ def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.floa
 
     Args:
         config: The schedule.
-        map_size: m, of each side of the map.
-        seed: Of the match.
+        map_size: m, length of each side of the map.
+        seed: The seed of the match.
 
     Returns:
         (Z, 9) as in ``Matches.zone``.
@@ -55,19 +55,19 @@ def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.floa
 def _circle_inside(
     dice: Dice, circle: tuple[float, float, float], radius: float, half: float
 ) -> tuple[float, float, float]:
-    """Return a circle inside another, its middle on the map, every place being as likely as another."""
+    """Return a circle inside another with its center on the map, uniformly distributed."""
     x, z, outer = circle
-    room = outer - radius
+    margin = outer - radius
     while True:
-        dx, dz = dice.uniform(-room, room), dice.uniform(-room, room)
+        dx, dz = dice.uniform(-margin, margin), dice.uniform(-margin, margin)
         on_map = max(abs(x + dx), abs(z + dz)) <= half
-        if dx * dx + dz * dz <= room * room and on_map:
+        if dx * dx + dz * dz <= margin * margin and on_map:
             return x + dx, z + dz, radius
 
 
 @kernel
 def phase_at(matches: Matches, match: int, frame: int) -> int:
-    """Return the phase that runs in a frame, the last one once it is over; -1 without any phase."""
+    """Return the phase of a frame; after the last phase, the last one; -1 if there are no phases."""
     last = matches.phases[match] - 1
     for phase in range(last):
         if frame < matches.zone[match, phase, 1]:
@@ -77,7 +77,7 @@ def phase_at(matches: Matches, match: int, frame: int) -> int:
 
 @kernel
 def zone_at(matches: Matches, match: int, frame: int) -> Zone:
-    """Return the safe zone in a frame; without any phase, it is the whole plane."""
+    """Return the safe zone in a frame; without phases, it is the whole plane."""
     phase = phase_at(matches, match, frame)
     if phase < 0:
         return Zone(0.0, 0.0, np.inf, 0.0)
@@ -92,8 +92,8 @@ def zone_at(matches: Matches, match: int, frame: int) -> Zone:
 
 
 @inlined_kernel
-def hurt_outside(agents: Agents, matches: Matches, match: int) -> None:
-    """Once a second, note the damage of everyone outside the safe zone; nobody is invincible to it."""
+def damage_outside_zone(agents: Agents, matches: Matches, match: int) -> None:
+    """Once per second, add damage to all agents outside the safe zone, even if they are invincible."""
     frame = matches.frame[match]
     if matches.phases[match] == 0 or frame % FRAMES_PER_SECOND != 0:
         return

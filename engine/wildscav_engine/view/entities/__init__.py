@@ -1,1 +1,1 @@
-"""What a replay shows: agents, supply boxes, the ground, heat maps, the safe zone."""
+"""The entities of a replay: agents, supply boxes, the ground, heat maps, the safe zone."""

@@ -1,4 +1,4 @@
-"""The agents of a replay: bodies, names, trails and their numbers over time."""
+"""The agents of a replay: bodies, names, trails and plotted quantities."""
 
 from collections.abc import Iterator, Sequence
 
@@ -7,30 +7,30 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from wildscav_engine.rendering.palette import of_seat
-from wildscav_engine.view.entities import bodies as figures
-from wildscav_engine.view.recording import colors, frame
+from wildscav_engine.view.entities import bodies
+from wildscav_engine.view.recording import colors, coordinates
 from wildscav_engine.view.recording.columns import Columns
 from wildscav_engine.view.recording.history import History, changes
 
-LABEL_HEIGHT = 2.6  # m above the soles, where the name is
-DOT = rr.Radius.ui_points(3.5)  # in the agent's colour above it, to be seen from afar
+LABEL_HEIGHT = 2.6  # m above the soles
+DOT = rr.Radius.ui_points(3.5)  # in the agent's colour above it, visible from afar
 TRAIL = rr.Radius.ui_points(1.5)
-TRAIL_STEP_LIMIT = 4.0  # m; more than that in one step is a respawn, not a way
+TRAIL_STEP_LIMIT = 4.0  # m; a longer step is a respawn
 
 
 def path_of(seat: int) -> str:
-    """Return the entity of an agent; its place is the middle of its soles."""
+    """Return the entity path of an agent, whose origin is between its soles."""
     return f"agents/seat_{seat}"
 
 
 def distinct(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of the seats, with the seat's number where two are alike."""
+    """Return the names of the seats, with the number of the seat if a name is not unique."""
     return tuple(name if names.count(name) == 1 else f"{name} ({seat})" for seat, name in enumerate(names))
 
 
 def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str, rr.AsComponents]]:
-    """Yield what never changes about the agents."""
-    body = figures.figure()
+    """Yield the static components of the agents."""
+    body = bodies.body_mesh()
     for seat, name in enumerate(names):
         path, team = path_of(seat), history.team_of(seat)
         yield (
@@ -47,87 +47,87 @@ def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str,
         )
         yield f"trails/seat_{seat}", rr.LineStrips3D.from_fields(radii=TRAIL, colors=[of_seat(team)])
         tint = line_color(history, seat)
-        for measure in measures(history):
+        for quantity in plotted(history):
             yield (
-                f"{path}/{measure}",
+                f"{path}/{quantity}",
                 rr.SeriesLines(colors=[tint], names=[name], widths=[2.0], interpolation_mode="StepAfter"),
             )
 
 
 def line_color(history: History, seat: int) -> colors.Color:
-    """Return the colour of an agent's lines in plots: its team's, or its own where all are one team."""
+    """Return the colour of an agent in plots: that of its team, or its own if there is only one team."""
     is_one_team = len(np.unique(history.teams)) == 1
-    return colors.of_team(seat if is_one_team else history.team_of(seat))
+    return colors.team_color(seat if is_one_team else history.team_of(seat))
 
 
 def moving_agents(history: History, names: Sequence[str], *, health: bool) -> Iterator[Columns]:
-    """Yield all that changes about the agents.
+    """Yield the components of the agents that change.
 
     Args:
         history: The match.
-        names: What its seats are called.
-        health: Whether the labels tell how much health is left: where nobody can be hurt it tells nothing.
+        names: The names of its seats.
+        health: Whether the labels show health, which makes sense where agents can be hurt.
     """
     for seat, name in enumerate(names):
         yield from _moving(history, seat)
         yield from _body(history, seat)
         yield _name(history, seat, name, health=health)
-        for measure, values in measures(history).items():
+        for quantity, values in plotted(history).items():
             rows = np.union1d(changes(values[:, seat]), history.rows[-1:])
             scalars = rr.Scalars.columns(scalars=values[rows, seat].astype(np.float64))
-            yield Columns(f"{path_of(seat)}/{measure}", rows, scalars)
+            yield Columns(f"{path_of(seat)}/{quantity}", rows, scalars)
 
 
-def measures(history: History) -> dict[str, NDArray[np.generic]]:
-    """Return the (T + 1, A) numbers that are plotted."""
+def plotted(history: History) -> dict[str, NDArray[np.generic]]:
+    """Return the plotted quantities by name, each (T + 1, A)."""
     agents = history.agents
-    found: dict[str, NDArray[np.generic]] = {
+    quantities: dict[str, NDArray[np.generic]] = {
         "health": agents.health,
         "ammo": agents.clip + agents.spare_ammo,
         "supplies": agents.supplies,
     }
     if history.has_teammates:
-        found["team_supplies"] = history.supplies_of_team
+        quantities["team_supplies"] = history.supplies_of_team
     if history.target is not None:
-        found["distance"] = np.round(history.distance_to_target, 2)
-    return found
+        quantities["distance"] = np.round(history.distance_to_target, 2)
+    return quantities
 
 
 def _moving(history: History, seat: int) -> Iterator[Columns]:
-    """Yield where an agent is, and the ways that its trail is made of."""
+    """Yield the position of an agent and the segments of its trail."""
     position = history.agents.position[:, seat]
     rows = changes(position)
-    yield Columns(path_of(seat), rows, rr.Transform3D.columns(translation=frame.points(position[rows])))
+    yield Columns(path_of(seat), rows, rr.Transform3D.columns(translation=coordinates.points(position[rows])))
 
-    ways = np.stack([position[:-1], position[1:]], axis=1)
-    length = np.linalg.norm(ways[:, 1] - ways[:, 0], axis=-1)
+    segments = np.stack([position[:-1], position[1:]], axis=1)
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=-1)
     rows = np.nonzero((length > 0) & (length < TRAIL_STEP_LIMIT))[0] + 1
-    strips = frame.points(ways[rows - 1] + np.array([0.0, 0.15, 0.0]))
+    strips = coordinates.points(segments[rows - 1] + np.array([0.0, 0.15, 0.0]))
     yield Columns(f"trails/seat_{seat}", rows, rr.LineStrips3D.columns(strips=strips))
 
 
 def _body(history: History, seat: int) -> Iterator[Columns]:
-    """Yield the figure: it turns with the agent, is pale while it cannot be hurt, and lies grey when dead."""
+    """Yield the pose and the colours of a body: pale while invincible, grey and lying when dead."""
     agents, path = history.agents, f"{path_of(seat)}/body"
     dead = agents.health[:, seat] <= 0
     rows = changes(agents.yaw[:, seat], dead)
-    rotations, offsets = figures.stances(agents.yaw[rows, seat], dead[rows])
+    rotations, offsets = bodies.poses(agents.yaw[rows, seat], dead[rows])
     yield Columns(path, rows, rr.Transform3D.columns(quaternion=rotations, translation=offsets))
 
-    safe = agents.invincible_left[:, seat] > 0
-    rows = changes(dead, safe)
-    looks = figures.looks_of(history.team_of(seat))
-    tints = [looks.dead if dead[row] else looks.safe if safe[row] else looks.usual for row in rows]
+    invincible = agents.invincible_left[:, seat] > 0
+    rows = changes(dead, invincible)
+    own = bodies.body_colors(history.team_of(seat))
+    tints = [own.dead if dead[row] else own.invincible if invincible[row] else own.usual for row in rows]
     columns = rr.Mesh3D.columns(vertex_colors=np.concatenate(tints))
-    yield Columns(path, rows, columns.partition([len(looks.usual)] * len(rows)))
+    yield Columns(path, rows, columns.partition([len(own.usual)] * len(rows)))
 
 
 def _name(history: History, seat: int, name: str, *, health: bool) -> Columns:
-    """Return the label over an agent: its name, and how much health it has left."""
+    """Return the label above an agent: its name and its health."""
     left = history.agents.health[:, seat]
     rows = changes(left)
     shown = [f"{name} · {hp}" if health else name for hp in left[rows].tolist()]
     labels = [label if hp > 0 else f"{name} · dead" for label, hp in zip(shown, left[rows], strict=True)]
-    alive, dead = colors.of_team(history.team_of(seat)), colors.readable(colors.DEAD)
+    alive, dead = colors.team_color(history.team_of(seat)), colors.readable(colors.DEAD)
     tints = np.where(left[rows, None] > 0, np.array(alive), np.array(dead)).astype(np.uint8)
     return Columns(f"{path_of(seat)}/name", rows, rr.Points3D.columns(labels=labels, colors=tints))

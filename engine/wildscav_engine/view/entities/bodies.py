@@ -1,4 +1,4 @@
-"""Bodies of agents as meshes: the same parts and colours that the agents' own cameras show."""
+"""Bodies of agents as meshes, with the same parts and colours as in the images of cameras."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -9,37 +9,37 @@ from numpy.typing import NDArray
 from wildscav_engine.sensors.optics.dynamic_objects import (
     AGENT,
     BODY,
-    PALE,
+    INVINCIBLE_WHITE,
     allocate_parts,
     colors_of_bodies,
     write_parts,
 )
-from wildscav_engine.view.recording import colors, frame
+from wildscav_engine.view.recording import colors, coordinates
 
 # The corners of a part are numbered by the bits (along, up, across).
 SIDES = np.array([[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]])
-GREY = 0.85  # share of grey in the colours of a dead body
-LYING = 0.2  # m that a body on its back is lifted
+GREY = 0.85  # weight of grey in the colours of a dead body
+LYING = 0.2  # m by which a body on its back is raised
 
 
-class Figure(NamedTuple):
-    """A body that looks north and stands at the origin, in Rerun's frame; every side has its own corners."""
+class BodyMesh(NamedTuple):
+    """A body at the origin that faces north, in Rerun's coordinates; every side has its own vertices."""
 
     positions: NDArray[np.float32]  # (V, 3) m
     normals: NDArray[np.float32]  # (V, 3)
     triangles: NDArray[np.int32]  # (T, 3)
 
 
-class Looks(NamedTuple):
+class BodyColors(NamedTuple):
     """The colours of a team's bodies."""
 
     usual: NDArray[np.uint8]  # (V, 3)
-    safe: NDArray[np.uint8]  # (V, 3) while it cannot be hurt
+    invincible: NDArray[np.uint8]  # (V, 3)
     dead: NDArray[np.uint8]  # (V, 3)
 
 
 @lru_cache(maxsize=1)
-def figure() -> Figure:
+def body_mesh() -> BodyMesh:
     """Return the body of an agent."""
     parts = allocate_parts(len(BODY))
     write_parts(AGENT, BODY, np.zeros((1, 3)), np.zeros(1), np.zeros(1, np.int64), 0, parts)
@@ -52,31 +52,31 @@ def figure() -> Figure:
     triangles = np.concatenate([first + np.array([[0, 1, 2]]), first + np.array([[0, 2, 3]])]).astype(
         np.int32
     )
-    return Figure(
-        frame.points(corners.reshape(-1, 3)),
-        frame.points(np.repeat(normals.reshape(-1, 3), 4, axis=0)),
+    return BodyMesh(
+        coordinates.points(corners.reshape(-1, 3)),
+        coordinates.points(np.repeat(normals.reshape(-1, 3), 4, axis=0)),
         triangles,
     )
 
 
 @lru_cache(maxsize=1024)
-def looks_of(team: int) -> Looks:
+def body_colors(team: int) -> BodyColors:
     """Return the colours of a team's bodies, vertex by vertex."""
     parts = colors_of_bodies(team + 1)[team]
     usual = np.repeat(parts, 4 * len(SIDES), axis=0)
-    safe = usual + (255.0 - usual) * PALE
+    invincible = usual + (255.0 - usual) * INVINCIBLE_WHITE
     dead = usual + (np.array(colors.DEAD) - usual) * GREY
-    return Looks(*(np.round(each).astype(np.uint8) for each in (usual, safe, dead)))
+    return BodyColors(*(np.round(each).astype(np.uint8) for each in (usual, invincible, dead)))
 
 
-def stances(
+def poses(
     yaw: NDArray[np.float64], dead: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return (N, 4) quaternions x, y, z, w and (N, 3) m offsets of bodies: upright, or on their backs.
+    """Return (N, 4) quaternions x, y, z, w and (N, 3) m offsets of bodies, standing or on their backs.
 
     Args:
-        yaw: (N,) degrees, the game's.
-        dead: (N,) whether it lies.
+        yaw: (N,) degrees, as in the game.
+        dead: (N,) whether each body lies.
     """
     turn, tilt = np.radians(-yaw) / 2, np.where(dead, np.pi / 4, 0.0)
     about_z, upright = np.sin(turn), np.cos(turn)

@@ -1,6 +1,7 @@
-"""The followed agent's depth map, in the colours of ``wildscav look`` and with its scale beneath.
+"""The depth map of the followed agent, in the colours of ``wildscav look`` and with a scale beneath it.
 
-An image of one byte a pixel names the colour of each; the viewer shows the distance where one points at it.
+It is an image with one byte per pixel, an index into the colours. The viewer shows the distance of the pixel
+under the pointer.
 """
 
 from collections.abc import Iterator
@@ -11,33 +12,37 @@ from numpy.typing import NDArray
 from rerun.components import ImageFormat
 from rerun.encodings import ChannelDatatype
 
-from wildscav_engine.sensors.display.colors import of_distances
+from wildscav_engine.sensors.display.colors import distance_colors
 from wildscav_engine.view.recording.columns import Columns, blocks
-from wildscav_engine.view.recording.history import DEPTH_CAMERA, Film
+from wildscav_engine.view.recording.history import DEPTH_CAMERA, ImageSequence
 
 DEPTH = "follow/depth"
 SHADES = 256
 FAR = DEPTH_CAMERA.far
 TICKS = (0, 5, 20, 50, 100, 200)  # m
-BAR, BELOW, TEXT = 1.5, 3.5, 7.0  # pixels: half the bar's height; its middle and its numbers below the image
-SCALE_HEIGHT = 12.0  # pixels, all of it
+BAR, BELOW, TEXT = (
+    1.5,
+    3.5,
+    7.0,
+)  # pixels: half the bar's height; distance of bar and numbers from the image
+SCALE_HEIGHT = 12.0  # pixels, the total height of the scale
 
 
 def shades_of(distances: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Return the number of the shade of each distance in m: they grow with its square root."""
+    """Return the index of the shade of each distance in m, which grows with its square root."""
     share = np.sqrt(np.clip(distances / FAR, 0.0, 1.0))
     return np.asarray(np.round(share * (SHADES - 1)), np.uint8)
 
 
 def distances_of(shades: NDArray[np.integer]) -> NDArray[np.float64]:
-    """Return the distance in m that each shade stands for."""
+    """Return the distance in m of each shade."""
     return np.asarray((shades / (SHADES - 1)) ** 2 * FAR)
 
 
 def static_depth() -> Iterator[tuple[str, rr.AsComponents]]:
-    """Yield what the shades mean, and the scale."""
+    """Yield the meaning of the shades, and the scale."""
     metres = distances_of(np.arange(SHADES))
-    tints = of_distances(metres[None], FAR)[0].tolist()
+    tints = distance_colors(metres[None], FAR)[0].tolist()
     shades = [
         rr.AnnotationInfo(id=shade, label=f"{distance:.1f} m", color=tuple(tint))
         for shade, (distance, tint) in enumerate(zip(metres.tolist(), tints, strict=True))
@@ -50,7 +55,7 @@ def static_depth() -> Iterator[tuple[str, rr.AsComponents]]:
 
 
 def _bar(tints: list[list[int]]) -> rr.LineStrips2D:
-    """Return the colours from near to far in a row as wide as the image."""
+    """Return the colours from near to far as a bar as wide as the image."""
     ends = np.linspace(BAR, DEPTH_CAMERA.width - BAR, len(tints) + 1)
     level = np.full(len(tints), DEPTH_CAMERA.height + BELOW)
     strips = np.stack([np.stack([ends[side : side + len(tints)], level], axis=-1) for side in (0, 1)], axis=1)
@@ -58,12 +63,12 @@ def _bar(tints: list[list[int]]) -> rr.LineStrips2D:
 
 
 def _numbers() -> rr.Points2D:
-    places = [(DEPTH_CAMERA.width * np.sqrt(metres / FAR), DEPTH_CAMERA.height + TEXT) for metres in TICKS]
+    positions = [(DEPTH_CAMERA.width * np.sqrt(metres / FAR), DEPTH_CAMERA.height + TEXT) for metres in TICKS]
     labels = [f"{metres} m" if metres == TICKS[-1] else f"{metres}" for metres in TICKS]
-    return rr.Points2D(places, labels=labels, show_labels=True, radii=0.0, colors=[(128, 128, 128)])
+    return rr.Points2D(positions, labels=labels, show_labels=True, radii=0.0, colors=[(128, 128, 128)])
 
 
-def moving_depth(depth: Film) -> Iterator[Columns]:
+def moving_depth(depth: ImageSequence) -> Iterator[Columns]:
     """Yield the depth maps."""
     flat = shades_of(depth.images).reshape(len(depth.images), -1)
     for block in blocks(len(flat)):

@@ -1,4 +1,4 @@
-"""The things of a replay: supply boxes, shots, hits, the start and the target."""
+"""The objects of a replay: supply boxes, shots, hits, the start and the target."""
 
 from collections.abc import Iterator
 
@@ -10,26 +10,29 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.specs.body import EYE_HEIGHT
-from wildscav_engine.view.recording import colors, frame
+from wildscav_engine.view.recording import colors, coordinates
 from wildscav_engine.view.recording.columns import Columns
 from wildscav_engine.view.recording.history import Boxes, History, changes
 
-SMALLEST_BOX, LARGEST_BOX = 0.4, 1.0  # m, sides of boxes with 1 and with FULL_BOX supplies
+SMALLEST_BOX, LARGEST_BOX = 0.4, 1.0  # m, sides of boxes with 0 and with FULL_BOX supplies
 FULL_BOX = 50
-MUZZLE = (0.25, -0.3)  # m, right of the eye and above it: from the eye itself, a line would be a dot
+MUZZLE = (
+    0.25,
+    -0.3,
+)  # m right of the eye and above it; from the eye itself, a shot would look like a dot
 UP = np.array([0.0, 1.0, 0.0])
-PILLAR = 25.0  # m, height of the target's light
+PILLAR = 25.0  # m, height of the pillar of light at the target
 
 
-def static_things(history: History, target_distance: float) -> Iterator[tuple[str, rr.AsComponents]]:
-    """Yield the start and the target of a match that has one, and how the rest looks."""
+def static_objects(history: History, target_distance: float) -> Iterator[tuple[str, rr.AsComponents]]:
+    """Yield the start and the target of a match that has one, and the static components of the rest."""
     yield "supplies", rr.Boxes3D.from_fields(fill_mode="solid")
     yield "shots", rr.LineStrips3D.from_fields(radii=0.02)
     yield "hits", rr.Points3D.from_fields(radii=0.25, colors=[colors.HIT])
     if history.target is None:
         return
     start, target = history.agents.position[0, 0], history.target
-    pillar = frame.points(target + PILLAR / 2 * UP)
+    pillar = coordinates.points(target + PILLAR / 2 * UP)
     yield (
         "target/light",
         rr.Cylinders3D(
@@ -40,34 +43,34 @@ def static_things(history: History, target_distance: float) -> Iterator[tuple[st
             fill_mode="solid",
         ),
     )
-    yield "target/place", _place(target, "target", colors.TARGET)
-    yield "start", _place(start, "start", colors.START)
+    yield "target/place", _marker(target, "target", colors.TARGET)
+    yield "start", _marker(start, "start", colors.START)
 
 
-def _place(position: NDArray[np.float64], label: str, color: tuple[int, int, int]) -> rr.Points3D:
-    middle = frame.points(position + 0.3 * UP)
-    return rr.Points3D([middle], radii=0.3, colors=[color], labels=[label], show_labels=True)
+def _marker(position: NDArray[np.float64], label: str, color: tuple[int, int, int]) -> rr.Points3D:
+    center = coordinates.points(position + 0.3 * UP)
+    return rr.Points3D([center], radii=0.3, colors=[color], labels=[label], show_labels=True)
 
 
-def changing_things(history: History, game_map: GameMap) -> Iterator[Columns]:
+def changing_objects(history: History, game_map: GameMap) -> Iterator[Columns]:
     """Yield supply boxes, shots and hits."""
     yield _boxes(history, game_map)
     yield from _shots(history)
 
 
 def _boxes(history: History, game_map: GameMap) -> Columns:
-    every = history.boxes
-    lengths = [len(boxes.serial) for boxes in every]
-    quantity = np.concatenate([boxes.quantity for boxes in every])
+    box_sets = history.boxes
+    lengths = [len(boxes.serial) for boxes in box_sets]
+    quantity = np.concatenate([boxes.quantity for boxes in box_sets])
     half = _sides(quantity) / 2
-    position = np.concatenate([boxes.position for boxes in every]).reshape(-1, 3)
-    tint = np.concatenate([_box_colors(boxes, history.first_dropped, game_map) for boxes in every])
+    position = np.concatenate([boxes.position for boxes in box_sets]).reshape(-1, 3)
+    tint = np.concatenate([_box_colors(boxes, history.first_dropped, game_map) for boxes in box_sets])
     columns = rr.Boxes3D.columns(
-        centers=frame.points(position + half[:, None] * UP),
+        centers=coordinates.points(position + half[:, None] * UP),
         half_sizes=np.repeat(half[:, None], 3, axis=1),
         colors=tint.reshape(-1, 3),
     )
-    return Columns("supplies", np.array([boxes.row for boxes in every]), columns.partition(lengths))
+    return Columns("supplies", np.array([boxes.row for boxes in box_sets]), columns.partition(lengths))
 
 
 def _sides(quantity: NDArray[np.int32]) -> NDArray[np.float64]:
@@ -83,7 +86,7 @@ def _box_colors(boxes: Boxes, first_dropped: int, game_map: GameMap) -> NDArray[
 
 
 def _within(house: House, position: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return whether (N, 3) points stand over a house's rectangle."""
+    """Return whether (N, 3) points are within the rectangle of a house, seen from above."""
     east, north = position[:, 0] - house.center[0], position[:, 2] - house.center[1]
     cos, sin = np.cos(np.radians(house.yaw)), np.sin(np.radians(house.yaw))
     across, along = east * cos - north * sin, east * sin + north * cos
@@ -91,28 +94,28 @@ def _within(house: House, position: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def _shots(history: History) -> Iterator[Columns]:
-    """Lines from eye to end, and points where somebody was hit; each is gone at the next step."""
+    """Yield lines from eye to end and points at hits, which disappear in the next step."""
     agents = history.agents
     hits = agents.fired & (agents.hit_seat != NOBODY)
-    right = frame.directions(agents.yaw + 90.0, np.zeros_like(agents.yaw))
+    right = coordinates.directions(agents.yaw + 90.0, np.zeros_like(agents.yaw))
     muzzle = agents.position + (EYE_HEIGHT + MUZZLE[1]) * UP + MUZZLE[0] * right
-    ways = frame.points(np.stack([muzzle, agents.shot_end], axis=-2))  # (T + 1, A, 2, 3)
+    segments = coordinates.points(np.stack([muzzle, agents.shot_end], axis=-2))  # (T + 1, A, 2, 3)
     tint = np.where(hits[..., None], np.array(colors.HIT), np.array(colors.SHOT)).astype(np.uint8)
 
     rows = _rows_with_clearing(agents.fired)
     shown = agents.fired[rows]
-    strips = rr.LineStrips3D.columns(strips=ways[rows][shown], colors=tint[rows][shown])
+    strips = rr.LineStrips3D.columns(strips=segments[rows][shown], colors=tint[rows][shown])
     yield Columns("shots", rows, strips.partition(shown.sum(axis=1)))
 
     rows = _rows_with_clearing(hits)
     shown = hits[rows]
-    points = rr.Points3D.columns(positions=frame.points(agents.shot_end[rows][shown]))
+    points = rr.Points3D.columns(positions=coordinates.points(agents.shot_end[rows][shown]))
     yield Columns("hits", rows, points.partition(shown.sum(axis=1)))
 
 
-def _rows_with_clearing(there: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return the rows with anything there, and those right after, where it must vanish."""
-    some = np.asarray(there.any(axis=1))
+def _rows_with_clearing(present: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return the rows with any true entry, and the rows right after, in which the entity is cleared."""
+    some = np.asarray(present.any(axis=1))
     if not some.any():
         return np.zeros(0, np.int64)
     return np.union1d(np.nonzero(some)[0], changes(some))

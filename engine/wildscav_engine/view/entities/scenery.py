@@ -11,9 +11,9 @@ from wildscav_engine.maps.export.mesh import Mesh, solids_mesh, terrain_mesh, wa
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.palette import WATER, of_solids, shaded
 from wildscav_engine.rendering.shading.ground import ground_appearance
-from wildscav_engine.view.recording import colors, frame
+from wildscav_engine.view.recording import colors, coordinates
 
-# The layers of solids, each to be shown or hidden by itself.
+# The layers of solids, which can be shown and hidden one by one.
 LAYERS = {
     "world/houses/walls": (Kind.WALL,),
     "world/houses/floors": (Kind.FLOOR,),
@@ -29,7 +29,7 @@ EDGE_DEPTH = 3.0  # m of earth below the lowest ground
 
 
 def static_scene(game_map: GameMap) -> Iterator[tuple[str, rr.AsComponents]]:
-    """Yield the entities of a map and what they look like."""
+    """Yield the entities of a map and their components."""
     world = game_map.world
     yield "/", rr.ViewCoordinates.RIGHT_HAND_Z_UP
     yield "world/terrain", _terrain(world)
@@ -45,14 +45,14 @@ def static_scene(game_map: GameMap) -> Iterator[tuple[str, rr.AsComponents]]:
 
 
 def _flat_shaded(mesh: Mesh, base: NDArray[np.float64]) -> rr.Mesh3D:
-    """Give each triangle corners of its own and one colour, lit by the triangle's normal."""
+    """Return a mesh whose triangles have vertices of their own and one colour each, lit by the normal."""
     corners = mesh.vertices[mesh.triangles].astype(np.float64)  # (T, 3, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None]
     lit = shaded(base[mesh.solids], normals)
-    order = frame.triangles(np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3))
+    order = coordinates.triangles(np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3))
     return rr.Mesh3D(
-        vertex_positions=frame.points(corners.reshape(-1, 3)),
+        vertex_positions=coordinates.points(corners.reshape(-1, 3)),
         triangle_indices=order,
         vertex_colors=np.repeat(lit, 3, axis=0),
     )
@@ -62,14 +62,14 @@ def _terrain(world: World) -> rr.Mesh3D:
     mesh = terrain_mesh(world)
     appearance = ground_appearance(world)
     return rr.Mesh3D(
-        vertex_positions=frame.points(mesh.vertices),
-        triangle_indices=frame.triangles(mesh.triangles),
+        vertex_positions=coordinates.points(mesh.vertices),
+        triangle_indices=coordinates.triangles(mesh.triangles),
         vertex_colors=shaded(appearance.color.reshape(-1, 3), appearance.normal.reshape(-1, 3)),
     )
 
 
 def _edge(world: World) -> rr.Mesh3D:
-    """Return the cut through the earth along the edges of the map, so that it looks like a model of one."""
+    """Return the vertical faces of earth at the edges of the map, which make it look like a model."""
     rows, columns = world.heights.shape
     row = np.concatenate(
         [np.zeros(columns), np.arange(rows), np.full(columns, rows - 1), np.arange(rows)[::-1]]
@@ -87,7 +87,7 @@ def _edge(world: World) -> rr.Mesh3D:
         [np.stack([here, here + 1, under + 1], axis=-1), np.stack([here, under + 1, under], axis=-1)]
     )
     return rr.Mesh3D(
-        vertex_positions=frame.points(vertices),
+        vertex_positions=coordinates.points(vertices),
         triangle_indices=triangles,
         vertex_colors=np.repeat(np.array([colors.EARTH, colors.DEEP_EARTH], np.uint8), len(x), axis=0),
     )
@@ -95,7 +95,7 @@ def _edge(world: World) -> rr.Mesh3D:
 
 def _water(mesh: Mesh) -> rr.Mesh3D:
     return rr.Mesh3D(
-        vertex_positions=frame.points(mesh.vertices),
-        triangle_indices=frame.triangles(mesh.triangles),
+        vertex_positions=coordinates.points(mesh.vertices),
+        triangle_indices=coordinates.triangles(mesh.triangles),
         albedo_factor=WATER,
     )

@@ -1,1 +1,1 @@
-"""What all of a replay stands on: the match re-simulated into arrays, its frame of reference, colours."""
+"""The basis of replays: the match re-simulated into arrays, coordinates, colours and time columns."""

@@ -1,7 +1,7 @@
-"""The colours of what a replay shows beside the world itself, as red, green, blue 0-255.
+"""The colours of everything in a replay apart from the world, as red, green, blue 0-255.
 
-Text and plots stand on the viewer's own background, which is white in its light theme and nearly black in its
-dark one. ``readable`` makes any colour hold on both; what lies in the 3D scene needs no such care.
+The viewer shows text and plots on a white background in its light theme, and on a nearly black one in its
+dark theme. ``readable`` makes a colour legible on both. Objects in the 3D scene do not need that.
 """
 
 import numpy as np
@@ -20,10 +20,8 @@ HEAT = ((255, 226, 110, 70), (255, 160, 50, 90), (240, 70, 30, 110))  # few supp
 SHOT, HIT = (255, 224, 90), (255, 50, 40)
 DEAD = (150, 150, 155)
 
-DIMMEST, BRIGHTEST = (
-    0.21,
-    0.28,
-)  # relative luminance of what is read: over 3 : 1 on white, 4.5 : 1 on near-black
+# Relative luminance of legible text: a contrast over 3 : 1 on white and 4.5 : 1 on near-black.
+DIMMEST, BRIGHTEST = 0.21, 0.28
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of red, green and blue, by WCAG 2
 
 
@@ -33,7 +31,7 @@ def luminance(color: Color) -> float:
 
 
 def readable(color: Color) -> Color:
-    """Return a colour of the same hue that stands out from a white and from a black background."""
+    """Return a colour of the same hue that is legible on a white and on a black background."""
     linear = _linear(color)
     light = float(linear @ LUMINANCE)
     if light > BRIGHTEST:
@@ -45,8 +43,8 @@ def readable(color: Color) -> Color:
     return red, green, blue
 
 
-def of_team(team: int) -> Color:
-    """Return the colour of a team in text and plots; bodies wear the stronger one of the palette."""
+def team_color(team: int) -> Color:
+    """Return the colour of a team in text and plots; bodies have the stronger colour of the palette."""
     return readable(of_seat(team))
 
 

@@ -1,4 +1,4 @@
-"""How high things of a replay are that stand or lie on the ground."""
+"""The height of points that lie on the ground."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,6 @@ from wildscav_engine.geometry.world import World
 
 @kernel
 def lay_on_ground(world: World, lift: float, points: NDArray[np.float64]) -> None:
-    """Write the height of (N, 3) points: so many metres over the ground."""
+    """Set the height of (N, 3) points to ``lift`` metres above the ground."""
     for point in range(points.shape[0]):
         points[point, 1] = ground_at(world, points[point, 0], points[point, 2]).height + lift

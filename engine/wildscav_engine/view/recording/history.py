@@ -1,4 +1,4 @@
-"""What happened in a match, step by step: a record re-simulated into arrays."""
+"""The history of a match, step by step: a record re-simulated into arrays."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
@@ -11,17 +11,17 @@ from wildscav_engine.sensors import ColorCamera, DepthCamera
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import Agents
 from wildscav_engine.simulation.systems.zone import phase_at, zone_at
-from wildscav_engine.view.recording import cameras
+from wildscav_engine.view.recording import camera_poses
 
 DEPTH_CAMERA = DepthCamera(width=64, height=36, far=200.0)
-COLOR_CAMERA = ColorCamera(width=160, height=90, shadows=False)  # shadows would double the time
-# Longer matches get every second, third, … step only. A picture takes tens of times as long as a depth map.
-MOST_DEPTH_MAPS, MOST_PICTURES = 3000, 100
-AT_ONCE = 256  # depth maps, to keep memory small
+COLOR_CAMERA = ColorCamera(width=160, height=90, shadows=False)  # shadows would double the rendering time
+# In longer matches only every second, third, … step gets one. A camera image takes tens of times as long.
+MAX_DEPTH_MAPS, MAX_PICTURES = 3000, 100
+DEPTH_BATCH = 256  # depth maps that are rendered together, to bound memory
 
 
 class Boxes(NamedTuple):
-    """The supply boxes that are there from one row on, until the next such set."""
+    """The supply boxes that are present from one row on, until the next such set."""
 
     row: int
     position: NDArray[np.float64]  # (N, 3) m
@@ -29,25 +29,25 @@ class Boxes(NamedTuple):
     serial: NDArray[np.int32]  # (N,)
 
 
-class Film(NamedTuple):
-    """What one agent saw through one camera."""
+class ImageSequence(NamedTuple):
+    """The images of one camera over time."""
 
-    rows: NDArray[np.int64]  # (D,) when
-    images: NDArray[Any]  # (D, *shape) as the camera makes them
+    rows: NDArray[np.int64]  # (D,) the row of each image
+    images: NDArray[Any]  # (D, *shape)
 
 
 class History(NamedTuple):
-    """A whole match: row 0 is the start, row n is after step n."""
+    """A whole match: row 0 is the start, row n the state after step n."""
 
     frame: NDArray[np.int64]  # (T + 1,) frames played
     agents: Agents  # every array has rows (T + 1) in place of matches, then seats
     reached_by: NDArray[np.int32]  # (T + 1,) the seat that reached the target, or NOBODY
-    boxes: tuple[Boxes, ...]  # one for each change, the first for row 0
-    first_dropped: int  # serial of the first box that was not there by plan
-    target: NDArray[np.float64] | None  # (3,) m, what ends the match when reached
+    boxes: tuple[Boxes, ...]  # one set for each change, the first for row 0
+    first_dropped: int  # serial number of the first box that an agent dropped
+    target: NDArray[np.float64] | None  # (3,) m, None in tracks without a target
     zone: NDArray[np.float64] | None  # (T + 1, 6) m, x, z and radius of the safe zone and of its next circle
-    depth: Film | None
-    color: Film | None
+    depth: ImageSequence | None
+    color: ImageSequence | None
 
     @property
     def rows(self) -> NDArray[np.int64]:
@@ -81,19 +81,19 @@ class History(NamedTuple):
         return int(self.teams[seat])
 
 
-def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tuple[Match, History]:
-    """Play a re-simulation to its end.
+def collect_history(matches: Iterable[Match], steps: int, images_of: int | None) -> tuple[Match, History]:
+    """Play a re-simulation to its end and collect its history.
 
     Args:
         matches: The match at its start and after each step, always the same object.
-        steps: How many steps come after the start, at the most.
-        images_of: The seat whose depth maps and pictures are kept, if any.
+        steps: The maximum number of steps after the start.
+        images_of: The seat whose depth maps and camera images are rendered, or None.
 
     Returns:
-        The match at its end, and all that happened.
+        The match at its end, and its history.
     """
-    each = -(-(steps + 1) // (MOST_PICTURES - 1))
-    filmed = {*range(0, steps + 1, each), steps}  # where a replay stops, all cameras show the same moment
+    interval = -(-(steps + 1) // (MAX_PICTURES - 1))
+    with_image = {*range(0, steps + 1, interval), steps}  # with the last step, where a replay stops
     pictures: dict[int, NDArray[np.uint8]] = {}
     boxes: list[Boxes] = []
     frames, reached = np.zeros(steps + 1, np.int64), np.zeros(steps + 1, np.int32)
@@ -106,8 +106,8 @@ def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tupl
         for name in Agents._fields:
             getattr(agents, name)[row] = getattr(state.agents, name)[0]
         frames[row], reached[row] = match.frame, state.matches.reached_by[0]
-        _note_boxes(row, match, boxes)
-        if images_of is not None and row in filmed:
+        _add_boxes(row, match, boxes)
+        if images_of is not None and row in with_image:
             pictures[row] = COLOR_CAMERA.read(match, [images_of])[0]
         rows = row + 1
     target = match.state.matches.target[0].copy() if match.state.matches.has_target[0] else None
@@ -121,12 +121,12 @@ def collect(matches: Iterable[Match], steps: int, images_of: int | None) -> tupl
         target,
         _zone(match, frames[:rows]),
         None if images_of is None else _depth_maps(match.game_map, kept, images_of),
-        None if images_of is None else Film(np.array([*pictures]), np.array([*pictures.values()])),
+        None if images_of is None else ImageSequence(np.array([*pictures]), np.array([*pictures.values()])),
     )
 
 
 def _zone(match: Match, frames: NDArray[np.int64]) -> NDArray[np.float64] | None:
-    """Return the safe zone in some frames, and the circle that it draws in to then, if there is one."""
+    """Return the safe zone in some frames with its next circle, or None if the match has no zone."""
     matches = match.state.matches
     if matches.phases[0] == 0:
         return None
@@ -135,25 +135,25 @@ def _zone(match: Match, frames: NDArray[np.int64]) -> NDArray[np.float64] | None
     return np.hstack([now, matches.zone[0, phases, 5:8]])
 
 
-def _depth_maps(game_map: GameMap, agents: Agents, seat: int) -> Film:
-    """Return what the depth camera of an agent saw: it sees no moving things, so the map is all it needs."""
+def _depth_maps(game_map: GameMap, agents: Agents, seat: int) -> ImageSequence:
+    """Return the depth maps of an agent, which depend only on the map, as they omit dynamic objects."""
     length = len(agents.yaw)
-    rows = np.arange(0, length, -(-length // MOST_DEPTH_MAPS))
-    eyes = cameras.at_the_eyes(agents, seat)
+    rows = np.arange(0, length, -(-length // MAX_DEPTH_MAPS))
+    eyes = camera_poses.at_the_eyes(agents, seat)
     maps = [
         DEPTH_CAMERA.render(game_map, eyes.position[some], eyes.yaw[some], eyes.pitch[some])
-        for some in (rows[start : start + AT_ONCE] for start in range(0, len(rows), AT_ONCE))
+        for some in (rows[start : start + DEPTH_BATCH] for start in range(0, len(rows), DEPTH_BATCH))
     ]
-    return Film(rows, np.concatenate(maps))
+    return ImageSequence(rows, np.concatenate(maps))
 
 
 def _rows_of(field: NDArray[Any], rows: int) -> NDArray[Any]:
-    """Return room for what one match has in a field of the state, over time."""
+    """Return an array for one field of a match's state over ``rows`` rows."""
     return np.zeros((rows, *field.shape[1:]), field.dtype)
 
 
-def _note_boxes(row: int, match: Match, boxes: list[Boxes]) -> None:
-    """Add the boxes that are there now, if they are not the same as before."""
+def _add_boxes(row: int, match: Match, boxes: list[Boxes]) -> None:
+    """Append the present boxes, if they differ from the previous ones."""
     supplies = match.state.supplies
     there = (supplies.quantity[0] > 0) & (supplies.appears[0] <= match.frame)
     serial, quantity = supplies.serial[0][there], supplies.quantity[0][there]
@@ -163,7 +163,7 @@ def _note_boxes(row: int, match: Match, boxes: list[Boxes]) -> None:
 
 
 def changes(*values: NDArray[np.generic]) -> NDArray[np.int64]:
-    """Return the rows where any of the values (T + 1, …) differs from the row before; row 0 is one."""
+    """Return the rows in which any of the values (T + 1, …) differs from the row before, and row 0."""
     changed = np.zeros(len(values[0]), np.bool_)
     changed[0] = True
     for value in values:
@@ -173,6 +173,6 @@ def changes(*values: NDArray[np.generic]) -> NDArray[np.int64]:
 
 
 def seats_where(condition: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """Yield (row, seat) of every true entry, in time order."""
+    """Yield (row, seat) of every true entry, in chronological order."""
     for row, seat in zip(*np.nonzero(condition), strict=True):
         yield int(row), int(seat)

@@ -43,7 +43,7 @@ def test_what_cannot_be_looked_from_is_named_in_one_line(wrong: dict[str, Any], 
 def test_threads_and_batches_change_no_bit(
     sensor: OpticalSensor, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.LEAST_TIME", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
     eyes = COUNTRY.outdoor[:: len(COUNTRY.outdoor) // 9][:7] + np.array((0, 1.5, 0))
     yaws, pitches = np.linspace(-170, 170, 7), np.linspace(-40, 40, 7)
 
@@ -111,7 +111,7 @@ def test_a_wider_view_shows_things_smaller() -> None:
 def test_many_images_are_made_in_parts_that_fit_together(monkeypatch: pytest.MonkeyPatch) -> None:
     eyes, turns = COUNTRY.outdoor[:7] + np.array((0, 1.5, 0)), np.linspace(-170, 170, 7)
     whole = NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7))
-    monkeypatch.setattr("wildscav_engine.sensors.optics.pinhole.RAYS_AT_ONCE", 2 * 8 * 6)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.pinhole.MAX_RAYS_AT_ONCE", 2 * 8 * 6)
     assert NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7)).tobytes() == whole.tobytes()
 
 
@@ -129,13 +129,13 @@ def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> Non
     cameras = Cameras(eyes, turns, level, np.zeros(5, np.int32), *sensor.lens)
     together = np.empty((5, *sensor.shape), sensor.dtype)
 
-    assert sensor.look_at_maps(maps, cameras, together)
+    assert sensor.render_maps_into(maps, cameras, together)
     assert together.tobytes() == np.stack(alone).tobytes()
 
 
 def test_a_seat_cannot_ask_for_more_rays_than_a_match_can_wait_for() -> None:
     with pytest.raises(
-        ValueError, match=r"too many rays a step \(depth 417,600, camera 384,000\).* at most 500,000"
+        ValueError, match=r"too many rays per step \(depth 417,600, camera 384,000\).* at most 500,000"
     ):
         parse_sensors({"depth": {"width": 870, "height": 480}, "camera": {"width": 800, "height": 480}})
     assert list(parse_sensors({"depth": {"width": 380, "height": 220}, "lidar": {}})) == ["depth", "lidar"]

@@ -11,7 +11,7 @@ from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_engine.view import write_replay
 from wildscav_engine.view.entities.zone import CORNERS, LIFT, ring, static_zone
 from wildscav_engine.view.events import events_of
-from wildscav_engine.view.recording.history import collect
+from wildscav_engine.view.recording.history import collect_history
 
 
 def test_the_history_has_the_zone_of_every_step_and_the_circle_that_it_draws_in_to() -> None:
@@ -25,7 +25,7 @@ def test_the_history_has_the_zone_of_every_step_and_the_circle_that_it_draws_in_
             act(match)
             yield match
 
-    zone = collect(play(), 30, None)[1].zone
+    zone = collect_history(play(), 30, None)[1].zone
     assert zone is not None
     full = 20 * np.sqrt(2)
     np.testing.assert_allclose(zone[[0, 5, 10, 15, 20, 25], 2], full * np.array([1, 1, 0.75, 0.5, 0.25, 0]))
@@ -42,7 +42,7 @@ def test_a_ring_lies_on_the_ground_and_on_the_map() -> None:
 def test_the_rings_are_thin_lines_to_who_stands_at_them_too() -> None:
     phase = ZonePhase(wait=1, shrink=1, share=0.5, damage=0)
     match = make_match("royale", world=flat_world(), seats=2, zone=ZoneConfig(phases=(phase,)))
-    looks = dict(static_zone(collect([match], 0, None)[1]))
+    looks = dict(static_zone(collect_history([match], 0, None)[1]))
     for path in ("zone/edge", "zone/next"):
         assert looks[path].radii.as_arrow_array()[0].as_py() < 0  # below 0: pixels in the picture, not metres
 
@@ -63,5 +63,5 @@ def test_who_does_not_come_back_is_out() -> None:
         act(match)
         yield match
 
-    events = events_of(collect(play(), 1, None)[1], ("ann", "bob", "eve"))
+    events = events_of(collect_history(play(), 1, None)[1], ("ann", "bob", "eve"))
     assert ("OUT", "bob is out") in [(event.kind, event.text) for event in events]

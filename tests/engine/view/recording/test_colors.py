@@ -3,7 +3,7 @@
 import pytest
 
 from wildscav_engine.view.recording import colors
-from wildscav_engine.view.recording.colors import Color, luminance, of_team, readable
+from wildscav_engine.view.recording.colors import Color, luminance, readable, team_color
 
 WHITE, NEAR_BLACK = (255, 255, 255), (13, 16, 17)
 LEAST = 3.0  # WCAG 2, for large text and for what is drawn
@@ -21,7 +21,7 @@ def test_contrast_of_black_and_white_is_twenty_one() -> None:
 
 @pytest.mark.parametrize(
     "color",
-    [*(getattr(colors, name) for name in WRITTEN), *map(of_team, range(12)), readable(colors.DEAD)],
+    [*(getattr(colors, name) for name in WRITTEN), *map(team_color, range(12)), readable(colors.DEAD)],
     ids=str,
 )
 def test_every_colour_of_text_can_be_read_on_white_and_on_black(color: Color) -> None:

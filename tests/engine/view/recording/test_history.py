@@ -9,16 +9,16 @@ from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.rules import Rules
 from wildscav_engine.view.events import events_of, kills_of
-from wildscav_engine.view.recording.cameras import ABOVE, BACK, CLEARANCE, HEAD, above
-from wildscav_engine.view.recording.colors import of_team
+from wildscav_engine.view.recording.camera_poses import ABOVE, BACK, CLEARANCE, HEAD, above
+from wildscav_engine.view.recording.colors import team_color
 from wildscav_engine.view.recording.history import (
     COLOR_CAMERA,
     DEPTH_CAMERA,
-    MOST_PICTURES,
-    Film,
+    MAX_PICTURES,
     History,
+    ImageSequence,
     changes,
-    collect,
+    collect_history,
 )
 
 NAMES = ("ann", "bob")
@@ -38,7 +38,7 @@ def duel(steps: int) -> Iterator[Match]:
 
 @pytest.fixture(scope="module")
 def history() -> History:
-    return collect(duel(20), 20, images_of=0)[1]
+    return collect_history(duel(20), 20, images_of=0)[1]
 
 
 def test_a_duel_is_told_in_order(history: History) -> None:
@@ -55,7 +55,7 @@ def test_a_duel_is_told_in_order(history: History) -> None:
 
 def test_the_feed_of_kills_names_the_killer_in_the_colour_of_its_team(history: History) -> None:
     assert [(event.kind, event.text, event.color) for event in kills_of(history, NAMES)] == [
-        ("KILL", "ann shoots bob", of_team(0))
+        ("KILL", "ann shoots bob", team_color(0))
     ]
 
 
@@ -84,7 +84,7 @@ def test_the_history_holds_the_state_after_every_step(history: History) -> None:
 def test_the_image_at_a_row_is_what_the_followed_agents_camera_sees_then(
     history: History, film: str, camera: PinholeCamera
 ) -> None:
-    kept: Film = getattr(history, film)
+    kept: ImageSequence = getattr(history, film)
 
     assert kept.rows.tolist() == list(range(21))
     for row, match in enumerate(duel(20)):
@@ -99,25 +99,25 @@ def test_the_pictures_of_a_duel_show_the_enemy_until_it_is_dead(history: History
 
 
 def test_of_a_long_match_a_replay_has_so_many_pictures_at_the_most() -> None:
-    steps = 5 * MOST_PICTURES  # and the start: one row too many for every fifth
+    steps = 5 * MAX_PICTURES  # and the start: one row too many for every fifth
     match = make_match("battle", seats=2, time_limit=60.0)
-    _, history = collect(repeat(match, 13), steps, images_of=0)
+    _, history = collect_history(repeat(match, 13), steps, images_of=0)
 
     assert history.color is not None
     assert history.color.rows.tolist() == [0, 6, 12]
-    assert len(range(0, steps + 1, 6)) <= MOST_PICTURES < len(range(0, steps + 1, 5))
+    assert len(range(0, steps + 1, 6)) <= MAX_PICTURES < len(range(0, steps + 1, 5))
 
 
 def test_the_last_picture_is_of_the_last_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wildscav_engine.view.recording.history.MOST_PICTURES", 5)
-    _, history = collect(duel(20), 20, images_of=0)
+    monkeypatch.setattr("wildscav_engine.view.recording.history.MAX_PICTURES", 5)
+    _, history = collect_history(duel(20), 20, images_of=0)
 
     assert history.color is not None
     assert history.color.rows.tolist() == [0, 6, 12, 18, 20]
 
 
 def test_nobody_followed_has_no_images() -> None:
-    _, history = collect(duel(2), 2, images_of=None)
+    _, history = collect_history(duel(2), 2, images_of=None)
 
     assert history.depth is None
     assert history.color is None
@@ -142,7 +142,7 @@ def test_the_camera_that_follows_stands_behind_and_above_even_where_a_wall_is() 
     wall = box((-20.0, 0.0, -2.5), (20.0, 6.0, -2.0))
     match = make_match("battle", world=flat_world(solids=[wall]), seats=1, time_limit=60.0)
     place(match, 0, (0.0, 0.0, 0.0))  # looks north, two metres before the wall behind it
-    _, history = collect(iter([match]), 0, images_of=None)
+    _, history = collect_history(iter([match]), 0, images_of=None)
 
     camera = above(match.game_map.world, history.agents, 0)
 
@@ -154,7 +154,7 @@ def test_the_camera_that_follows_stays_above_a_slope_behind() -> None:
     match = make_match("battle", world=flat_world(slope=2.0), seats=1, time_limit=60.0)
     place(match, 0, (0.0, 0.0, 0.0))
     match.state.agents.yaw[0, 0] = -90.0  # looks west, down; the ground behind rises two metres a metre
-    _, history = collect(iter([match]), 0, images_of=None)
+    _, history = collect_history(iter([match]), 0, images_of=None)
 
     camera = above(match.game_map.world, history.agents, 0)
 
@@ -164,7 +164,7 @@ def test_the_camera_that_follows_stays_above_a_slope_behind() -> None:
 def test_teammates_have_what_their_team_has() -> None:
     match = make_match("gathering", seats=3, teams=(0, 1, 0), time_limit=60.0)
     match.state.agents.supplies[0] = (1, 2, 4)
-    _, history = collect(iter([match]), 0, images_of=None)
+    _, history = collect_history(iter([match]), 0, images_of=None)
 
     assert history.has_teammates
     assert history.supplies_of_team[0].tolist() == [5, 2, 5]

@@ -16,7 +16,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.viewpoints import viewpoint_of
 from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera
-from wildscav_engine.sensors.display.colors import of_distances
+from wildscav_engine.sensors.display.colors import distance_colors
 from wildscav_engine.sensors.optics.optical import OpticalSensor
 from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.specs.body import EYE_HEIGHT
@@ -80,7 +80,7 @@ def test_a_picture_shows_what_the_sensor_reads_from_there(look: Callable[..., Do
     assert (done.returncode, done.stderr) == (0, "")
     game_map = generate_map(MapConfig(size=60, houses=2), 3)
     (depth,) = DepthCamera(32, 18, 50.0, 90.0).render(game_map, [(-8, 20, 7)], [30], [50])
-    assert (pixels(tmp_path / "a.png") == of_distances(depth, 50.0)).all()
+    assert (pixels(tmp_path / "a.png") == distance_colors(depth, 50.0)).all()
 
 
 def test_without_a_height_the_eyes_are_above_the_ground(look: Callable[..., Done]) -> None:

@@ -1,4 +1,4 @@
-"""Where the two cameras that follow an agent stand: at its eyes, and above and behind it."""
+"""The poses of the two cameras that follow an agent: at its eyes, and above and behind it."""
 
 from typing import NamedTuple
 
@@ -8,17 +8,17 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import Agents
 from wildscav_engine.specs.body import EYE_HEIGHT
-from wildscav_engine.view.recording.frame import directions
+from wildscav_engine.view.recording.coordinates import directions
 from wildscav_engine.view.recording.ground import lay_on_ground
 
 BACK, ABOVE = 7.0, 6.0  # m from the agent's head to the camera
-HEAD = 1.7  # m above the soles, what the camera looks at
-CLEARANCE = 1.0  # m that the camera stays above the ground; walls and trees it shows as glass
-SMOOTH_STEPS = 5  # the camera turns with the mean of so many steps before and after
+HEAD = 1.7  # m above the soles, the point at which the camera looks
+CLEARANCE = 1.0  # m that the camera keeps above the ground; walls and trees in between are transparent
+SMOOTH_STEPS = 5  # before and after, over whose mean the camera turns
 
 
 class Poses(NamedTuple):
-    """A camera's places and directions over time."""
+    """The positions and directions of a camera over time."""
 
     position: NDArray[np.float64]  # (T, 3) m
     yaw: NDArray[np.float64]  # (T,) degrees
@@ -26,13 +26,13 @@ class Poses(NamedTuple):
 
 
 def at_the_eyes(agents: Agents, seat: int) -> Poses:
-    """Return what the depth sensor's camera does too."""
+    """Return the poses of an agent's eyes, which are those of its depth camera."""
     position = agents.position[:, seat] + np.array([0.0, EYE_HEIGHT, 0.0])
     return Poses(position, agents.yaw[:, seat], agents.pitch[:, seat])
 
 
 def above(world: World, agents: Agents, seat: int) -> Poses:
-    """Return a camera above and behind an agent that looks at it; never below the ground."""
+    """Return the poses of a camera that looks at an agent from above and behind, never below the ground."""
     forwards = _smoothed(directions(agents.yaw[:, seat], np.zeros(len(agents.yaw))))
     yaw = np.degrees(np.arctan2(forwards[:, 0], forwards[:, 2]))
     head = agents.position[:, seat] + np.array([0.0, HEAD, 0.0])

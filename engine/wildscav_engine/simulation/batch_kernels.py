@@ -1,4 +1,4 @@
-"""The kernels that Python calls to play: they find the matches of a batch by the tables of its arrays."""
+"""The kernels that ``Batch`` calls: they access its arrays through address tables."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,11 +8,11 @@ from wildscav_engine.compilation.kernel import kernel, only_for
 from wildscav_engine.maps.bank import world_at
 from wildscav_engine.simulation.state import allocate_state
 from wildscav_engine.simulation.step import play_step
-from wildscav_engine.simulation.systems.visibility import allocate_seen, look_at_match
+from wildscav_engine.simulation.systems.visibility import allocate_seen, find_seen_in_match
 from wildscav_engine.specs.rules import Rules
 
 _EXAMPLE = allocate_state(1, 1, 1, 1)
-# They take the arrays of one match, or those of all matches, out of their tables.
+# Kernels that return the arrays of one match, or of all matches, from their address tables.
 agents_of = row_reader(_EXAMPLE.agents)
 supplies_of = row_reader(_EXAMPLE.supplies)
 seen_of = row_reader(allocate_seen(1, 1))
@@ -34,9 +34,10 @@ def play_batch(
     rules: NDArray[np.float64],
     opening: bool,
 ) -> None:
-    """Open the matches in some rows, or play one step of those not over; the actions become what was played.
+    """Open the matches in some rows, or play one step of those that are not over.
 
-    Both are in one kernel, because they share most of what there is to compile.
+    The actions are replaced by those that were played. One kernel does both, because opening and playing
+    share most of the code to compile.
     """
     matches = matches_at(every)
     for index in range(rows.shape[0]):
@@ -59,7 +60,7 @@ def play_batch(
 
 
 @kernel
-def look(
+def find_seen_in_batch(
     bank: NDArray[np.int64],
     agents: Addresses,
     supplies: Addresses,
@@ -67,11 +68,11 @@ def look(
     seen: Addresses,
     rules: NDArray[np.float64],
 ) -> None:
-    """Find out what the agents of all matches see."""
+    """Update what the agents of all matches see."""
     matches = matches_at(every)
     for match in range(matches.seats.shape[0]):
         seats = matches.seats[match]
-        look_at_match(
+        find_seen_in_match(
             world_at(bank[matches.map_index[match]]),
             agents_of(agents, match, seats),
             supplies_of(supplies, match, matches.slots[match]),
@@ -83,7 +84,7 @@ def look(
 
 
 def compile_matches() -> None:
-    """Compile what plays matches, or load it."""
+    """Compile the kernel that plays matches, or load it from the cache."""
     table, rows, actions = np.zeros((1, 1), np.int64), np.zeros(1, np.int64), np.zeros((1, 1, 1), np.float32)
     allowed, rules = np.zeros(1, np.bool_), np.zeros(1)
     only_for(play_batch, table[None], *[table] * 4, rows, actions, allowed, 1, rules, False)

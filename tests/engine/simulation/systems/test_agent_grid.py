@@ -12,7 +12,7 @@ from wildscav_engine.geometry.linked_grid import squares_over
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import NOBODY, Agents, squares_for
-from wildscav_engine.simulation.systems.crowd import TOUCH, gather_near
+from wildscav_engine.simulation.systems.agent_grid import TOUCH, gather_near
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, sees_body
 from wildscav_engine.simulation.systems.weapons import meet_body
 from wildscav_engine.specs.body import EYE_HEIGHT

@@ -1,4 +1,4 @@
-"""The outcome of a match in one sentence: who won, and with which score."""
+"""The outcome of a match in one sentence: who won, and with what score."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -9,30 +9,30 @@ from wildscav_engine.tracks import TRACKS, Metric
 
 
 class Team(NamedTuple):
-    """What one team made of the match."""
+    """The result of one team."""
 
     name: str
     score: float
     metrics: dict[str, float]  # of its best seat
 
 
-def clock(frame: int) -> str:
+def format_time(frame: int) -> str:
     """Return the game time of a frame as minutes and seconds."""
     minutes, seconds = divmod(frame // FRAMES_PER_SECOND, 60)
     return f"{minutes}:{seconds:02d}"
 
 
-def verdict(result: MatchResult, names: Sequence[str]) -> str:
-    """Return who won and with what score, without a full stop.
+def describe_outcome(result: MatchResult, names: Sequence[str]) -> str:
+    """Return a sentence without a full stop that says who won and with what score.
 
     Args:
-        result: Of the match, at its end.
-        names: What the seats are called.
+        result: The result of the match at its end.
+        names: The names of the seats.
     """
     metric = TRACKS[result.track].metrics[0]
     teams = _ranked(result, names, metric)
     if TRACKS[result.track].has_target and "success" in teams[0].metrics:
-        return _of_the_way(result, teams)
+        return _target_outcome(result, teams)
     best = [team for team in teams if team.score == teams[0].score]
     score = _written(teams[0].score, metric)
     if len(teams) == 1:
@@ -43,8 +43,8 @@ def verdict(result: MatchResult, names: Sequence[str]) -> str:
     return f"{best[0].name} wins with {score}, {ahead}"
 
 
-def _of_the_way(result: MatchResult, teams: list[Team]) -> str:
-    """Tell who reached the target, or that nobody did and who would have been first."""
+def _target_outcome(result: MatchResult, teams: list[Team]) -> str:
+    """Describe who reached the target; if nobody did, who was nearest."""
     arrived = [team.name for team in teams if team.metrics["success"] > 0]
     time = f"{result.frames / FRAMES_PER_SECOND:.1f} s"
     if arrived:
@@ -56,7 +56,7 @@ def _of_the_way(result: MatchResult, teams: list[Team]) -> str:
 
 
 def _ranked(result: MatchResult, names: Sequence[str], metric: Metric) -> list[Team]:
-    """Return the teams, the best first."""
+    """Return the teams, best first."""
     members: dict[int, list[int]] = {}
     for seat in result.seats:
         members.setdefault(seat.team, []).append(seat.seat)

@@ -1,4 +1,4 @@
-"""The cameras that follow one agent, from above and from its eyes, and what its own camera shows it."""
+"""The cameras that follow one agent, from above and at its eyes, and the images of its own cameras."""
 
 from collections.abc import Iterator
 from io import BytesIO
@@ -10,19 +10,19 @@ from PIL import Image
 
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.view.entities.depth import moving_depth, static_depth
-from wildscav_engine.view.recording import cameras, frame
+from wildscav_engine.view.recording import camera_poses, coordinates
 from wildscav_engine.view.recording.columns import Columns, blocks
-from wildscav_engine.view.recording.history import DEPTH_CAMERA, Film, History
+from wildscav_engine.view.recording.history import DEPTH_CAMERA, History, ImageSequence
 
 ABOVE, EYES, COLOR = "follow/above", "follow/eyes", "follow/color"
-ANGLES = {ABOVE: 70.0, EYES: 75.0}  # degrees wide
+ANGLES = {ABOVE: 70.0, EYES: 75.0}  # degrees horizontally
 JPEG_QUALITY = 80
-# So near to the eye that nothing of the camera's own outline is drawn in the view through it.
+# The outline of a camera, so close to it that it is invisible in the view through the camera.
 OUTLINE = 1e-4  # m
 
 
 def static_cameras(history: History) -> Iterator[tuple[str, rr.AsComponents]]:
-    """Yield what the cameras are like."""
+    """Yield the static components of the cameras."""
     for camera in ANGLES:
         yield camera, _lens(camera)
     if history.depth is not None:
@@ -43,31 +43,31 @@ def _lens(camera: str) -> rr.Pinhole:
 
 
 def moving_cameras(game_map: GameMap, history: History, seat: int) -> Iterator[Columns]:
-    """Yield where the cameras are, and what the agent's own see."""
-    yield _moving(ABOVE, history, cameras.above(game_map.world, history.agents, seat))
-    yield _moving(EYES, history, cameras.at_the_eyes(history.agents, seat))
+    """Yield the poses of the cameras, and the images of the agent's own cameras."""
+    yield _moving(ABOVE, history, camera_poses.above(game_map.world, history.agents, seat))
+    yield _moving(EYES, history, camera_poses.at_the_eyes(history.agents, seat))
     if history.depth is not None:
         yield from moving_depth(history.depth)
     if history.color is not None:
         yield from _color(history.color)
 
 
-def _moving(camera: str, history: History, poses: cameras.Poses) -> Columns:
+def _moving(camera: str, history: History, poses: camera_poses.Poses) -> Columns:
     transforms = rr.Transform3D.columns(
-        translation=frame.points(poses.position),
-        quaternion=frame.camera_rotations(poses.yaw, poses.pitch),
+        translation=coordinates.points(poses.position),
+        quaternion=coordinates.camera_rotations(poses.yaw, poses.pitch),
     )
     return Columns(camera, history.rows, transforms)
 
 
-def _color(color: Film) -> Iterator[Columns]:
+def _color(color: ImageSequence) -> Iterator[Columns]:
     pictures = [_jpeg(picture) for picture in color.images]
     for block in blocks(len(pictures)):
         yield Columns(COLOR, color.rows[block], rr.EncodedImage.columns(blob=pictures[block]))
 
 
 def _jpeg(picture: NDArray[np.uint8]) -> bytes:
-    """Return a (height, width, 3) picture in a tenth of its bytes."""
+    """Return a (height, width, 3) image as JPEG, which takes a tenth of its bytes."""
     file = BytesIO()
     Image.fromarray(picture).save(file, "JPEG", quality=JPEG_QUALITY, subsampling="4:4:4")
     return file.getvalue()

@@ -1,7 +1,8 @@
-"""Where the living agents of a match are, by squares: collisions, shots and sight never look at all pairs.
+"""The grid of agents: a spatial index of the living agents of a match, by squares of the map.
 
-The grid is made anew at the start of each frame, so it lags behind by no more than anybody moves in a frame:
-``LAG``. It is no state, everything in it follows from where the agents are.
+With it, collisions, shots and visibility need not test all pairs of agents. The grid is rebuilt at the start
+of each frame, so it lags behind by at most the distance that an agent moves in a frame, ``LAG``. It is
+derived from the positions of the agents.
 """
 
 from typing import NamedTuple
@@ -17,16 +18,16 @@ from wildscav_engine.specs.actions import MAX_WALK_SPEED
 from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.rules import FRAME
 
-LAG = MAX_WALK_SPEED * FRAME + 1e-6  # m in x and in z that an agent may be from where it was indexed
+LAG = MAX_WALK_SPEED * FRAME + 1e-6  # m in x and in z that an agent may have moved since it was indexed
 
-# m in x and in z, nobody touches one farther in a frame
+# m in x and in z: agents farther apart cannot touch in a frame.
 TOUCH = 2.0 * BODY_RADIUS + 3.0 * MAX_WALK_SPEED * FRAME
 
 _squares_for = kernel(squares_for)
 
 
-class Crowd(NamedTuple):
-    """The grid of one match."""
+class AgentGrid(NamedTuple):
+    """The grid of agents of one match."""
 
     squares: Squares
     heads: NDArray[np.int32]  # (N,) seat + 1 of the first agent in each square, 0 = nobody
@@ -34,21 +35,21 @@ class Crowd(NamedTuple):
 
 
 @inlined_kernel
-def crowd_of(world: World, agents: Agents, matches: Matches, match: int) -> Crowd:
-    """Return the grid of a match as it stands."""
+def agent_grid_of(world: World, agents: Agents, matches: Matches, match: int) -> AgentGrid:
+    """Return the grid of a match."""
     squares = squares_over(world, _squares_for(agents.health.shape[0]))
-    return Crowd(squares, matches.crowd[match], agents.next_in_square)
+    return AgentGrid(squares, matches.agent_squares[match], agents.next_in_square)
 
 
 @kernel
-def index_crowd(
+def fill_grid(
     squares: Squares,
     position: NDArray[np.float64],
     health: NDArray[np.int32],
     heads: NDArray[np.int32],
     links: NDArray[np.int32],
 ) -> None:
-    """Put all living agents into the squares where they are; the lists ascend.
+    """Add all living agents to the lists of their squares, in ascending order of seats.
 
     Args:
         squares: The grid.
@@ -66,10 +67,10 @@ def index_crowd(
 
 @inlined_kernel
 def index_agents(world: World, agents: Agents, matches: Matches, match: int) -> None:
-    """Index the agents of a match; one that is alone needs no index."""
+    """Rebuild the grid of a match; a single agent needs none."""
     if agents.health.shape[0] > 1:
-        squares, heads, links = crowd_of(world, agents, matches, match)
-        index_crowd(squares, agents.position, agents.health, heads, links)
+        squares, heads, links = agent_grid_of(world, agents, matches, match)
+        fill_grid(squares, agents.position, agents.health, heads, links)
 
 
 @kernel
@@ -81,14 +82,14 @@ def gather_near(
     seat: int,
     near: NDArray[np.int32],
 ) -> int:
-    """Find the agents that one can touch in a frame, and return how many they are.
+    """Write the seats of agents that one agent may touch in a frame, and return their number.
 
     Args:
-        squares: The grid.
+        squares: The squares of the grid.
         position: (A, 3) m.
-        heads: (N,) of its lists.
-        links: (A,) of its lists.
-        seat: Whose neighbours they are.
+        heads: (N,) the heads of the grid's lists.
+        links: (A,) the links of the grid's lists.
+        seat: The agent whose neighbours are found.
         near: (A,) their seats, written.
     """
     x, z = position[seat, 0], position[seat, 2]
@@ -108,8 +109,8 @@ def gather_near(
 
 @inlined_kernel
 def others_near(world: World, agents: Agents, matches: Matches, match: int, seat: int) -> int:
-    """Write the seats near an agent into ``agents.near``, and return how many they are."""
+    """Write the seats near an agent into ``agents.near``, and return their number."""
     if agents.health.shape[0] == 1:
         return 0
-    squares, heads, links = crowd_of(world, agents, matches, match)
+    squares, heads, links = agent_grid_of(world, agents, matches, match)
     return gather_near(squares, agents.position, heads, links, seat, agents.near)

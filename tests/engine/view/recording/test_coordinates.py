@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 from tests.engine.view.rotations import turned
 
-from wildscav_engine.view.recording import frame
+from wildscav_engine.view.recording import coordinates
 
 EAST, NORTH, UP = np.eye(3)  # Rerun's axes in a replay
 
@@ -19,7 +19,7 @@ EAST, NORTH, UP = np.eye(3)  # Rerun's axes in a replay
 def test_east_stays_east_and_up_becomes_the_third_axis(
     game: tuple[float, float, float], rerun: NDArray[np.float64]
 ) -> None:
-    np.testing.assert_array_equal(frame.points(np.array(game)), rerun)
+    np.testing.assert_array_equal(coordinates.points(np.array(game)), rerun)
 
 
 @pytest.mark.parametrize(
@@ -36,8 +36,8 @@ def test_east_stays_east_and_up_becomes_the_third_axis(
 def test_a_camera_looks_where_the_agent_looks(
     yaw: float, pitch: float, forwards: NDArray[np.float64], right: NDArray[np.float64]
 ) -> None:
-    camera = frame.camera_rotations(np.array([yaw]), np.array([pitch]))[0]
-    looks = frame.points(frame.directions(np.array(yaw), np.array(pitch)))
+    camera = coordinates.camera_rotations(np.array([yaw]), np.array([pitch]))[0]
+    looks = coordinates.points(coordinates.directions(np.array(yaw), np.array(pitch)))
 
     np.testing.assert_allclose(looks, forwards, atol=1e-6)
     np.testing.assert_allclose(turned(camera, np.array([0.0, 0.0, 1.0])), forwards, atol=1e-6)
@@ -48,7 +48,7 @@ def test_triangles_keep_their_outside() -> None:
     a, b, c = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # from above in the game's order
     assert np.cross(b - a, c - a)[1] > 0
 
-    corners = frame.points(np.array([a, b, c]))
-    first, second, third = corners[frame.triangles(np.array([[0, 1, 2]], np.int32))[0]]
+    corners = coordinates.points(np.array([a, b, c]))
+    first, second, third = corners[coordinates.triangles(np.array([[0, 1, 2]], np.int32))[0]]
 
     assert np.cross(second - first, third - first)[2] > 0
