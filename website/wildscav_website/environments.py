@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Space
 
 from wildscav_engine.envs import PRESETS
-from wildscav_engine.envs.batched import several_config
+from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.envs.registry import env_id, zoo_id
 from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.single import single_config
+from wildscav_engine.envs.single import single_agent_config
 from wildscav_engine.envs.spaces.actions import ActionMode, action_mode
 from wildscav_engine.envs.spaces.global_state import global_state_space
 from wildscav_engine.envs.spaces.observation import readings_space
@@ -62,12 +62,12 @@ class Environment(NamedTuple):
     @property
     def single(self) -> EnvConfig:
         """What it is for one learner."""
-        return single_config(self.track.name, self.options)
+        return single_agent_config(self.track.name, self.options)
 
     @property
     def several(self) -> EnvConfig:
         """What it is for several learners."""
-        return several_config(self.track.name, self.options)
+        return multi_agent_config(self.track.name, self.options)
 
 
 def environments() -> list[Environment]:
@@ -171,7 +171,7 @@ def _actions(one: Environment) -> str:
     default = one.single.action_mode
     lines = [ACTIONS.format(default=default)]
     for name in sorted(MODES, key=lambda name: name != default):
-        config = single_config(one.track.name, {**one.options, "action_mode": name})
+        config = single_agent_config(one.track.name, {**one.options, "action_mode": name})
         lines.append(f'=== "{name}"\n')
         lines.append(indented("\n".join(_mode(action_mode(config)))))
     return "\n".join(lines)

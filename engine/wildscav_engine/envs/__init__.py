@@ -1,4 +1,4 @@
-"""Environments for learners: Gymnasium for one, PettingZoo and batched arrays for several."""
+"""Environments: Gymnasium for one learner, PettingZoo and batched arrays for several."""
 
 import sys
 from importlib import import_module
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from wildscav_engine.envs.vector import VectorArena
     from wildscav_engine.envs.wrappers import FlatActions, FlatObservations
 
-_HOMES = {
+_MODULES = {
     "BatchedArena": "batched",
     "EnvConfig": "settings.config",
     "EnvOptions": "settings.options",
@@ -46,20 +46,21 @@ __all__ = [
     "VectorArena",
     "describe",
 ]
-# `from wildscav_engine.envs import *` gives what can be imported; these come with optional libraries.
+# `from wildscav_engine.envs import *` imports these only if their optional libraries are installed.
 if find_spec("pettingzoo"):
     __all__ += ["ParallelArena", "aec_env", "parallel_env"]
 if find_spec("stable_baselines3"):
     __all__ += ["StableVector"]
 
-# Importing this package makes the ids known: PettingZoo's if it is imported already, else with ``parallel``.
+# Importing this package registers the ids. Those of PettingZoo are registered only if it is already imported;
+# otherwise, importing ``parallel`` does it.
 register()
 if sys.modules.get("pettingzoo"):
     register_several()
 
 
 def __getattr__(name: str) -> Any:
-    """Import what is asked for: to make the ids known costs little."""
-    if name not in _HOMES:
+    """Import the module of a name on first use, so that importing this package costs little."""
+    if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

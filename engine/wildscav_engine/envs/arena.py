@@ -1,4 +1,4 @@
-"""The arena: matches × learners as arrays. All environments are thin shells around it."""
+"""The arena: matches × learners as arrays. All environments are thin wrappers around it."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, STANDING, Part
 from wildscav_engine.envs.spaces.facts import allocate_desk, write_rows
 from wildscav_engine.envs.spaces.flattening import Flattener
-from wildscav_engine.envs.spaces.match_in_batch import RowView
+from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.envs.spaces.observation import Observation, Readings, Sight, layout_of, readings_space
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.state import State
@@ -22,22 +22,22 @@ from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum
 
 
-class Reading(NamedTuple):
-    """What all learners are told after a step or a restart; nobody writes into it later."""
+class ArenaOutput(NamedTuple):
+    """The output for all learners after a step or a restart, in arrays that are not reused."""
 
     observation: Observation  # by name (B, L, …), or (B, L, n) if flat
     rows: NDArray[np.float32]  # (B, L, width) as ``Layout`` says
 
 
 class Arena:
-    """B matches with L learners each; the robots in the other seats play by themselves."""
+    """B matches with L learners each; robots fill the other seats."""
 
     def __init__(self, config: EnvConfig, matches: int = 1) -> None:
-        """Make room for matches; none is there before ``restart``.
+        """Create an arena without matches; ``restart`` adds them.
 
         Args:
-            config: What they are like.
-            matches: How many there are, B.
+            config: The options of the environment.
+            matches: The number of matches, B.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
         self.pool = pool_of(config.map, config.level, config.split, config.random_maps)
@@ -50,29 +50,33 @@ class Arena:
         self.terms = tuple(config.reward_weights)
         self.sight = Sight(config.read_sensors(), self.learners, config.threads)
         self.batch: Batch | None = None
-        self._views: dict[int, RowView] = {}
+        self._views: dict[int, MatchInBatch] = {}
         self._state: State | None = None
         seats = len(config.seats)
         self.actions = np.zeros((matches, seats, FIELDS), np.float32)
         self._chosen = np.zeros((matches * config.agents, FIELDS), np.float32)
         terms = RewardSum(config.reward_weights).term_arrays
         desk = allocate_desk(matches, seats, config.agents, self.layout.start, terms)
-        self.done, self._fresh = desk.done, desk.fresh  # (B, L), and (B,), both change with every step
-        # What is after one step is before the next: the two take turns.
+        self.done, self._fresh = desk.done, desk.fresh  # (B, L) and (B,), updated by every step
+        # The facts after one step are those before the next, so the two arrays swap roles.
         self._desk, self._next_desk = (
             ArrayTable(desk),
             ArrayTable(desk._replace(before=desk.after, after=desk.before)),
         )
         self._tables: tuple[ArrayTable, ...] = ()
         first = self.layout.first
-        self._standing, self._events, self._paid = first(Part.STANDING), first(Part.EVENTS), first(Part.TERMS)
+        self._standing, self._events, self._terms = (
+            first(Part.STANDING),
+            first(Part.EVENTS),
+            first(Part.TERMS),
+        )
 
     def episodes(self, seed: int) -> Episodes:
-        """Return the episodes of a seed."""
+        """Return the sequence of episodes of a seed."""
         return Episodes(self.template, self.pool, self.config.split, seed)
 
     def restart(self, rows: Sequence[int], episodes: Sequence[Episode]) -> None:
-        """Put new matches into some rows; at first, into all of them.
+        """Start new matches in some rows; the first call must be for all rows.
 
         Raises:
             MatchSetupError: A match cannot be set up.
@@ -83,10 +87,10 @@ class Arena:
             self.batch = Batch(specs, maps)
         else:
             self.batch.restart(rows, specs, maps)
-        self._notice_batch(rows)
+        self._update_after_restart(rows)
 
-    def _notice_batch(self, rows: Sequence[int]) -> None:
-        """Take notice of matches that are new in some rows."""
+    def _update_after_restart(self, rows: Sequence[int]) -> None:
+        """Update everything that depends on the matches in some rows, which are new."""
         batch = self._batch
         self.sight.look_at(batch.maps)
         if batch.state is self._state:
@@ -106,74 +110,74 @@ class Arena:
         return self.batch
 
     def get_state(self, match: int) -> bytes:
-        """Return one match as bytes, as ``Batch.get_state`` does."""
+        """Return one match as bytes; see ``Batch.get_state``."""
         return self._batch.get_state(match)
 
     def set_state(self, match: int, data: bytes) -> None:
-        """Go on with a match that ``get_state`` gave; what is read next tells of no events.
+        """Restore a match that ``get_state`` returned; the next reading contains no events.
 
         Raises:
-            StateError: The bytes are no state of a match, or of another version.
-            MatchSetupError: The match is of another track, or of other rules or seats.
+            StateError: The bytes are not a state of a match, or have another version.
+            MatchSetupError: The match has another track, other rules or other seats.
         """
         if self.batch is None:
             episodes = self.episodes(0)
             self.restart(range(self.matches), [episodes.next() for _ in range(self.matches)])
         self._batch.set_state(match, data)
-        self._notice_batch([match])
+        self._update_after_restart([match])
 
-    def choose(self, actions: Any) -> None:
-        """Take what all learners chose, as Gymnasium batches the actions of B × L of them.
+    def set_actions(self, actions: Any) -> None:
+        """Set the actions of all learners, given as Gymnasium batches the actions of B × L environments.
 
         Raises:
-            ActionError: They are not of the action space.
+            ActionError: The actions are not in the action space.
         """
         agents = self._batch.state.agents
         count = self.config.agents
         self.mode.decode(actions, agents.yaw[:, :count].reshape(-1), self._chosen)
         self.actions[:, :count] = self._chosen.reshape(self.matches, count, FIELDS)
 
-    def step(self) -> Reading:
-        """Play one step by the actions taken."""
+    def step(self) -> ArenaOutput:
+        """Play one step with the actions that were set, and return the output."""
         self.play()
         return self.read()
 
-    def play(self, but: Sequence[int] = ()) -> None:
-        """Play one step by the actions taken, in all matches but some that are to be restarted."""
+    def play(self, skip: Sequence[int] = ()) -> None:
+        """Play one step with the actions that were set, in all matches except those to be restarted."""
         batch = self._batch
-        if but:
-            batch.state.matches.over[list(but)] = True
+        if skip:
+            batch.state.matches.over[list(skip)] = True
         batch.step(self.actions, threads=self.config.threads)
 
-    def read(self) -> Reading:
-        """Return what all learners are told now, and what became of them since the last reading."""
+    def read(self) -> ArenaOutput:
+        """Return the output for all learners, with events and rewards since the last call."""
         batch, layout = self._batch, self.layout
         rows = np.empty((self.matches, len(self.learners), layout.width), np.float32)
-        _ = batch.seen  # what is seen is found out when it is asked for; the table is of these very arrays
+        _ = batch.seen  # updates the arrays to which the table points
         agents, matches, seen = self._tables
         write_rows(agents.addresses, matches.addresses, seen.addresses, self._desk.addresses, rows)
         self._desk, self._next_desk = self._next_desk, self._desk
         found: Readings = {name: rows[..., first:last] for name, first, last in layout.groups}
         self.sight.read(batch, self.view, found)
         flattener = self._flattener
-        return Reading(found if flattener is None else flattener.flatten(found, axes=2), rows)
+        return ArenaOutput(found if flattener is None else flattener.flatten(found, axes=2), rows)
 
-    def view(self, match: int) -> RowView:
-        """Return one match, for what looks at matches one by one."""
+    def view(self, match: int) -> MatchInBatch:
+        """Return the view of one match, for code that reads matches one by one."""
         if match not in self._views:
-            self._views[match] = RowView(self._batch, match)
+            self._views[match] = MatchInBatch(self._batch, match)
         return self._views[match]
 
     def terminated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Return (B, L) whose task has ended by itself."""
+        """Return (B, L) whether each episode has terminated."""
         return np.asarray(rows[..., self._standing] != 0.0)
 
     def truncated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Return (B, L) whose time was up."""
+        """Return (B, L) whether each episode was truncated by the time limit."""
         return np.asarray(rows[..., self._standing + 1] != 0.0)
 
     def rewards(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Return (B, L) what was paid for the step."""
+        """Return (B, L) the rewards of the step."""
         return rows[..., self._standing + 2].astype(np.float64)
 
     def standing(self, row: NDArray[np.float32]) -> tuple[bool, bool, float]:
@@ -182,13 +186,13 @@ class Arena:
         return terminated != 0.0, truncated != 0.0, reward
 
     def events(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (…, EVENTS) what happened in the step."""
+        """Return (…, EVENTS) the events of the step."""
         return rows[..., self._events : self._events + len(EVENTS)]
 
-    def paid(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (…, T) what each reward term paid for the step."""
-        return rows[..., self._paid : self._paid + len(self.terms)]
+    def reward_terms(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return (…, T) the reward terms of the step."""
+        return rows[..., self._terms : self._terms + len(self.terms)]
 
     def measure(self, match: int, learner: int) -> Mapping[str, float]:
-        """Return the metrics of a learner's match as it stands."""
+        """Return the current metrics of a learner."""
         return self.track.measure(self.view(match), learner)

@@ -1,4 +1,4 @@
-"""Matches × learners as arrays: several learners in each of many matches, no dictionaries of agents."""
+"""Several learners in each of many matches as arrays, without dictionaries of agents."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Unpack
@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.arena import Arena, Reading
+from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
 from wildscav_engine.envs.settings.episodes import Episodes
@@ -22,45 +22,45 @@ Flags = NDArray[np.bool_]
 
 
 class Outcome(NamedTuple):
-    """What came out of a step, for all matches and learners."""
+    """The outcome of a step for all matches and learners."""
 
     observation: Observation  # by name (B, L, …), or (B, L, n) if flat
     rewards: NDArray[np.float64]  # (B, L)
     terminated: Flags  # (B, L)
     truncated: Flags  # (B, L)
-    rows: NDArray[np.float32]  # (B, L, width) events and paid terms among them, as the arena reads them
+    rows: NDArray[np.float32]  # (B, L, width) the rows of the arena, with events and reward terms
     ended: tuple[int, ...]  # the matches that ended with this step
-    metrics: NDArray[np.float64]  # (len(ended), L, M) of those
-    final: Reading | None  # what was told before matches were reset in the same step, if any was
+    metrics: NDArray[np.float64]  # (len(ended), L, M) of the matches that ended
+    final: ArenaOutput | None  # the output before matches were reset in the same step
 
 
 class Resetter:
-    """Plays an arena on, match after match: the autoreset of all environments with many matches."""
+    """The autoreset of environments with many matches: it restarts matches that have ended."""
 
     def __init__(self, arena: Arena, mode: AutoresetMode) -> None:
-        """Take an arena without matches and one of the autoreset modes of Gymnasium."""
+        """Wrap an arena without matches, with one of Gymnasium's autoreset modes."""
         self.arena, self.mode = arena, mode
-        self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) with the last step
+        self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) which matches ended with the last step
         self._episodes: list[Episodes] = []
 
     def reset(
         self,
         seeds: Sequence[int | None],
-        fresh: int,
+        first_seed: int,
         rows: Sequence[int] | None = None,
         options: Mapping[str, Any] | None = None,
-    ) -> Reading:
-        """Begin the next episode in some rows, or in all.
+    ) -> ArenaOutput:
+        """Start the next episode in some rows, or in all.
 
         Args:
-            seeds: (B,) of the rows; None where the episodes go on that are under way.
-            fresh: The seed of the first row where there are no episodes yet; the others follow it.
-            rows: Which; None for all.
-            options: Of ``Episodes.next``.
+            seeds: (B,) the seeds of the rows; None to continue the present sequence of episodes.
+            first_seed: The seed of the first row if there are no episodes yet; the others count on from it.
+            rows: The rows; None for all.
+            options: The options of ``Episodes.next``.
         """
         arena = self.arena
         if not self._episodes:
-            self._episodes = [arena.episodes(fresh + row) for row in range(arena.matches)]
+            self._episodes = [arena.episodes(first_seed + row) for row in range(arena.matches)]
         chosen = range(arena.matches) if rows is None or arena.batch is None else rows
         for row in chosen:
             seed = seeds[row]
@@ -74,47 +74,47 @@ class Resetter:
         self.ended[list(rows)] = False
 
     def get_state(self, row: int) -> bytes:
-        """Return one match, and which episode comes next in its row, as bytes."""
+        """Return the state of one match and of its sequence of episodes as bytes."""
         if not self._episodes:
             raise RuntimeError("there is no episode: reset the environment first")
         return save(self.arena, row, self._episodes[row])
 
-    def set_state(self, row: int, data: bytes) -> Reading:
-        """Go on in a row from what ``get_state`` gave; ``saving.load`` says what is refused."""
+    def set_state(self, row: int, data: bytes) -> ArenaOutput:
+        """Restore a row from what ``get_state`` returned; ``saving.load`` lists the errors."""
         if not self._episodes:
             self._episodes = [self.arena.episodes(other) for other in range(self.arena.matches)]
         self._episodes[row] = load(self.arena, row, data)
-        reading = self.arena.read()
+        output = self.arena.read()
         self.ended[row] = self.arena.done[row].all()
-        return reading
+        return output
 
     def step(self, actions: Any) -> Outcome:
         """Play one step in every match.
 
         Raises:
-            ActionError: The actions are not of the action space.
+            ActionError: The actions are not in the action space.
             RuntimeError: There is no match yet, or one has ended and nothing resets it.
         """
         arena = self.arena
-        arena.choose(actions)
+        arena.set_actions(actions)
         fresh: Sequence[int] = ()
         if self.ended.any():
             if self.mode == AutoresetMode.DISABLED:
                 raise RuntimeError(f"matches {np.flatnonzero(self.ended).tolist()} have ended: reset them")
             fresh = np.flatnonzero(self.ended).tolist()
-        # Matches that begin with this step play none of it: they come in after it.
-        reading = arena.step() if not fresh else self._step_others(fresh)
-        return self._judge(reading)
+        # New matches do not play this step: they are added after it.
+        output = arena.step() if not fresh else self._step_others(fresh)
+        return self._outcome(output)
 
-    def _step_others(self, fresh: Sequence[int]) -> Reading:
-        """Play a step of the matches that go on, and begin new ones in the other rows."""
-        self.arena.play(but=fresh)
+    def _step_others(self, fresh: Sequence[int]) -> ArenaOutput:
+        """Play a step of the matches that continue, and start new ones in the other rows."""
+        self.arena.play(skip=fresh)
         self._restart(fresh)
         return self.arena.read()
 
-    def _judge(self, reading: Reading) -> Outcome:
-        """Say what became of everybody, and reset at once what is to be."""
-        arena, rows = self.arena, reading.rows
+    def _outcome(self, output: ArenaOutput) -> Outcome:
+        """Return the outcome of a step; in the same-step mode, restart the matches that ended."""
+        arena, rows = self.arena, output.rows
         terminated, truncated = arena.terminated(rows), arena.truncated(rows)
         rewards = arena.rewards(rows)
         ended: tuple[int, ...] = ()
@@ -126,15 +126,15 @@ class Resetter:
             metrics = self._measure(ended)
             self.ended[:] = done
             if self.mode == AutoresetMode.SAME_STEP:
-                final = reading
+                final = output
                 self._restart(ended)
-                reading = arena.read()
+                output = arena.read()
         else:
             self.ended[:] = False
-        return Outcome(reading.observation, rewards, terminated, truncated, rows, ended, metrics, final)
+        return Outcome(output.observation, rewards, terminated, truncated, rows, ended, metrics, final)
 
     def _measure(self, matches: Sequence[int]) -> NDArray[np.float64]:
-        """Return (len(matches), L, M) the metrics of matches that have ended."""
+        """Return (len(matches), L, M) the metrics of some matches."""
         learners = range(len(self.arena.learners))
         return np.array(
             [[list(self.arena.measure(match, learner).values()) for learner in learners] for match in matches]
@@ -142,7 +142,7 @@ class Resetter:
 
 
 class BatchedArena:
-    """B matches with L learners each, as arrays with leading axes (B, L) and without dictionaries of agents.
+    """B matches with L learners each, as arrays with leading axes (B, L).
 
     The autoreset modes are Gymnasium's: a match is reset when the episodes of all its learners have ended.
     """
@@ -155,18 +155,18 @@ class BatchedArena:
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **options: Unpack[EnvOptions],
     ) -> None:
-        """Choose what is played.
+        """Create the environments.
 
         Args:
             track: A name in ``tracks.TRACKS``.
-            matches: How many there are.
-            autoreset_mode: When a match that has ended begins anew.
-            options: As ``EnvOptions`` has them; ``agents`` are the learners of a match.
+            matches: The number of matches.
+            autoreset_mode: When a match that has ended is reset.
+            options: The fields of ``EnvOptions``; ``agents`` is the number of learners in a match.
 
         Raises:
-            ValueError: An option is wrong.
+            ValueError: An option is invalid.
         """
-        self.config = several_config(track, options)
+        self.config = multi_agent_config(track, options)
         if matches < 1:
             raise ValueError(f"matches is {matches}, must be at least 1")
         self.num_matches, self.num_agents = matches, self.config.agents
@@ -178,34 +178,34 @@ class BatchedArena:
         self._resetter = Resetter(self.arena, self.autoreset_mode)
 
     def reset(self, *, seed: int | None = None, mask: Flags | None = None) -> Observation:
-        """Begin new episodes.
+        """Start new episodes.
 
         Args:
-            seed: Of the first match, the others follow it: seed + row. None goes on with those under way.
-            mask: (B,) which matches; None for all.
+            seed: The seed of the first match; row i gets seed + i. None continues the present sequences.
+            mask: (B,) which matches to reset; None for all.
 
         Returns:
             The observation, by name (B, L, …).
         """
         count = self.num_matches
         seeds = [None if seed is None else seed + row for row in range(count)]
-        fresh = gymnasium.utils.seeding.np_random(None)[1]
+        first_seed = gymnasium.utils.seeding.np_random(None)[1]
         rows = None if mask is None else np.flatnonzero(mask).tolist()
-        return self._resetter.reset(seeds, fresh, rows).observation
+        return self._resetter.reset(seeds, first_seed, rows).observation
 
     def step(self, actions: Any) -> Outcome:
         """Play one step in every match.
 
         Args:
-            actions: (B, L, …) as ``action_space`` has them: an array, or a dictionary of arrays by field.
+            actions: (B, L, …) as in ``action_space``: an array, or a dictionary of arrays by field.
 
         Raises:
-            ActionError: The actions are not of the action space.
+            ActionError: The actions are not in the action space.
         """
-        return self._resetter.step(self._in_one_row(actions))
+        return self._resetter.step(self._flattened(actions))
 
-    def _in_one_row(self, actions: Any) -> Any:
-        """Return the actions of all learners, match after match, along one leading axis.
+    def _flattened(self, actions: Any) -> Any:
+        """Return the actions of all learners along one leading axis, match by match.
 
         Raises:
             ActionError: They have another shape.
@@ -216,19 +216,19 @@ class BatchedArena:
         return _joined(actions, (*leading, *(self.single_action_space.shape or ())), "actions")
 
     def get_state(self, row: int) -> bytes:
-        """Return one match, and which episode comes next in its row, as bytes.
+        """Return the state of one match and of its sequence of episodes as bytes.
 
         Raises:
-            RuntimeError: No episode has begun.
+            RuntimeError: No episode has started.
         """
         return self._resetter.get_state(row)
 
     def set_state(self, row: int, data: bytes) -> Observation:
-        """Go on in a row from a state of an environment with the same options, and return the observation.
+        """Restore a row from the state of an environment with the same options, and return the observation.
 
         Raises:
-            StateError: The bytes are no state of an environment, damaged, or of another version.
-            MatchSetupError: The match is of another track, or of other rules or seats.
+            StateError: The bytes are not a state of an environment, are damaged, or have another version.
+            MatchSetupError: The match has another track, other rules or other seats.
         """
         return self._resetter.set_state(row, data).observation
 
@@ -242,7 +242,9 @@ def _joined(values: Any, shape: tuple[int, ...], what: str) -> NDArray[Any]:
     try:
         array = np.asarray(values)
     except ValueError:  # rows of different lengths
-        raise ActionError(f"{what}: no array, must be one of shape {shape}: matches, learners, …") from None
+        raise ActionError(
+            f"{what}: not an array, must be one of shape {shape}: matches, learners, …"
+        ) from None
     if array.shape != shape:
         raise ActionError(
             f"{what}: an array of shape {array.shape}, must have the shape {shape}: matches, learners, …"
@@ -250,10 +252,10 @@ def _joined(values: Any, shape: tuple[int, ...], what: str) -> NDArray[Any]:
     return array.reshape(-1, *shape[2:])
 
 
-def several_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
-    """Return the options of an environment with several learners; no robots play by default.
+def multi_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
+    """Return the options of an environment with several learners; there are no opponents by default.
 
     Raises:
-        ValueError: One is wrong.
+        ValueError: An option is invalid.
     """
     return read_config(track, options, agents=TRACKS[track].learners if track in TRACKS else 1, opponents=())

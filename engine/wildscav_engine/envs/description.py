@@ -1,6 +1,7 @@
-"""An environment's observations and actions as data, so that an agent can make them without the engine.
+"""The layout of an environment's observations and actions as data, for agents without the engine.
 
-``wildscav.policy`` reads this description; the tests hold its arrays equal to the environments', bit for bit.
+``wildscav.policy`` reads this description. Tests ensure that its arrays equal those of the environments, bit
+for bit.
 """
 
 import dataclasses
@@ -17,20 +18,20 @@ from wildscav_engine.envs.spaces.flattening import scales_of
 from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.sensors import Sensor
 
-FORMAT = 1  # rises when older readers would misread a description
+FORMAT = 1  # raised when older readers would misread a description
 
 
 def describe(config: EnvConfig) -> dict[str, Any]:
-    """Return how an environment's observations and actions are laid out, ready for JSON.
+    """Return the layout of an environment's observations and actions, ready for JSON.
 
     Args:
-        config: Its options: the attribute ``config`` of any environment.
+        config: The options, which are the attribute ``config`` of any environment.
 
     Returns:
         ``format``; ``track``; ``frames_per_action``; ``flat``; ``observations``, the parts of an observation
-        in the order of flat rows, each with its name, shape, dtype, scale (what its numbers are divided by in
-        flat rows), and the columns of a group or the options of a sensor; and ``actions``, as
-        ``ActionMode.describe`` says.
+        in the order of flat rows, each with its name, shape, dtype, scale (the divisors of its numbers in
+        flat rows), and the columns of a group or the options of a sensor; and ``actions``, as returned by
+        ``ActionMode.describe``.
     """
     sensors = config.read_sensors()
     columns = {group.name: [column.name for column in group.columns] for group in GROUPS.values()}
@@ -53,13 +54,13 @@ def describe(config: EnvConfig) -> dict[str, Any]:
 
 
 def options_of(sensor: Sensor) -> dict[str, Any]:
-    """Return all options of a sensor, as they stand in a ``submission.toml``."""
+    """Return all options of a sensor, as in ``submission.toml``."""
     fields: Any = sensor
     return {field.name: getattr(sensor, field.name) for field in dataclasses.fields(fields)}
 
 
 def _scale(name: str, box: Box) -> Any:
-    """Return what numbers are divided by, as briefly as broadcasting allows."""
+    """Return the divisors of numbers, in the smallest shape that broadcasts."""
     scales: NDArray[np.float64] = scales_of(name, box).reshape(box.shape)
     while scales.ndim and (scales == scales[:1]).all():
         scales = scales[0]

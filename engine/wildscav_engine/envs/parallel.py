@@ -1,4 +1,4 @@
-"""Several learners: PettingZoo environments."""
+"""The PettingZoo environments for several learners."""
 
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from pettingzoo.utils.conversions import parallel_to_aec
 
-from wildscav_engine.envs.arena import Arena, Reading
-from wildscav_engine.envs.batched import several_config
+from wildscav_engine.envs.arena import Arena, ArenaOutput
+from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.registry import register_several
-from wildscav_engine.envs.rendering.render import Picture
+from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.episodes import Episodes
 from wildscav_engine.envs.settings.options import EnvOptions
@@ -31,24 +31,24 @@ register_several()
 
 
 class ParallelArena(ParallelEnv[str, Observation, Any]):
-    """A match whose learners act all at once; ``agent_0`` sits in seat 0, and so on.
+    """A match whose learners act simultaneously; ``agent_0`` has seat 0, and so on.
 
-    Whoever is out for good gets its last values and leaves ``agents``. Whoever will come back stays:
-    ``alive`` in the group ``body`` of its observation says 0, and the action mask in its infos allows one
+    An eliminated agent gets its last values and leaves ``agents``. A dead agent that will respawn stays:
+    ``alive`` in the group ``body`` of its observation is 0, and the action mask in its infos allows one
     action.
     """
 
     def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
-        """Choose what is played.
+        """Create an environment.
 
         Args:
             track: A name in ``tracks.TRACKS``.
-            options: As ``EnvOptions`` has them; ``agents`` are the learners.
+            options: The fields of ``EnvOptions``; ``agents`` is the number of learners.
 
         Raises:
-            ValueError: An option is wrong.
+            ValueError: An option is invalid.
         """
-        self.config, self._options = several_config(track, options), options
+        self.config, self._options = multi_agent_config(track, options), options
         self.metadata = {
             "name": f"wildscav_{track}_v{VERSION}",
             "render_modes": RENDER_MODES,
@@ -69,7 +69,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         self._rows = [self.arena.actions[:, seat] for seat in range(self.config.agents)]
         self._alive = self.arena.layout.first(Part.BODY)
         self._episodes: Episodes | None = None
-        self._picture = Picture(self.config)
+        self._renderer = Renderer(self.config)
 
     def observation_space(self, agent: str) -> Space[Any]:
         """Return the space of an agent's observations, the same object every time."""
@@ -82,23 +82,23 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """Begin the next episode; that of a seed if one is given.
+        """Start the next episode, or the first episode of a seed.
 
         Args:
-            seed: 0 or more. The episodes after it are a function of it.
-            options: ``start``, ``target`` and ``map`` of this episode alone; others are ignored.
+            seed: 0 or more; determines all following episodes.
+            options: ``start``, ``target`` and ``map`` of this episode only; others are ignored.
 
         Raises:
-            ValueError: An option is wrong.
+            ValueError: An option is invalid.
         """
         if seed is not None or self._episodes is None:
             self._episodes = self.arena.episodes(seeding.np_random(seed)[1] if seed is None else seed)
         self.arena.restart([0], [self._episodes.next(options)])
         self.agents = list(self.possible_agents)
-        reading = self.arena.read()
-        self._picture.begin(self.arena)
-        infos = {agent: self._info(reading, agent, ended=False) for agent in self.agents}
-        return self._observations(reading), infos
+        output = self.arena.read()
+        self._renderer.begin(self.arena)
+        infos = {agent: self._info(output, agent, ended=False) for agent in self.agents}
+        return self._observations(output), infos
 
     def step(
         self, actions: dict[str, Any]
@@ -108,32 +108,32 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         """Play one step.
 
         Args:
-            actions: One for each of ``agents``.
+            actions: One action for each of ``agents``.
 
         Raises:
-            ActionError: An action is not of the action space.
-            ValueError: An agent has none, or one that is not in the match has.
+            ActionError: An action is not in the action space.
+            ValueError: An action is missing, or is for an agent that is not in the match.
         """
         if not self.agents:
             return {}, {}, {}, {}, {}
-        self._choose(actions)
-        reading = self.arena.step()
+        self._set_actions(actions)
+        output = self.arena.step()
         rewards, terminated, truncated, infos = {}, {}, {}, {}
         for agent in self.agents:
-            row = reading.rows[0, self._seats[agent]]
+            row = output.rows[0, self._seats[agent]]
             terminated[agent], truncated[agent], rewards[agent] = self.arena.standing(row)
-            infos[agent] = self._info(reading, agent, ended=terminated[agent] or truncated[agent])
-        observations = self._observations(reading)
+            infos[agent] = self._info(output, agent, ended=terminated[agent] or truncated[agent])
+        observations = self._observations(output)
         self.agents = [agent for agent in self.agents if not (terminated[agent] or truncated[agent])]
         if self.render_mode == "human":
-            self._picture.show(self.arena)
+            self._renderer.show(self.arena)
         return observations, rewards, terminated, truncated, infos
 
-    def _choose(self, actions: dict[str, Any]) -> None:
+    def _set_actions(self, actions: dict[str, Any]) -> None:
         if actions.keys() != set(self.agents):
             raise ValueError(
-                f"actions are given for {', '.join(sorted(actions)) or 'nobody'}; "
-                f"those who act are {', '.join(self.agents)}"
+                f"actions are given for {', '.join(sorted(actions)) or 'no agent'}; "
+                f"the agents are {', '.join(self.agents)}"
             )
         arena = self.arena
         arena.actions[:] = 0.0
@@ -145,12 +145,12 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
             seat = self._seats[agent]
             arena.mode.decode_one(action, yaws[seat : seat + 1], self._rows[seat])
 
-    def _observations(self, reading: Reading) -> dict[str, Observation]:
-        return {agent: part_of(reading.observation, (0, self._seats[agent])) for agent in self.agents}
+    def _observations(self, output: ArenaOutput) -> dict[str, Observation]:
+        return {agent: part_of(output.observation, (0, self._seats[agent])) for agent in self.agents}
 
-    def _info(self, reading: Reading, agent: str, *, ended: bool) -> dict[str, Any]:
+    def _info(self, output: ArenaOutput, agent: str, *, ended: bool) -> dict[str, Any]:
         seat = self._seats[agent]
-        row = reading.rows[0, seat]
+        row = output.rows[0, seat]
         info: dict[str, Any] = {**info_of(self.arena, 0, seat, row, ended=ended)}
         mask = self.arena.mode.mask(bool(row[self._alive]))
         if self.config.flat:
@@ -160,52 +160,52 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         return info
 
     def get_state(self) -> bytes:
-        """Return the match, and which episode comes next, as bytes.
+        """Return the state of the match and of the sequence of episodes as bytes.
 
         Raises:
-            RuntimeError: No episode has begun.
+            RuntimeError: No episode has started.
         """
         if self._episodes is None:
             raise RuntimeError("there is no episode: reset the environment first")
         return save(self.arena, 0, self._episodes)
 
     def set_state(self, data: bytes) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """Go on from a state of an environment with the same options, and return what is told there.
+        """Restore the state of an environment with the same options; return its observations and infos.
 
         Raises:
-            StateError: The bytes are no state of an environment, damaged, or of another version.
-            MatchSetupError: The match is of another track, or of other rules or seats.
+            StateError: The bytes are not a state of an environment, are damaged, or have another version.
+            MatchSetupError: The match has another track, other rules or other seats.
         """
         self._episodes = load(self.arena, 0, data)
-        reading = self.arena.read()
+        output = self.arena.read()
         done = self.arena.done[0]
         self.agents = [agent for agent, seat in self._seats.items() if not done[seat]]
-        self._picture.begin(self.arena)
-        infos = {agent: self._info(reading, agent, ended=False) for agent in self.agents}
-        return self._observations(reading), infos
+        self._renderer.begin(self.arena)
+        infos = {agent: self._info(output, agent, ended=False) for agent in self.agents}
+        return self._observations(output), infos
 
     def fork(self) -> "ParallelArena":
-        """Return an environment in the same state that goes its own way: with the same actions, the same way.
+        """Return an independent environment in the same state.
 
-        It shows nothing, whatever this one shows.
+        With the same actions, both continue identically. The copy has no render mode.
         """
         other = ParallelArena(self.config.track, **(self._options | {"render_mode": None}))
         other.set_state(self.get_state())
         return other
 
     def state(self) -> NDArray[np.float32]:
-        """Return all that matters of the whole match, robots included, as ``spaces/global_state.py`` says."""
+        """Return the state of the whole match, including robots; see ``spaces/global_state.py``."""
         if self.arena.batch is None:
             raise RuntimeError("there is no episode: reset the environment first")
         return global_state(self.arena.batch.state)
 
     def render(self) -> Any:
-        """Return the picture that the render mode says, of the first agent or from above."""
-        return self._picture.render(self.arena)
+        """Return an image as the render mode demands, of what the first agent sees or from above."""
+        return self._renderer.render(self.arena)
 
     def close(self) -> None:
-        """End the viewer's recording, if there is one."""
-        self._picture.close()
+        """Close the recording of the live view, if there is one."""
+        self._renderer.close()
 
 
 def parallel_env(track: str, **options: Unpack[EnvOptions]) -> ParallelArena:
@@ -213,18 +213,18 @@ def parallel_env(track: str, **options: Unpack[EnvOptions]) -> ParallelArena:
 
     Args:
         track: A name in ``tracks.TRACKS``.
-        options: As ``EnvOptions`` has them; ``agents`` are the learners.
+        options: The fields of ``EnvOptions``; ``agents`` is the number of learners.
 
     Raises:
-        ValueError: An option is wrong.
+        ValueError: An option is invalid.
     """
     return ParallelArena(track, **options)
 
 
 def aec_env(track: str, **options: Unpack[EnvOptions]) -> "AECEnv[str, Observation, Any]":
-    """Return the same match with learners that act one after another, by PettingZoo's own conversion.
+    """Return the same environment with agents that act one after another, by PettingZoo's conversion.
 
     Raises:
-        ValueError: An option is wrong.
+        ValueError: An option is invalid.
     """
     return parallel_to_aec(parallel_env(track, **options))

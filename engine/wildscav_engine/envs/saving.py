@@ -1,7 +1,8 @@
-"""The state of an environment as bytes: its match, and which episode comes next.
+"""The state of an environment as bytes: its match, and the position in the sequence of episodes.
 
-The layout is that of ``container``: the payload is what ``Batch.get_state`` gives, so versions are checked as
-they are there. The checksum finds damage, not forgery; take no state from strangers.
+The bytes have the layout of ``storage/binary_format.py``. Their payload is the result of ``Batch.get_state``,
+which also covers versions. The checksum detects damage but not forgery: do not load states from untrusted
+sources.
 """
 
 from wildscav_engine.envs.arena import Arena
@@ -13,17 +14,17 @@ LAYOUT = Layout(b"WILDSENV", 1, "a state of an environment")
 
 
 def save(arena: Arena, match: int, episodes: Episodes) -> bytes:
-    """Return one match of an arena as bytes, with the count of its episodes."""
+    """Return one match of an arena and the position in its sequence of episodes as bytes."""
     header = {"seed": episodes.seed, "number": episodes.number}
     return pack(LAYOUT, header, arena.get_state(match))
 
 
 def load(arena: Arena, match: int, data: bytes) -> Episodes:
-    """Put a match that ``save`` gave into an arena, and return its episodes.
+    """Restore a match that ``save`` returned in an arena, and return its sequence of episodes.
 
     Raises:
-        StateError: The bytes are no state of an environment, damaged, or of another version.
-        MatchSetupError: The match is of another track, or of other rules or seats.
+        StateError: The bytes are not a state of an environment, are damaged, or have another version.
+        MatchSetupError: The match has another track, other rules or other seats.
     """
     try:
         header, payload = unpack(LAYOUT, data)

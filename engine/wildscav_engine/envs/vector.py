@@ -1,4 +1,4 @@
-"""Many single environments as one: a Gymnasium vector environment over one batch."""
+"""Many single environments as one Gymnasium vector environment, played as one batch."""
 
 from collections.abc import Sequence
 from typing import Any, Unpack
@@ -8,12 +8,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.arena import Arena, Reading
+from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.batched import Outcome, Resetter
 from wildscav_engine.envs.infos import info_of
-from wildscav_engine.envs.rendering.render import Picture
+from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.options import EnvOptions
-from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_config
+from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_agent_config
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
@@ -23,7 +23,7 @@ Infos = dict[str, Any]
 class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
     """N matches with one learner each.
 
-    Row i of it, with the seed s, is the single environment with the seed s + i.
+    With the seed s, row i plays the same episodes as the single environment with the seed s + i.
     """
 
     def __init__(
@@ -34,18 +34,18 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **options: Unpack[EnvOptions],
     ) -> None:
-        """Choose what is played.
+        """Create the environments.
 
         Args:
             track: A name in ``tracks.TRACKS``.
-            num_envs: How many matches there are.
-            autoreset_mode: When a match that has ended begins anew.
-            options: As ``EnvOptions`` has them.
+            num_envs: The number of matches.
+            autoreset_mode: When a match that has ended is reset.
+            options: The fields of ``EnvOptions``.
 
         Raises:
-            ValueError: An option is wrong.
+            ValueError: An option is invalid.
         """
-        self.config = single_config(track, options)
+        self.config = single_agent_config(track, options)
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}, must be at least 1")
         self.num_envs, self.autoreset_mode = num_envs, AutoresetMode(autoreset_mode)
@@ -61,25 +61,25 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._resetter = Resetter(self.arena, self.autoreset_mode)
-        self._picture = Picture(self.config)
-        self._everybody = np.ones(num_envs, np.bool_)
-        self._everybody.flags.writeable = False
+        self._renderer = Renderer(self.config)
+        self._all_rows = np.ones(num_envs, np.bool_)
+        self._all_rows.flags.writeable = False
         self._no_metrics = np.zeros(num_envs)
         self._no_metrics.flags.writeable = False
-        self._nobody = np.zeros(num_envs, np.bool_)
-        self._nobody.flags.writeable = False
+        self._no_rows = np.zeros(num_envs, np.bool_)
+        self._no_rows.flags.writeable = False
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, Infos]:
-        """Begin new episodes.
+        """Start new episodes.
 
         Args:
-            seed: Of the first environment, the others follow it; or one for each.
-            options: ``reset_mask``, (N,) bool: which environments are reset; and those of a single one.
+            seed: The seed of the first environment, from which the others count on; or a list of all seeds.
+            options: ``reset_mask``, (N,) bool, the environments to reset; and the options of a single one.
 
         Raises:
-            ValueError: There are too few or too many seeds, or the mask is wrong.
+            ValueError: The number of seeds or the mask is wrong.
         """
         seeds: Sequence[int | None] = [None] * self.num_envs
         if seed is not None:
@@ -90,16 +90,16 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         given = dict(options or {})
         mask = given.pop("reset_mask", None)
         rows = None if mask is None else np.flatnonzero(self._checked(mask)).tolist()
-        reading = self._resetter.reset(seeds, self.np_random_seed or 0, rows, given)
-        chosen = self._everybody if rows is None else np.asarray(mask).copy()
+        output = self._resetter.reset(seeds, self.np_random_seed or 0, rows, given)
+        chosen = self._all_rows if rows is None else np.asarray(mask).copy()
         self._show()
-        return _squeezed(reading.observation), self._infos(reading.rows, (), np.zeros((0, 1, 0)), chosen)
+        return _squeezed(output.observation), self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)
 
     def _checked(self, mask: Any) -> NDArray[np.bool_]:
-        """Return a mask of environments to reset.
+        """Return a validated mask of environments to reset.
 
         Raises:
-            ValueError: It is none.
+            ValueError: The mask has another shape or dtype, or selects no environment.
         """
         array = np.asarray(mask)
         if array.shape != (self.num_envs,) or array.dtype != np.bool_ or not array.any():
@@ -115,11 +115,11 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         """Play one step in every environment.
 
         Raises:
-            ActionError: The actions are not of the action space.
+            ActionError: The actions are not in the action space.
             RuntimeError: There is no match yet, or one has ended and nothing resets it.
         """
         outcome = self._resetter.step(actions)
-        infos = self._infos(outcome.rows, outcome.ended, outcome.metrics, self._everybody)
+        infos = self._infos(outcome.rows, outcome.ended, outcome.metrics, self._all_rows)
         if outcome.final is not None:
             infos = self._with_final(infos, outcome, outcome.final)
         self._show()
@@ -138,39 +138,39 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         metrics: NDArray[np.float64],
         chosen: NDArray[np.bool_],
     ) -> Infos:
-        """Return what the single environments tell, each value as an array with a mask beside it."""
+        """Return the infos of the single environments, each value as an array with a mask."""
         arena = self.arena
-        counted = arena.events(rows)[:, 0].astype(np.int64).T
-        paid = arena.paid(rows)[:, 0].astype(np.float64).T
-        if chosen is not self._everybody:
-            counted, paid = counted * chosen, paid * chosen
+        counts = arena.events(rows)[:, 0].astype(np.int64).T
+        terms = arena.reward_terms(rows)[:, 0].astype(np.float64).T
+        if chosen is not self._all_rows:
+            counts, terms = counts * chosen, terms * chosen
         measured = [self._no_metrics] * len(arena.metrics)
         if ended:
             measured = list(np.zeros((len(arena.metrics), self.num_envs)))
             for column, values in enumerate(measured):
                 values[list(ended)] = metrics[:, 0, column]
         return {
-            "events": self._masked(EVENTS, counted, chosen),
+            "events": self._masked(EVENTS, counts, chosen),
             "_events": chosen,
-            "reward_terms": self._masked(arena.terms, paid, chosen),
+            "reward_terms": self._masked(arena.terms, terms, chosen),
             "_reward_terms": chosen,
             "metrics": self._masked(arena.metrics, measured, chosen),
             "_metrics": chosen,
         }
 
     def _masked(self, names: tuple[str, ...], values: Any, chosen: NDArray[np.bool_]) -> Any:
-        """Return (N,) arrays by name, each with the mask of those told of; (N, len(names)) if flat."""
+        """Return (N,) arrays by name, each with its mask; (N, len(names)) if flat."""
         if self.config.flat:
             return np.stack(values, axis=1) if names else np.zeros((self.num_envs, 0))
-        told: Infos = {}
+        masked: Infos = {}
         for name, column in zip(names, values, strict=True):
-            told[name] = column
-            told[f"_{name}"] = chosen
-        return told
+            masked[name] = column
+            masked[f"_{name}"] = chosen
+        return masked
 
-    def _with_final(self, infos: Infos, outcome: Outcome, final: Reading) -> Infos:
-        """Return the infos of new episodes, with what was told at the end of those before."""
-        mask = self._nobody.copy()
+    def _with_final(self, infos: Infos, outcome: Outcome, final: ArenaOutput) -> Infos:
+        """Return the infos of new episodes, with the last observations and infos of the previous ones."""
+        mask = self._no_rows.copy()
         mask[list(outcome.ended)] = True
         observations = np.full(self.num_envs, None, object)
         for row in outcome.ended:
@@ -199,35 +199,35 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         }
 
     def get_state(self, row: int) -> bytes:
-        """Return one environment as bytes, which a single environment takes, too.
+        """Return one environment as bytes, which a single environment can also restore.
 
         Raises:
-            RuntimeError: No episode has begun.
+            RuntimeError: No episode has started.
         """
         return self._resetter.get_state(row)
 
     def set_state(self, row: int, data: bytes) -> Observation:
-        """Go on in a row from a state of an environment with the same options, and return the observation.
+        """Restore a row from the state of an environment with the same options, and return the observation.
 
         Raises:
-            StateError: The bytes are no state of an environment, damaged, or of another version.
-            MatchSetupError: The match is of another track, or of other rules or seats.
+            StateError: The bytes are not a state of an environment, are damaged, or have another version.
+            MatchSetupError: The match has another track, other rules or other seats.
         """
         return _squeezed(self._resetter.set_state(row, data).observation)
 
     def _show(self) -> None:
         if self.render_mode == "human":
-            self._picture.begin(self.arena)
+            self._renderer.begin(self.arena)
 
     def render(self) -> tuple[Any, ...] | None:
-        """Return the pictures of all environments; ``human`` shows the first."""
+        """Return the images of all environments; with ``human``, the viewer shows the first one instead."""
         if self.render_mode is None or self.render_mode == "human":
             return None
-        return tuple(self._picture.render(self.arena, row) for row in range(self.num_envs))
+        return tuple(self._renderer.render(self.arena, row) for row in range(self.num_envs))
 
     def close_extras(self, **_options: Any) -> None:
-        """End the viewer's recording, if there is one."""
-        self._picture.close()
+        """Close the recording of the live view, if there is one."""
+        self._renderer.close()
 
 
 def _squeezed(observation: Observation) -> Observation:

@@ -1,4 +1,4 @@
-"""Wrappers for trainers that want one Box of each: of what is observed and of what is done."""
+"""Wrappers for trainers that require observations and actions to be single Boxes."""
 
 from typing import Any
 
@@ -12,56 +12,56 @@ from wildscav_engine.envs.spaces.observation import Readings
 
 
 class FlatObservations(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Readings]):
-    """One row of numbers instead of a Dict: all groups and sensors end to end, mostly in [-1, 1]."""
+    """One row of numbers instead of a Dict: all groups and sensors concatenated, mostly in [-1, 1]."""
 
     def __init__(self, env: gymnasium.Env[Readings, Any]) -> None:
         """Wrap an environment whose observations are a Dict of Boxes.
 
         Raises:
-            TypeError: They are not.
+            TypeError: The observations have another space.
         """
         super().__init__(env)
         space: Any = env.observation_space
         if not isinstance(space, Dict) or not all(isinstance(box, Box) for box in space.values()):
-            raise TypeError(f"the observations are of {space}, must be of a Dict of Boxes")
+            raise TypeError(f"the observation space is {space}, must be a Dict of Boxes")
         self._flattener = Flattener(space)
         self.observation_space = self._flattener.space
 
     def observation(self, observation: Readings) -> NDArray[np.float32]:
-        """Return (n,) the numbers of an observation."""
+        """Return an observation as (n,) numbers."""
         return self._flattener.flatten(observation)
 
 
 class FlatActions(gymnasium.ActionWrapper[Readings, NDArray[np.float32], dict[str, Any]]):
-    """Numbers in [-1, 1] instead of a Dict of fields, each stretched to the range of its field.
+    """Numbers in [-1, 1] instead of a Dict of fields, each scaled to the range of its field.
 
-    A choice between n things is the n-th part of the way from -1 to 1 in which the number lies.
+    For a choice between n values, the interval from -1 to 1 is divided into n equal parts.
     """
 
     def __init__(self, env: gymnasium.Env[Readings, dict[str, Any]]) -> None:
-        """Wrap an environment in the action mode ``dict``.
+        """Wrap an environment with the action mode ``dict``.
 
         Raises:
-            TypeError: It is in another.
+            TypeError: It has another action mode.
         """
         super().__init__(env)
         space: Any = env.action_space
         if not isinstance(space, Dict):
-            raise TypeError(f"the actions are of {space}, must be of a Dict: choose action_mode='dict'")
+            raise TypeError(f"the action space is {space}, must be a Dict: choose action_mode='dict'")
         self._fields: dict[str, Space[Any]] = dict(space.spaces)
         self.action_space = Box(-1.0, 1.0, (len(self._fields),), np.float32)
 
     def action(self, action: NDArray[np.float32]) -> dict[str, Any]:
-        """Return the fields of (k,) numbers in [-1, 1], in the order of the Dict."""
+        """Return the fields for (k,) numbers in [-1, 1], in the order of the Dict."""
         shares = (np.clip(np.asarray(action, np.float64), -1.0, 1.0) + 1.0) / 2.0
         return {
-            name: _stretched(space, float(share))
+            name: _scaled(space, float(share))
             for (name, space), share in zip(self._fields.items(), shares, strict=True)
         }
 
 
-def _stretched(space: Space[Any], share: float) -> Any:
-    """Return what lies at a share from 0 to 1 of a space."""
+def _scaled(space: Space[Any], share: float) -> Any:
+    """Return the value at a fraction from 0 to 1 of the range of a space."""
     if isinstance(space, Discrete):
         return min(int(space.n) - 1, int(share * int(space.n)))
     if isinstance(space, Box):

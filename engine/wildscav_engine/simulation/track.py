@@ -1,4 +1,4 @@
-"""What every track is: its action set, its teams and goals, what it rewards, and what it measures."""
+"""The base class of tracks: action set, teams, goals, default rewards and metrics."""
 
 import inspect
 from abc import ABC, abstractmethod
@@ -24,7 +24,7 @@ AGENTS_SEEN: Sensors = {"visible_agents": {"limit": 8}}
 
 
 class Metric(NamedTuple):
-    """One figure of a seat's result."""
+    """One metric of a seat's result."""
 
     name: str
     title: str
@@ -33,42 +33,42 @@ class Metric(NamedTuple):
 
 
 class Track(ABC):
-    """A kind of match."""
+    """Base class of tracks, the kinds of match."""
 
-    name: ClassVar[str]  # the word for it in specs, commands and files
-    title: ClassVar[str]  # what a person reads
+    name: ClassVar[str]  # in specs, commands and files
+    title: ClassVar[str]  # for people
     fields: ClassVar[frozenset[Field]]  # the action set; other fields of an action are ignored
-    metrics: ClassVar[tuple[Metric, ...]]  # what is measured; the first is the score
-    rewards: ClassVar[Mapping[str, float]]  # weights of the reward terms that learners get by default
-    # What environments are like by default:
-    robot: ClassVar[str]  # who fills the other seats
-    learners: ClassVar[int]  # where there are several
+    metrics: ClassVar[tuple[Metric, ...]]  # the first is the score
+    rewards: ClassVar[Mapping[str, float]]  # default weights of the reward terms
+    # Defaults of environments:
+    robot: ClassVar[str]  # the robot that fills the other seats
+    learners: ClassVar[int]  # in environments with several learners
     opponents: ClassVar[int] = 0  # robots against a single learner
     time_limit: ClassVar[float] = 120.0  # s
     sensors: ClassVar[Sensors] = PAPER_DEPTH
-    # What its rules are:
+    # Rules:
     has_target: ClassVar[bool] = False  # whether reaching the target ends the match
-    hides_target: ClassVar[bool] = False  # whether the target has to be found first
+    hides_target: ClassVar[bool] = False  # whether the target must be found first
     has_supplies: ClassVar[bool] = False  # whether there are supply boxes
-    has_supply_goal: ClassVar[bool] = False  # whether a spec may ask for a number of supplies
+    has_supply_goal: ClassVar[bool] = False  # whether a spec may set a supply goal
     has_zone: ClassVar[bool] = False  # whether there is a safe zone
-    respawns: ClassVar[bool] = True  # whether the dead come back
+    respawns: ClassVar[bool] = True  # whether agents respawn
 
     def teams(self, seats: int) -> tuple[int, ...]:
-        """Return the team of each seat where the spec does not say: every seat has its own."""
+        """Return the default team of each seat: every seat has its own team."""
         return tuple(range(seats))
 
     def supplies(self, spec: MatchSpec) -> SupplyConfig | None:  # noqa: ARG002
-        """Return where supplies lie, None for a track without any."""
+        """Return the supplies of a match; None for tracks without supplies."""
         return None
 
     def zone(self, spec: MatchSpec) -> ZoneConfig:  # noqa: ARG002
-        """Return the schedule of the safe zone, one without phases for a track without any."""
+        """Return the schedule of the safe zone; without phases for tracks without a zone."""
         return NO_ZONE
 
     @abstractmethod
     def measure(self, match: "MatchView", seat: int) -> Mapping[str, float]:
-        """Return a seat's value of every metric, for a match that is over (or as it stands)."""
+        """Return the value of every metric of a seat, at the end of the match or so far."""
 
 
 class Measure(ABC):

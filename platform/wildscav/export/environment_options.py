@@ -45,12 +45,14 @@ def fit(trained: Trained, track: str, options: Mapping[str, Any]) -> dict[str, A
 
 def _describe(track: str, options: dict[str, Any]) -> dict[str, Any]:
     from wildscav_engine.envs import describe
-    from wildscav_engine.envs.batched import several_config
-    from wildscav_engine.envs.single import single_config
+    from wildscav_engine.envs.batched import multi_agent_config
+    from wildscav_engine.envs.single import single_agent_config
 
     try:
         several = options.get("agents", 1) != 1
-        return describe(several_config(track, options) if several else single_config(track, options))
+        return describe(
+            multi_agent_config(track, options) if several else single_agent_config(track, options)
+        )
     except (TypeError, ValueError) as error:
         raise UserError(f"the options of the environment: {error}", exit_code=2) from None
 

@@ -27,7 +27,7 @@ FIXED = {
 FIXED |= {"clip_size", "full_health", "full_spare_ammo", "shot_damage", "start"}
 PLAYED_ANEW = {
     "damage",
-    "course",
+    "walk_velocity",
     "on_ground",
     "fired",
     "hit_seat",

@@ -1,1 +1,1 @@
-"""What an environment looks like: pictures, and a live view."""
+"""Rendering of environments: images, and a live view."""

@@ -1,4 +1,4 @@
-"""Marks on a picture from above: an arrowhead for each agent, in its team's colour, to where it looks."""
+"""Markers on an image from above: an arrowhead for each agent in its team's colour and view direction."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,10 +7,10 @@ from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.simulation.state import Agents
 
-SHARE = 0.022  # of the picture's longer side: from an arrowhead's middle to its tip
-LEAST = 5.0  # pixels, the same
-RIM = 1.6  # pixels of a dark rim, so that it shows on any ground
-# Corners from the middle, to the right and ahead, as parts of the way to the tip.
+SIZE = 0.022  # of the image's longer side, from an arrowhead's center to its tip
+MIN_SIZE = 5.0  # pixels
+RIM = 1.6  # pixels, width of a dark rim that makes the marker visible on any ground
+# Corners relative to the center, to the right and ahead, in units of the distance to the tip.
 ARROWHEAD = ((0.0, 1.0), (0.75, -0.8), (0.0, -0.4), (-0.75, -0.8))
 DARK = (20, 20, 20)
 
@@ -19,33 +19,33 @@ def mark_agents(picture: NDArray[np.uint8], agents: Agents, height: float, *, ta
     """Mark the living agents of one match, in place.
 
     Args:
-        picture: (height, width, 3) of a camera above the middle of the map, looking down, north up.
+        picture: (height, width, 3) from a camera above the center of the map, north at the top.
         agents: With a leading axis of length one.
-        height: m, of the camera.
-        tangent_of_half: Of half the camera's angle from the left edge to the right.
+        height: m, height of the camera.
+        tangent_of_half: The tangent of half the camera's horizontal angle of view.
     """
     rows, columns = picture.shape[:2]
-    size = max(LEAST, SHARE * max(rows, columns))
+    size = max(MIN_SIZE, SIZE * max(rows, columns))
     for seat in np.flatnonzero(agents.health[0] > 0).tolist():
         x, y, z = agents.position[0, seat].tolist()
-        scale = columns / 2 / (tangent_of_half * (height - y))  # pixels a metre
-        middle = (columns / 2 + x * scale, rows / 2 - z * scale)
+        scale = columns / 2 / (tangent_of_half * (height - y))  # pixels per metre
+        center = (columns / 2 + x * scale, rows / 2 - z * scale)
         yaw = float(agents.yaw[0, seat])
-        _fill(picture, _corners(middle, yaw, size + RIM), DARK)
-        _fill(picture, _corners(middle, yaw, size), of_seat(int(agents.team[0, seat])))
+        _fill(picture, _corners(center, yaw, size + RIM), DARK)
+        _fill(picture, _corners(center, yaw, size), of_seat(int(agents.team[0, seat])))
 
 
-def _corners(middle: tuple[float, float], yaw: float, size: float) -> NDArray[np.float64]:
-    """Return (4, 2) the corners of an arrowhead, pixels to the right and down."""
+def _corners(center: tuple[float, float], yaw: float, size: float) -> NDArray[np.float64]:
+    """Return (4, 2) the corners of an arrowhead, in pixels to the right and down."""
     ahead = np.array([sine(yaw), -cosine(yaw)])
     right = np.array([-ahead[1], ahead[0]])
     return np.array(
-        [np.array(middle) + size * (across * right + along * ahead) for across, along in ARROWHEAD]
+        [np.array(center) + size * (across * right + along * ahead) for across, along in ARROWHEAD]
     )
 
 
 def _fill(picture: NDArray[np.uint8], corners: NDArray[np.float64], color: tuple[int, int, int]) -> None:
-    """Paint the two triangles on either side of an arrowhead's axis, as far as they are in the picture."""
+    """Fill the two triangles on either side of an arrowhead's axis, clipped to the image."""
     rows, columns = picture.shape[:2]
     left, top = np.clip(np.floor(corners.min(axis=0)).astype(int), 0, (columns, rows))
     right, bottom = np.clip(np.ceil(corners.max(axis=0)).astype(int) + 1, 0, (columns, rows))
@@ -60,7 +60,7 @@ def _in_triangle(
 ) -> NDArray[np.bool_]:
     sides = []
     for start, end in zip(corners, (*corners[1:], corners[0]), strict=True):
-        way = end - start
-        sides.append(way[0] * (down - start[1]) - way[1] * (across - start[0]) >= 0.0)
+        edge = end - start
+        sides.append(edge[0] * (down - start[1]) - edge[1] * (across - start[0]) >= 0.0)
     inside: NDArray[np.bool_] = np.equal(sides[0], sides[1]) & np.equal(sides[1], sides[2])  # all on one side
     return inside

@@ -1,1 +1,1 @@
-"""The options of environments: their config, presets, and what each episode is played on."""
+"""The options of environments: their config, presets, and the seed and map of each episode."""

@@ -1,4 +1,4 @@
-"""All options of an environment, in one frozen object."""
+"""All options of an environment in one immutable object."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
@@ -22,40 +22,40 @@ ActionMode = Literal["dict", "box", "baseline", "multidiscrete"]
 RenderMode = Literal["rgb_array", "depth_array", "human"]
 RenderView = Literal["eyes", "top"]
 
-MOST_MATES = 7  # that a learner is told of by default, the nearest
+MAX_TEAMMATES = 7  # in the default observations of a learner, the nearest ones
 
 
 class EnvConfig(Spec):
-    """What an environment is: where, who, for how long, what is seen, done, paid and shown."""
+    """The options of an environment: map, players, duration, rules, observations, actions and rewards."""
 
     track: str
-    # Where: a numbered map, several, one map by its spec, or random maps of a kind; None: those of the level.
+    # A numbered map, several, one map by its spec, or random maps of a config; None: those of the level.
     map: int | tuple[int, ...] | MapSpec | MapConfig | None = None
     level: Level = "normal"
     split: Split = "train"
     random_maps: Annotated[int, Field(ge=1, le=100_000)] = 64
     start: Position | None = None  # m, of the first seat; None: a random place
     starts: tuple[Position | None, ...] | None = None  # m, of every seat
-    start_range: Annotated[float, Field(ge=0, le=2000)] | None = None  # m from where the target is reached
+    start_range: Annotated[float, Field(ge=0, le=2000)] | None = None  # m, distance of starts from the target
     target: Position | None = None  # m; None: a random place
-    # Who: learners first, then the robots on their team, then the robots against them.
+    # Seats: learners first, then the robots on their team, then opponents.
     agents: Annotated[int, Field(ge=1, le=1000)] = 1
     teammates: tuple[str, ...] = ()
-    opponents: tuple[str, ...] | None = None  # None: the track's
-    teams: tuple[int, ...] | None = None  # one a seat; None: see the page of environments
-    # How long, and by which rules.
-    time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = None  # s; None: the track's
+    opponents: tuple[str, ...] | None = None  # None: the track's default
+    teams: tuple[int, ...] | None = None  # one per seat; None: see ``team_of_seats``
+    # Duration and rules.
+    time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = None  # s; None: the track's default
     frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5
     rules: RulesField = Rules()
-    supplies: SupplyConfig | None = None  # None: the map's or the track's
+    supplies: SupplyConfig | None = None  # None: the default of the map or the track
     supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
-    zone: ZoneConfig | None = None  # None: the track's
-    # What is seen, done and paid.
-    sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's
-    rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's
+    zone: ZoneConfig | None = None  # None: the track's default
+    # Observations, actions and rewards.
+    sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's default
+    rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
     action_mode: ActionMode = "dict"
-    flat: bool = False  # one row of numbers for the Dict of observations, and arrays for those of infos
-    # What is shown, and how it is run.
+    flat: bool = False  # one row of numbers instead of a Dict, for observations and infos
+    # Rendering and execution.
     render_mode: RenderMode | None = None
     render_view: RenderView = "eyes"
     render_size: tuple[Annotated[int, Field(ge=16, le=1920)], Annotated[int, Field(ge=16, le=1080)]] = (
@@ -65,7 +65,7 @@ class EnvConfig(Spec):
     threads: Annotated[int, Field(ge=1, le=1024)] = 1
 
     @model_validator(mode="after")
-    def _fits_together(self) -> Self:
+    def _is_consistent(self) -> Self:
         if self.track not in TRACKS:
             raise ValueError(f"track is {self.track!r}; the tracks are {', '.join(TRACKS)}")
         self.match_spec()
@@ -75,30 +75,30 @@ class EnvConfig(Spec):
 
     @property
     def robots(self) -> tuple[str, ...]:
-        """The robots against the learners."""
+        """The opponents of the learners."""
         if self.opponents is not None:
             return self.opponents
-        # What fills the seats of a battle that no other learner fills.
+        # Robots fill the seats that further learners would fill.
         missing = TRACKS[self.track].opponents + 1 - self.agents - len(self.teammates)
         return (TRACKS[self.track].robot,) * max(0, missing)
 
     @property
     def seats(self) -> tuple[str, ...]:
-        """Who fills each seat."""
+        """What fills each seat."""
         return (SUBMISSION,) * self.agents + self.teammates + self.robots
 
     @property
     def team_of_seats(self) -> tuple[int, ...] | None:
-        """The team of each seat; None for what the track does by itself.
+        """The team of each seat; None for the track's default.
 
-        With teammates, and in a track that is played together, the learners are one team and every opponent
-        is a team of its own. Else every seat is.
+        With teammates, and in cooperative tracks, the learners form one team and each opponent is a team of
+        its own. Otherwise, each seat is a team of its own.
         """
         if self.teams is not None:
             return self.teams
         together = self.agents + len(self.teammates)
-        alone = TRACKS[self.track].teams(2) == (0, 1)
-        if alone and not self.teammates:
+        is_competitive = TRACKS[self.track].teams(2) == (0, 1)
+        if is_competitive and not self.teammates:
             return None
         return (0,) * together + tuple(range(1, 1 + len(self.robots)))
 
@@ -109,27 +109,27 @@ class EnvConfig(Spec):
 
     @property
     def fields(self) -> tuple[ActionField, ...]:
-        """The track's action set, in order."""
+        """The action set of the track, in order."""
         return tuple(field for field in ActionField if field in TRACKS[self.track].fields)
 
     def read_sensors(self) -> dict[str, Sensor]:
         """Return the sensors by name.
 
         Raises:
-            ValueError: One is wrong.
+            ValueError: A sensor is invalid.
         """
         if self.sensors is not None:
             return parse_sensors(self.sensors)
         teams = self.match_spec().team_of_seats
         mates = max(teams.count(teams[seat]) for seat in range(self.agents)) - 1
-        told = {"teammates": {"limit": min(mates, MOST_MATES)}} if mates else {}
-        return parse_sensors(TRACKS[self.track].sensors | told)
+        additional = {"teammates": {"limit": min(mates, MAX_TEAMMATES)}} if mates else {}
+        return parse_sensors(TRACKS[self.track].sensors | additional)
 
     def match_spec(self) -> MatchSpec:
-        """Return the match that is played, but for its map and its seed.
+        """Return the spec of the match, without its map and its seed.
 
         Raises:
-            ValueError: It cannot be played.
+            ValueError: The options do not give a valid match.
         """
         return MatchSpec(
             track=self.track,
@@ -149,15 +149,16 @@ class EnvConfig(Spec):
 
 
 def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvConfig:
-    """Return the options of an environment, checked.
+    """Return the validated options of an environment.
 
     Args:
-        track: Its track.
-        options: By the names of the fields of ``EnvConfig``; ``preset`` names one to start from.
-        defaults: What counts where neither says anything.
+        track: The track.
+        options: Values by the names of the fields of ``EnvConfig``; ``preset`` names a preset to start from.
+        defaults: Values of options that neither ``options`` nor the preset sets.
 
     Raises:
-        ValueError: One is wrong; a single line that says which and what is allowed.
+        ValueError: An option is invalid; the message is one line that says which and what is allowed.
+        TypeError: There is no such option.
     """
     from wildscav_engine.envs.settings.presets import preset_options
 
@@ -167,7 +168,7 @@ def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvC
     unknown = sorted(given.keys() - set(EnvConfig.model_fields))
     if unknown:
         known = ", ".join(name for name in EnvConfig.model_fields if name != "track")
-        # Said as Python does: some trainers try what an environment takes.
+        # The message is Python's own, because some trainers probe which arguments an environment accepts.
         raise TypeError(f"unexpected keyword argument {unknown[0]!r}; the options are preset, {known}")
     try:
         return EnvConfig(**{**defaults, **base, **given, "track": track})

@@ -1,8 +1,8 @@
-"""What an episode is played on: its seed and its map, from the seed of the environment and a count.
+"""The sequence of episodes of an environment: the seed and the map of each.
 
-The n-th episode after ``reset(seed=s)`` depends on s and n alone, so environment i of a vector with the seed
-s is a single environment with the seed s + i. Train and test episodes never share a seed: matches to train on
-have even seeds and those to test on odd ones, as random maps have (``maps/pools.py``).
+The n-th episode after ``reset(seed=s)`` depends only on s and n, so environment i of a vector with the seed s
+equals a single environment with the seed s + i. Train and test episodes never share a seed: matches for
+training have even seeds and those for testing odd ones, as random maps do (``maps/pools.py``).
 """
 
 from collections.abc import Mapping
@@ -17,53 +17,53 @@ from wildscav_engine.maps.pools import PARITY, Level, MapPool, Split, numbered_m
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 
-Land = int | MapSpec | MapConfig | tuple[int, ...] | None
+MapChoice = int | MapSpec | MapConfig | tuple[int, ...] | None
 
-# Beside the streams of ``rng.Stream``: episodes draw from seeds of environments, matches from their own.
+# A random stream in addition to those of ``Stream``: episodes draw from the seeds of environments.
 EPISODES = 64
 WORDS = 2**64
 
 
 class Episode(NamedTuple):
-    """One match that is to be played."""
+    """The match of one episode."""
 
     spec: MatchSpec
     game_map: GameMap
 
 
-def pool_of(land: Land, level: Level, split: Split, maps: int) -> MapPool:
+def pool_of(choice: MapChoice, level: Level, split: Split, maps: int) -> MapPool:
     """Return the maps that episodes are drawn from.
 
     Args:
-        land: A numbered map, several, one map by its spec, or a kind of random maps; None: the level's.
-        level: How hard random maps are.
-        split: Whether random maps are those to train or to test on.
-        maps: How many random maps there are.
+        choice: A numbered map, several, one map by its spec, or the config of random maps; None: the level's.
+        level: The difficulty of random maps.
+        split: Whether random maps are for training or for testing.
+        maps: The number of random maps.
 
     Raises:
-        ValueError: There is no map of a number.
+        ValueError: There is no map with a given number.
     """
-    if isinstance(land, MapSpec):
-        return MapPool([[land]])
-    if isinstance(land, int | tuple):
+    if isinstance(choice, MapSpec):
+        return MapPool([[choice]])
+    if isinstance(choice, int | tuple):
         try:
-            return numbered_maps((land,) if isinstance(land, int) else land)
+            return numbered_maps((choice,) if isinstance(choice, int) else choice)
         except MapError as error:
             raise ValueError(f"map: {error}") from error
-    return random_maps(level if land is None else land, split, size=maps)
+    return random_maps(level if choice is None else choice, split, size=maps)
 
 
 class Episodes:
-    """The episodes of one environment, one after another."""
+    """The sequence of episodes of one environment."""
 
     def __init__(self, template: MatchSpec, pool: MapPool, split: Split, seed: int) -> None:
-        """Begin with the first episode of a seed.
+        """Create the sequence of episodes of a seed.
 
         Args:
-            template: The match, but for its seed and its map.
-            pool: The maps to choose from.
-            split: Whether seeds are those to train or to test on.
-            seed: 0 or more; it counts modulo 2 to the 64th.
+            template: The spec of the matches, apart from seed and map.
+            pool: The maps from which to draw.
+            split: Whether seeds are for training or for testing.
+            seed: 0 or more, taken modulo 2 to the 64th.
         """
         self.seed, self.number = seed % WORDS, 0
         self._template, self._pool, self._split = template, pool, split
@@ -90,13 +90,13 @@ class Episodes:
 
 
 def _changed(spec: MatchSpec, options: Mapping[str, Any]) -> MatchSpec:
-    """Return a match with what the options of a reset say."""
+    """Return a spec with the changes that the options of a reset demand."""
     fields = {name: getattr(spec, name) for name in MatchSpec.model_fields}
     for name in ("start", "target"):
         if name in options:
             fields[name] = options[name]
             fields["starts"] = None if name == "start" else fields["starts"]
     if "map" in options:
-        place = options["map"]
-        fields["map"] = map_spec(place) if isinstance(place, int) else place
+        chosen = options["map"]
+        fields["map"] = map_spec(chosen) if isinstance(chosen, int) else chosen
     return MatchSpec(**fields)

@@ -1,7 +1,7 @@
-"""The options of environments as keyword arguments, so that editors and type checkers know them.
+"""The options of environments as keyword arguments, for editors and type checkers.
 
-The fields are those of ``EnvConfig``, which checks their values and has their defaults; a test holds the
-names equal.
+The fields are those of ``EnvConfig``, which validates them and defines their defaults. A test ensures that
+the names are equal.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,14 +15,14 @@ from wildscav_engine.specs.rules import Rules
 from wildscav_engine.specs.supply_config import SupplyConfig
 from wildscav_engine.specs.zone_config import ZoneConfig
 
-Table = Mapping[str, Any]  # the fields of a spec by name, those that differ from their defaults
+Table = Mapping[str, Any]  # fields of a spec by name that differ from their defaults
 
 
 class EnvOptions(TypedDict, total=False):
-    """What an environment takes besides its track; all of it may be left out."""
+    """The options of an environment besides its track. All of them are optional."""
 
-    preset: str | None  # a set-up to start from, a name in ``PRESETS``
-    # Where
+    preset: str | None  # a preset to start from, a name in ``PRESETS``
+    # Map and places
     map: int | Sequence[int] | MapSpec | MapConfig | None
     level: Level
     split: Split
@@ -31,24 +31,24 @@ class EnvOptions(TypedDict, total=False):
     starts: Sequence[Position | None] | None
     start_range: float | None
     target: Position | None
-    # Who
+    # Seats
     agents: int
     teammates: Sequence[str]
     opponents: Sequence[str] | None
     teams: Sequence[int] | None
-    # How long, and by which rules
+    # Duration and rules
     time_limit: float | None
     frames_per_action: int
     rules: Rules | Table
     supplies: SupplyConfig | Table | None
     supply_goal: int | None
     zone: ZoneConfig | Table | None
-    # What is seen, done and paid
+    # Observations, actions and rewards
     sensors: Mapping[str, Table] | None
     rewards: Mapping[str, float] | None
     action_mode: ActionMode
     flat: bool
-    # What is shown, and how it is run
+    # Rendering and execution
     render_mode: RenderMode | None
     render_view: RenderView
     render_size: tuple[int, int]

@@ -1,8 +1,8 @@
-"""The set-ups of the paper's experiments, by name."""
+"""The setups of the paper's experiments, by name."""
 
 from typing import Any
 
-# Per action: the paper's 400 actions of navigation and target capture are 120 s, its 600 of gathering 180 s.
+# Per action: 120 s for the paper's 400 actions in navigation and capture, 180 s for its 600 in gathering.
 PAPER_FRAMES = 15
 
 PRESETS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -49,11 +49,11 @@ def preset_options(name: str, track: str) -> dict[str, Any]:
     """Return the options of a preset.
 
     Raises:
-        ValueError: There is none of this name, or it is of another track.
+        ValueError: There is no preset of this name, or it is for another track.
     """
     if name not in PRESETS:
         raise ValueError(f"preset is {name!r}; the presets are {', '.join(PRESETS)}")
     of_track, options = PRESETS[name]
     if of_track != track:
-        raise ValueError(f"preset {name!r} is of the track {of_track!r}, not of {track!r}")
+        raise ValueError(f"preset {name!r} is for the track {of_track!r}, not for {track!r}")
     return dict(options)

@@ -1,11 +1,10 @@
-"""The action modes: how what a learner chooses becomes rows of numbers that the engine plays.
+"""The action modes, which convert the actions of learners to the rows of numbers that the engine plays.
 
-- ``dict``: the paper's, by the names of the fields of ``actions.Field``.
+- ``dict``: the paper's action space, by the names of the fields of ``actions.Field``.
 - ``box``: numbers in [-1, 1]: walk east and walk north (length 1 is full speed), turn and look (1 is
-  TURN_STEP and LOOK_STEP degrees a step), then jump and whatever else the track has: above 0 is yes.
-- ``baseline``: one number, as the public baselines chose: walk in one of a few compass directions at one of a
-  few speeds, and pick up or not.
-- ``multidiscrete``: a few choices a field; directions are clockwise from the own view.
+  TURN_STEP and LOOK_STEP degrees per step), then jump and the track's other flags, which are set above 0.
+- ``baseline``: one number, as in the public baselines: a compass direction, a speed, and whether to pick up.
+- ``multidiscrete``: a few choices per field; directions are clockwise from the view.
 """
 
 from abc import ABC, abstractmethod
@@ -24,25 +23,25 @@ from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, Field
 
 Rows = NDArray[np.float32]  # (N, FIELDS), written
 
-TURN_STEP, LOOK_STEP = 45.0, 20.0  # degrees a step, at 1 or -1 of a box
-TURN_LIMIT, LOOK_LIMIT = 180.0, 90.0  # degrees a frame, of a dict
-SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, of a dict
-DIRECTIONS = 8  # of the baseline where there is something to pick up, and of multidiscrete
+TURN_STEP, LOOK_STEP = 45.0, 20.0  # degrees per step, for 1 in the mode box
+TURN_LIMIT, LOOK_LIMIT = 180.0, 90.0  # degrees per frame, in the mode dict
+SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, in the mode dict
+DIRECTIONS = 8  # in the mode baseline with pick-up, and in multidiscrete
 WALKS = ("stand", *(f"{45 * place}°" for place in range(DIRECTIONS)))
 WALK_SPEEDS = (5.0, 10.0)  # m/s
-TURNS = (-45.0, -15.0, -5.0, 0.0, 5.0, 15.0, 45.0)  # degrees a step
-LOOKS = (-20.0, -5.0, 0.0, 5.0, 20.0)  # degrees a step
+TURNS = (-45.0, -15.0, -5.0, 0.0, 5.0, 15.0, 45.0)  # degrees per step
+LOOKS = (-20.0, -5.0, 0.0, 5.0, 20.0)  # degrees per step
 
 _DIRECTION, _SPEED = int(Field.WALK_DIRECTION), int(Field.WALK_SPEED)
 _TURN, _LOOK, _JUMP = int(Field.TURN), int(Field.LOOK), int(Field.JUMP)
-FINE = -1
+VALID = -1
 
 # The unit of each field, and what it does.
 MEANINGS: dict[Field, tuple[str, str]] = {
     Field.WALK_DIRECTION: ("degrees", "direction to walk in: 0 is north, 90 is east"),
     Field.WALK_SPEED: ("m/s", "speed to walk at"),
-    Field.TURN: ("degrees a frame", "added to the yaw in each frame of the step; positive turns right"),
-    Field.LOOK: ("degrees a frame", "added to the pitch in each frame of the step; positive looks down"),
+    Field.TURN: ("degrees per frame", "added to the yaw in each frame of the step; positive turns right"),
+    Field.LOOK: ("degrees per frame", "added to the pitch in each frame of the step; positive looks down"),
     Field.JUMP: ("0 or 1", "jump, as soon as the agent stands on something"),
     Field.PICK_UP: ("0 or 1", "pick up the supply boxes within reach"),
     Field.SHOOT: ("0 or 1", "shoot along the view"),
@@ -51,69 +50,69 @@ MEANINGS: dict[Field, tuple[str, str]] = {
 
 
 class ActionError(ValueError):
-    """An action is not of its space; the message says what, and what is allowed."""
+    """An action is not in its space; the message says what is wrong and what is allowed."""
 
 
 class ActionMode(ABC):
-    """A way to choose."""
+    """Base class of the conversions from actions of learners to rows of the engine."""
 
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
-        """Take the track's action set and for how many frames an action is held."""
+        """Create the mode for the action set of a track and a number of frames per action."""
         self.fields = tuple(fields)
         self.flags = np.array([field for field in fields if field > Field.LOOK], np.int64)
-        self.held = frames_per_action
+        self.frames = frames_per_action
 
     @property
     @abstractmethod
     def space(self) -> Space[Any]:
-        """A new space of one learner's actions."""
+        """A new instance of the action space of one learner."""
 
     @property
     @abstractmethod
     def columns(self) -> tuple[Column, ...]:
-        """What each number of an action is, in the order of the space."""
+        """The meaning of each number of an action, in the order of the space."""
 
     @abstractmethod
     def describe(self) -> dict[str, Any]:
-        """Return what it takes to decode actions elsewhere, ready for JSON; ``mode`` is its name."""
+        """Return what decoding actions without the engine needs, ready for JSON; ``mode`` is the name."""
 
     @abstractmethod
     def decode(self, actions: Any, yaws: NDArray[np.float64], rows: Rows) -> None:
-        """Write what N learners chose.
+        """Write the rows of N learners' actions.
 
         Args:
-            actions: Of the space of N learners at once, as Gymnasium batches it.
-            yaws: (N,) degrees, where they look.
+            actions: The actions of N learners, as Gymnasium batches them.
+            yaws: (N,) degrees, of the learners.
             rows: (N, FIELDS), written.
 
         Raises:
-            ActionError: They are not of that space.
+            ActionError: The actions are not in the action space.
         """
 
     def decode_one(self, action: Any, yaws: NDArray[np.float64], rows: Rows) -> None:
-        """Write what one learner chose: as ``decode``, with an action of the space itself."""
+        """Write the row of one learner's action; see ``decode``."""
         self.decode(np.asarray(action)[np.newaxis], yaws, rows)
 
     def _flag_names(self) -> list[str]:
         return [field.name.lower() for field in self.fields if field > Field.LOOK]
 
     def _flag_columns(self, unit: str, low: float, what: str) -> tuple[Column, ...]:
-        """Return the columns of the fields that are yes or no; ``what`` says which numbers are yes."""
+        """Return the columns of the flags; ``what`` says which numbers set a flag."""
         flags = [field for field in self.fields if field > Field.LOOK]
         return tuple(
             Column(field.name.lower(), unit, low, 1.0, f"{what}: {MEANINGS[field][1]}") for field in flags
         )
 
     def mask(self, alive: bool) -> Any:  # noqa: ARG002
-        """Return what may be sampled, as ``Space.sample`` takes it; None where nothing can be masked.
+        """Return a mask for ``Space.sample``; None if the space has no masks.
 
-        Whoever is dead may do the first thing only: it does nothing then, as all others would.
+        Dead agents may only choose the first action. They do nothing, whatever they choose.
         """
         return None
 
 
 class DictMode(ActionMode):
-    """The paper's own fields."""
+    """The mode ``dict``: the paper's fields."""
 
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
         super().__init__(fields, frames_per_action)
@@ -143,7 +142,7 @@ class DictMode(ActionMode):
         self._fill(actions, rows)
 
     def decode_one(self, action: Any, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
-        """Write one number of each field, which may lie in an array of one."""
+        """Write one number of each field, which may be an array with one element."""
         self._fill(action, rows)
 
     def _fill(self, actions: Any, rows: Rows) -> None:
@@ -157,15 +156,17 @@ class DictMode(ActionMode):
         except KeyError as error:
             raise ActionError(f"action has no {error}; its fields are {', '.join(names)}") from None
         except (TypeError, ValueError):
-            raise ActionError(f"action: {name} is {actions[name]!r}, must be one number a learner") from None
+            raise ActionError(
+                f"action: {name} is {actions[name]!r}, must be one number per learner"
+            ) from None
         wrong = _check_rows(rows)
-        if wrong != FINE:
+        if wrong != VALID:
             field = Field(wrong)
             value = actions[field.name.lower()]
             raise ActionError(f"action: {field.name.lower()} is {value}, must be {_allowed(field)}")
 
     def mask(self, alive: bool) -> dict[str, Any]:
-        """Return masks of the fields that are choices, None for the others."""
+        """Return the masks of the fields that are choices, None for the others."""
         return {
             field.name.lower(): _mask(_choices(field), alive) if _choices(field) else None
             for field in self.fields
@@ -173,7 +174,7 @@ class DictMode(ActionMode):
 
 
 def _choices(field: Field) -> int:
-    """Return how many choices a field of a dict has; 0 for any number."""
+    """Return the number of choices of a field in the mode ``dict``; 0 for continuous fields."""
     if field == Field.WALK_SPEED:
         return SPEEDS
     return 2 if field > Field.LOOK else 0
@@ -187,7 +188,7 @@ def _space_of(field: Field) -> Space[Any]:
 
 
 def _bounds(field: Field) -> tuple[float, float]:
-    """Return the least and the greatest value of a field of a dict."""
+    """Return the least and the greatest value of a field in the mode ``dict``."""
     choices = _choices(field)
     return (0.0, choices - 1.0) if choices else _range(field)
 
@@ -209,7 +210,7 @@ def _allowed(field: Field) -> str:
 
 @kernel
 def _check_rows(rows: Rows) -> int:
-    """Return the first field of (N, FIELDS) that is out of its range, or FINE."""
+    """Return the first field of (N, FIELDS) that is outside its range, or VALID."""
     for row in range(rows.shape[0]):
         for field in range(rows.shape[1]):
             value = rows[row, field]
@@ -224,15 +225,15 @@ def _check_rows(rows: Rows) -> int:
                 low, high = -LOOK_LIMIT, LOOK_LIMIT
             if not low <= value <= high:
                 return field
-    return FINE
+    return VALID
 
 
 class BoxMode(ActionMode):
-    """Numbers in [-1, 1]."""
+    """The mode ``box``: numbers in [-1, 1]."""
 
     @property
     def space(self) -> Box:
-        """(k,) in [-1, 1]: walk east, walk north, turn, look, jump and whatever else."""
+        """(k,) in [-1, 1]: walk east, walk north, turn, look, jump and the other flags."""
         return Box(-1.0, 1.0, (len(self.fields),), np.float32)
 
     @property
@@ -247,19 +248,19 @@ class BoxMode(ActionMode):
         )
 
     def describe(self) -> dict[str, Any]:
-        """Return what 1 stands for: m/s, and degrees a frame; and the names of what is yes or no."""
+        """Return the meaning of 1 in m/s and in degrees per frame, and the names of the flags."""
         return {
             "mode": "box",
             "walk_speed": MAX_WALK_SPEED,
-            "turn": TURN_STEP / self.held,
-            "look": LOOK_STEP / self.held,
+            "turn": TURN_STEP / self.frames,
+            "look": LOOK_STEP / self.frames,
             "flags": self._flag_names(),
         }
 
     def decode(self, actions: ArrayLike, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
         """Write (N, k) numbers."""
         values = _as_array(actions, (len(rows), len(self.fields)), "fiu", np.float64)
-        if not _decode_box(values, self.flags, TURN_STEP / self.held, LOOK_STEP / self.held, rows):
+        if not _decode_box(values, self.flags, TURN_STEP / self.frames, LOOK_STEP / self.frames, rows):
             bad = values[~(np.abs(values) <= 1.0)][0]
             raise ActionError(f"action holds {bad}, must be in [-1, 1]")
 
@@ -284,7 +285,7 @@ def _decode_box(
 
 
 class BaselineMode(ActionMode):
-    """What the public baselines chose from."""
+    """The mode ``baseline``: the choices of the public baselines."""
 
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
         super().__init__(fields, frames_per_action)
@@ -303,14 +304,16 @@ class BaselineMode(ActionMode):
 
     @property
     def space(self) -> Discrete:
-        """One of 8 choices, or of 48 where there is something to pick up."""
+        """One of 8 choices, or of 48 in tracks with pick-up."""
         return Discrete(len(self.table))
 
     @property
     def columns(self) -> tuple[Column, ...]:
         """The one choice."""
         chosen = "direction and speed, and whether to pick up" if self._picks_up else "direction and speed"
-        return (Column("choice", "", 0.0, len(self.table) - 1.0, f"walk: {chosen}, by the list of choices"),)
+        return (
+            Column("choice", "", 0.0, len(self.table) - 1.0, f"walk: {chosen}, from the list of choices"),
+        )
 
     def describe(self) -> dict[str, Any]:
         """Return the table of action rows."""
@@ -324,7 +327,7 @@ class BaselineMode(ActionMode):
             raise ActionError(f"action is {wrong}, must be from 0 to {len(self.table) - 1}")
 
     def mask(self, alive: bool) -> NDArray[np.int8]:
-        """Return (choices,) 1 where a choice may be sampled."""
+        """Return (choices,) 1 for choices that may be sampled."""
         return _mask(len(self.table), alive)
 
 
@@ -344,7 +347,7 @@ def _listed(numbers: Sequence[float]) -> str:
 
 
 class MultiDiscreteMode(ActionMode):
-    """A few choices a field."""
+    """The mode ``multidiscrete``: a few choices per field."""
 
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
         super().__init__(fields, frames_per_action)
@@ -352,11 +355,11 @@ class MultiDiscreteMode(ActionMode):
             [len(WALKS), len(WALK_SPEEDS), len(TURNS), len(LOOKS), *[2] * len(self.flags)], np.int64
         )
         self._speeds = np.array(WALK_SPEEDS)
-        self._turns, self._looks = np.array(TURNS) / self.held, np.array(LOOKS) / self.held
+        self._turns, self._looks = np.array(TURNS) / self.frames, np.array(LOOKS) / self.frames
 
     @property
     def space(self) -> MultiDiscrete:
-        """Walk (stand, or 8 directions clockwise from the view), speed, turn, look, jump and what else."""
+        """Walk (stand, or 8 directions clockwise from the view), speed, turn, look, jump and other flags."""
         return MultiDiscrete(self.sizes)
 
     @property
@@ -373,7 +376,7 @@ class MultiDiscreteMode(ActionMode):
         )
 
     def describe(self) -> dict[str, Any]:
-        """Return the choices: degrees clockwise from the view (None: stand), m/s, and degrees a frame."""
+        """Return the choices: degrees clockwise from the view (None: stand), m/s, and degrees per frame."""
         return {
             "mode": "multidiscrete",
             "directions": [None, *(45.0 * place for place in range(DIRECTIONS))],
@@ -434,7 +437,7 @@ def _as_array(values: ArrayLike, shape: tuple[int, ...], kinds: str, dtype: type
     """Return actions as an array.
 
     Raises:
-        ActionError: They have another shape, or are of another kind.
+        ActionError: They have another shape, or are not numbers of the right kind.
     """
     array = np.asarray(values)
     if array.shape != shape or array.dtype.kind not in kinds:

@@ -1,4 +1,4 @@
-"""Observations as one row of numbers, each over what is usual for it."""
+"""Flat observations: one row of numbers, each divided by a typical scale."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.spaces.columns import GROUPS
 
-# What is usual for a number, by its unit: it is divided by this. What sensors read is divided by the bound of
-# its space, or by 100 where that is larger than any picture needs.
+# The divisors of numbers by their unit. Sensor readings are divided by the bound of their space, or by 100 if
+# that is larger than LARGEST_BOUND.
 SCALES = {"m": 100.0, "m/s": 10.0, "degrees": 180.0, "s": 100.0, "hp": 100.0, "0 or 1": 1.0}
 COUNT, LARGEST_BOUND = 10.0, 2000.0
 
 
 class Flattener:
-    """Turns observations into rows of numbers."""
+    """Converts observations to rows of numbers."""
 
     def __init__(self, space: Dict) -> None:
-        """Take the space of one learner's observations: a Dict of Boxes."""
+        """Create a flattener for the observation space of one learner, a Dict of Boxes."""
         boxes: dict[str, Any] = dict(space.spaces)
         self._names = tuple(boxes)
         scales = np.concatenate([scales_of(name, box).reshape(-1) for name, box in boxes.items()])
@@ -30,7 +30,7 @@ class Flattener:
         self.space = Box(low, high, dtype=np.float32)
 
     def flatten(self, observation: Mapping[str, NDArray[Any]], axes: int = 0) -> NDArray[np.float32]:
-        """Return (…, n) the numbers of observations: one learner's, or those of many along the first axes."""
+        """Return observations as (…, n) numbers: of one learner, or of many along the first ``axes`` axes."""
         parts = [observation[name] for name in self._names]
         flat = np.concatenate(
             [part.reshape(*part.shape[:axes], -1) for part in parts], axis=-1, dtype=np.float32
@@ -40,7 +40,7 @@ class Flattener:
 
 
 def scales_of(name: str, box: Box) -> NDArray[np.float64]:
-    """Return what is usual for each number of a group or sensor, in the shape of its box."""
+    """Return the divisor of each number of a group or sensor, in the shape of its box."""
     for group in GROUPS.values():
         if group.name == name:
             return np.array([SCALES.get(column.unit, COUNT) for column in group.columns])

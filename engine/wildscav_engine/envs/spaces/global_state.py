@@ -1,8 +1,9 @@
-"""The whole match in one row, for training with a central critic: ``state()`` of PettingZoo environments.
+"""The state of the whole match in one row, for central critics: ``state()`` of PettingZoo environments.
 
-Four numbers of the match come first: s left, and where the target is (0 without one). Then every seat has
-fourteen, robots included: 1 if it is still in the match; team; x, y, z in m; velocity x, y, z in m/s; sine
-and cosine of its yaw; pitch in degrees; health in hp; supplies; rounds in clip and spare together.
+The first four numbers describe the match: the remaining time in s, and the position of the target (0 without
+one). Fourteen numbers follow for each seat, including robots: 1 if it is still in the match; team; x, y, z in
+m; velocity x, y, z in m/s; sine and cosine of its yaw; pitch in degrees; health in hp; supplies; rounds in
+the weapon and spare.
 """
 
 import numpy as np
@@ -29,7 +30,7 @@ def global_state_space(config: EnvConfig) -> Box:
 
 
 def global_state(state: State) -> NDArray[np.float32]:
-    """Return the row of the first match of a state."""
+    """Return the row for the first match of a state."""
     agents, _, matches = state
     seats = agents.health.shape[1]
     row = np.empty(len(MATCH_LOW) + seats * len(SEAT_LOW), np.float32)

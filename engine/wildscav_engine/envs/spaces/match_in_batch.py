@@ -1,4 +1,4 @@
-"""One match of a batch, as far as sensors and tracks look at a match."""
+"""A view of one match of a batch, for sensors and tracks."""
 
 from typing import Any, TypeVar
 
@@ -16,11 +16,11 @@ def _some(arrays: Arrays, part: slice) -> Arrays:
     return rows
 
 
-class RowView:
-    """One row of a batch that sensors and tracks read like a match (``MatchView``): as it is now."""
+class MatchInBatch:
+    """The present state of one match of a batch, as a ``MatchView``."""
 
     def __init__(self, batch: Batch, row: int) -> None:
-        """Look at a row. The view is of no use any more once the row is restarted."""
+        """Create a view of a row, which becomes invalid when the row is restarted."""
         part = slice(row, row + 1)
         agents, supplies, matches = batch.state
         self.spec = batch.specs[row]
@@ -32,12 +32,12 @@ class RowView:
 
     @property
     def seen(self) -> Seen:
-        """What every agent of it sees now."""
+        """What each agent of the match sees now."""
         return _some(self._batch.seen, self._part)
 
     @property
     def frame(self) -> int:
-        """Frames played so far."""
+        """The number of frames played."""
         return int(self.state.matches.frame[0])
 
     @property

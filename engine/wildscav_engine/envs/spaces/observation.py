@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import EVENTS, GROUPS, PARTS, STANDING, Part, parts_of
 from wildscav_engine.envs.spaces.flattening import Flattener
-from wildscav_engine.envs.spaces.match_in_batch import RowView
+from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
@@ -123,7 +123,7 @@ class Sight:
             for sensor in self._optical:
                 sensor.prepare(game_map)  # before the threads, which would all do it
 
-    def read(self, batch: "Batch", view: Callable[[int], RowView], found: Readings) -> None:
+    def read(self, batch: "Batch", view: Callable[[int], MatchInBatch], found: Readings) -> None:
         """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
         if self._still:
             self._read_still(batch, found)
@@ -134,7 +134,7 @@ class Sight:
             readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
 
-    def _read_each(self, sensor: Sensor, matches: Sequence[RowView]) -> list[NDArray[Any]]:
+    def _read_each(self, sensor: Sensor, matches: Sequence[MatchInBatch]) -> list[NDArray[Any]]:
         """Return the readings of a sensor in each match."""
         readings: dict[int, NDArray[Any]] = {}
 

@@ -1,1 +1,1 @@
-"""Opponents that play inside the engine: one file a kind of robot, listed in ``extensions.py``."""
+"""Robots: opponents that play inside the engine, one file for each kind. ``extensions.py`` lists them."""

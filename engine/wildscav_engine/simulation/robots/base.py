@@ -1,7 +1,7 @@
-"""What robots share: how they see themselves, turn, walk, and get free where they are stuck.
+"""The behaviour that robots share: turning, walking, and getting free when they are stuck.
 
-A robot is a kernel that reads what its seat may know and writes one action row. It draws from the match's
-seed and remembers a few numbers in ``Agents.memory``.
+A robot is a kernel that reads what its seat may know and writes one action row. It draws random numbers from
+the match's seed and keeps a few numbers in ``Agents.memory``.
 
 Records name robots. The number of a robot of another package follows from the name of its kind alone, so that
 it does not depend on what else is installed.
@@ -25,28 +25,28 @@ from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAME
 
-STUCK_SPEED = 0.3  # of the speed wanted; slower is stuck
-PATIENCE = 3.0  # steps stuck before a way round is tried
-DETOUR = 6.0  # m of a way round
+STUCK_SPEED = 0.3  # of the wanted speed; a slower robot is stuck
+PATIENCE = 3.0  # steps for which it is stuck before it tries a detour
+DETOUR = 6.0  # m, length of a detour
 FIRST_ADDED, ADDED_KINDS = 100, 100_000_000  # the numbers of kinds that other packages add
 SAFE_MARGIN = 5.0  # m inside the edge of the safe zone that a robot keeps
 
 
 class Memory(IntEnum):
-    """What the numbers of a robot's memory are."""
+    """The indices of the numbers in a robot's memory."""
 
-    HEADING = 0  # degrees, where it wanders
+    HEADING = 0  # degrees, direction in which it wanders
     WANDER_LEFT = 1  # steps until it chooses another heading
     WANTED_SPEED = 2  # m/s of its last action
-    STUCK = 3  # steps in a row that it got nowhere
-    DETOUR_LEFT = 4  # steps left on a way round
+    STUCK = 3  # consecutive steps without progress
+    DETOUR_LEFT = 4  # steps left on a detour
     DETOUR_HEADING = 5  # degrees
-    FETCHING = 6  # steps since it last had a box, or gave one up
-    DISTRACTED_LEFT = 7  # steps left without a look at boxes
+    FETCHING = 6  # steps since it last got a box or gave one up
+    DISTRACTED_LEFT = 7  # steps for which it still ignores boxes
 
 
 class Situation(NamedTuple):
-    """What a robot knows when it chooses: one match's slices and its own seat."""
+    """What a robot knows when it decides: the slices of its match and its own seat."""
 
     agents: Agents
     supplies: Supplies
@@ -73,10 +73,10 @@ class Robot(NamedTuple):
 
 
 def levels_of(name: str, title: str, act: Act, kind: int | None = None) -> tuple[Robot, ...]:
-    """Return a kind of robot in its three levels, the normal one under the plain name.
+    """Return the three levels of a kind of robot; the normal level has the plain name.
 
     Args:
-        name: Of the kind.
+        name: The name of the kind.
         title: What it does.
         act: Its kernel.
         kind: The number of one of ours; by default the number that follows from the name.
@@ -109,13 +109,13 @@ def check_robots(name: str, levels: Any) -> tuple[Robot, ...]:
 
 @kernel
 def random_in(now: Situation, low: float, high: float, draw: int) -> float:
-    """Return a random number in [low, high) for this robot and frame."""
+    """Return a random number in [low, high) for this robot, frame and draw."""
     return uniform_in(low, high, now.seed, Stream.ROBOT, now.frame, now.seat, draw)
 
 
 @kernel
 def turn_toward(now: Situation, yaw: float, pitch: float, limit: float, action: NDArray[np.float32]) -> None:
-    """Turn the view towards a direction, by at most ``limit`` degrees in this step."""
+    """Turn the view towards a direction by at most ``limit`` degrees in this step."""
     turn = wrap(yaw - now.agents.yaw[now.seat])
     look = pitch - now.agents.pitch[now.seat]
     action[Field.TURN] = min(limit, max(-limit, turn)) / now.frames_per_action
@@ -124,7 +124,7 @@ def turn_toward(now: Situation, yaw: float, pitch: float, limit: float, action: 
 
 @kernel
 def walk_toward(now: Situation, heading: float, speed: float, action: NDArray[np.float32]) -> None:
-    """Walk, and where that gets nowhere jump, then try a way round."""
+    """Walk in a direction. When stuck, jump first and then try a detour."""
     memory = now.agents.memory[now.seat]
     velocity = now.agents.velocity[now.seat]
     pace = np.sqrt(velocity[0] * velocity[0] + velocity[2] * velocity[2])
@@ -148,7 +148,7 @@ def walk_toward(now: Situation, heading: float, speed: float, action: NDArray[np
 
 @kernel
 def wander(now: Situation, action: NDArray[np.float32]) -> None:
-    """Walk in a direction for a while, then in another, looking ahead."""
+    """Walk in random directions, each for a while, looking ahead."""
     memory = now.agents.memory[now.seat]
     memory[Memory.WANDER_LEFT] -= 1.0
     if memory[Memory.WANDER_LEFT] <= 0.0 or memory[Memory.STUCK] > PATIENCE - 1.0:
@@ -161,7 +161,7 @@ def wander(now: Situation, action: NDArray[np.float32]) -> None:
 
 @kernel
 def gather(now: Situation, action: NDArray[np.float32]) -> bool:
-    """Walk to the nearest box in sight and pick it up; return False if none is in sight, or in reach."""
+    """Walk to the nearest box and pick it up; return False if there is none or it seems out of reach."""
     action[Field.PICK_UP] = 1.0
     if now.seen.supply_count[now.seat] == 0 or _gives_up(now):
         return False
@@ -172,7 +172,7 @@ def gather(now: Situation, action: NDArray[np.float32]) -> bool:
 
 @kernel
 def seek(now: Situation, action: NDArray[np.float32]) -> bool:
-    """Walk to the target; return False if there is none, or the robot's team has yet to find it."""
+    """Walk to the target; return False if there is none or the robot does not know it."""
     if not now.agents.knows_target[now.seat]:
         return False
     target = now.matches.target[now.match]
@@ -182,7 +182,7 @@ def seek(now: Situation, action: NDArray[np.float32]) -> bool:
 
 @kernel
 def keep_safe(now: Situation, action: NDArray[np.float32]) -> bool:
-    """Walk to the middle of the safe zone; return False if well inside it."""
+    """Walk to the center of the safe zone; return False if the robot is well inside it."""
     zone = zone_at(now.matches, now.match, now.frame)
     if zone.damage == 0.0:
         return False
@@ -196,7 +196,7 @@ def keep_safe(now: Situation, action: NDArray[np.float32]) -> bool:
 
 @kernel
 def _go(now: Situation, x: float, z: float, action: NDArray[np.float32]) -> None:
-    """Walk to a place, looking ahead."""
+    """Walk to a position, looking ahead."""
     here = now.agents.position[now.seat]
     heading = arctangent(x - here[0], z - here[2])
     walk_toward(now, heading, now.skill.speed, action)
@@ -205,7 +205,7 @@ def _go(now: Situation, x: float, z: float, action: NDArray[np.float32]) -> None
 
 @kernel
 def _gives_up(now: Situation) -> bool:
-    """Return whether to leave the boxes in sight alone: one upstairs or behind a wall may be out of reach."""
+    """Return whether to ignore the boxes in sight, because the nearest one may be out of reach."""
     memory = now.agents.memory[now.seat]
     if memory[Memory.DISTRACTED_LEFT] > 0.0:
         memory[Memory.DISTRACTED_LEFT] -= 1.0

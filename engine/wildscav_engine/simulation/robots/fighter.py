@@ -1,4 +1,4 @@
-"""The fighter shoots at the nearest enemy that it sees, and gathers in between."""
+"""The fighter: it shoots at the nearest enemy in sight, and otherwise gathers supplies."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,12 @@ from wildscav_engine.specs.body import EYE_HEIGHT
 
 AIM_HEIGHT = 1.0  # m above the enemy's soles
 PITCH_ERROR = 1 / 3  # of the skill's aim error
-LOW_CLIP = 5  # rounds; with fewer and nobody in sight it reloads
+LOW_CLIP = 5  # rounds; with fewer and no enemy in sight, it reloads
 
 
 @kernel
 def fight(now: Situation, action: NDArray[np.float32]) -> None:
-    """Fight whom it sees; else reload, gather or wander."""
+    """Fight the nearest enemy in sight; otherwise reload, keep to the safe zone, gather or wander."""
     enemy = nearest_enemy(now)
     if enemy == NOBODY:
         if now.agents.clip[now.seat] < LOW_CLIP:
@@ -66,7 +66,7 @@ def _aim_and_fire(now: Situation, enemy: int, action: NDArray[np.float32]) -> No
         action[Field.RELOAD] = 1.0
     elif off < now.skill.aimed:
         action[Field.SHOOT] = 1.0
-    # It circles, so that it is harder to hit.
+    # It circles around the enemy, so that it is harder to hit.
     side = 80.0 if (now.frame // 100 + now.seat) % 2 == 0 else -80.0
     walk_toward(now, yaw + side, now.skill.wander_speed, action)
 

@@ -1,4 +1,4 @@
-"""The gatherer collects the supply boxes that it sees and wanders where it sees none."""
+"""The gatherer: it collects the supply boxes in sight, and wanders if there are none."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from wildscav_engine.simulation.robots.base import Situation, gather, keep_safe,
 
 @kernel
 def collect(now: Situation, action: NDArray[np.float32]) -> None:
-    """Keep safe, else gather, else wander."""
+    """Keep to the safe zone; otherwise gather supplies; otherwise wander."""
     if not keep_safe(now, action) and not gather(now, action):
         wander(now, action)
 

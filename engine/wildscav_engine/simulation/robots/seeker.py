@@ -1,4 +1,4 @@
-"""The seeker looks for the target, goes there as soon as its team knows it, and picks up what it passes."""
+"""The seeker: it searches for the target, walks there once it is known, and picks up boxes on the way."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""How well a robot plays: three levels, each a set of limits to what its kind can do."""
+"""The skill levels of robots: each is a set of limits that all kinds share."""
 
 from typing import NamedTuple
 
@@ -6,15 +6,15 @@ from wildscav_engine.compilation.kernel import kernel
 
 
 class Skill(NamedTuple):
-    """The limits of a level."""
+    """The limits of one level."""
 
     wander_speed: float  # m/s
-    speed: float  # m/s, towards what it wants
-    turn_limit: float  # degrees a step
-    aim_error: float  # degrees to each side, at most
-    aimed: float  # degrees off the enemy at which it fires
-    foresight: float  # s that it aims ahead, itself and a moving enemy
-    patience: float  # steps without a box after which the one in sight counts as out of reach
+    speed: float  # m/s, towards a goal
+    turn_limit: float  # degrees per step
+    aim_error: float  # degrees, maximum to each side
+    aimed: float  # degrees off the enemy within which it fires
+    foresight: float  # s for which it extrapolates its own motion and the enemy's
+    patience: float  # steps without a box after which the box in sight counts as out of reach
 
 
 LEVELS = ("easy", "normal", "hard")
@@ -25,7 +25,7 @@ HARD = Skill(7.0, 10.0, 60.0, 0.7, 4.0, 0.1, 50.0)
 
 @kernel
 def skill_of(robot: int) -> Skill:
-    """Return the limits of a robot, by its number."""
+    """Return the limits of a robot with a given number."""
     level = robot % 10
     if level == 0:
         return EASY

@@ -1,4 +1,4 @@
-"""The walker wanders about and does nothing else."""
+"""The walker: it only wanders."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -106,7 +106,7 @@ def test_who_can_be_touched_is_what_a_look_at_all_pairs_finds(match: Match, seed
     seen_now(match)  # which indexes them
     random = np.random.default_rng(seed)
     places[:, ::2] += random.uniform(-0.2, 0.2, (SEATS, 2))  # as far as they may have moved since
-    grid = (agents.position[0], match.state.matches.crowd[0], agents.next_in_square[0])
+    grid = (agents.position[0], match.state.matches.agent_squares[0], agents.next_in_square[0])
     for seat in range(SEATS):
         near = np.zeros(SEATS, np.int32)
         count = gather_near(squares_over(YARD, squares_for(SEATS)), *grid, seat, near)
