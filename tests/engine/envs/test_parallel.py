@@ -127,7 +127,7 @@ def test_actions_have_to_be_for_those_who_act() -> None:
     env = parallel_env("battle", **many_options("battle", action_mode="multidiscrete"))
     env.reset(seed=0)
     actions = still(env)
-    with pytest.raises(ValueError, match="given for agent_0; those who act are agent_0, agent_1, agent_2"):
+    with pytest.raises(ValueError, match="given for agent_0; the agents are agent_0, agent_1, agent_2"):
         env.step({"agent_0": actions["agent_0"]})
 
 

@@ -129,9 +129,9 @@ def test_train_and_test_episodes_share_neither_seeds_nor_maps(split: str, odd: i
         ({"map": 1000}, "maps have the ids 1 to 999"),
         (
             {"preset": "paper-capture"},
-            "preset 'paper-capture' is of the track 'capture', not of 'navigation'",
+            "preset 'paper-capture' is for the track 'capture', not for 'navigation'",
         ),
-        ({"agents": 2}, "here there is one"),
+        ({"agents": 2}, "must be 1; use parallel_env"),
     ],
 )
 def test_wrong_options_are_refused_in_one_line(wrong: dict[str, Any], message: str) -> None:

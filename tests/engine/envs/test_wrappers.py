@@ -48,7 +48,7 @@ def test_flat_actions_are_stretched_over_their_fields() -> None:
 
 @pytest.mark.parametrize(("wrapper", "mode"), [(FlatActions, "box"), (FlatActions, "baseline")])
 def test_what_is_flat_already_is_refused(wrapper: type[gymnasium.Wrapper], mode: str) -> None:
-    with pytest.raises(TypeError, match="must be of a Dict"):
+    with pytest.raises(TypeError, match="must be a Dict"):
         wrapper(SingleEnv("navigation", **options("navigation", action_mode=mode)))
-    with pytest.raises(TypeError, match="must be of a Dict of Boxes"):
+    with pytest.raises(TypeError, match="must be a Dict of Boxes"):
         FlatObservations(FlatObservations(SingleEnv("navigation", **options("navigation"))))  # type: ignore[arg-type]
