@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from wildscav.terminal.suggestions import did_you_mean
+
 if TYPE_CHECKING:
     from wildscav_evaluator.submissions.submission import Submission
 
@@ -14,8 +16,16 @@ def _known(name: str | None) -> str | None:
     from wildscav_evaluator.sandbox import SANDBOXES
 
     if name is not None and name not in SANDBOXES:
-        raise typer.BadParameter(f"there is no sandbox {name!r}; the sandboxes are {', '.join(SANDBOXES)}")
+        known = ", ".join(map(repr, SANDBOXES))
+        raise typer.BadParameter(f"{name!r} is not one of {known}{did_you_mean(name, SANDBOXES)}")
     return name
+
+
+def _completions(begun: str) -> list[str]:
+    """Return the names of sandboxes that begin so."""
+    from wildscav_evaluator.sandbox import SANDBOXES
+
+    return [name for name in SANDBOXES if name.startswith(begun)]
 
 
 InSandbox = Annotated[
@@ -24,6 +34,7 @@ InSandbox = Annotated[
         "--sandbox",
         envvar="WILDSCAV_SANDBOX",
         callback=_known,
+        autocompletion=_completions,
         metavar="NAME",
         help="How agents run. oci: in containers of Podman or Docker. bubblewrap: in namespaces of their "
         "own. process: as you do, for agents that you trust. Or one that a package adds. Default: the "
