@@ -1,7 +1,7 @@
-# Everything but test-with runs in .venv, which these targets make and keep up to date by themselves.
+# Everything except test-with runs in .venv, which these targets create and keep up to date.
 PYTHON ?= python3
 BIN := .venv/bin
-# Of make test-with, which makes an environment of its own each time.
+# The environment of make test-with, created anew each time.
 OTHER := .venv-other
 RELEASES ?=
 PART ?= tests/engine tests/platform
@@ -18,16 +18,16 @@ help: ## Show this list.
 	$(PYTHON) -m venv .venv
 
 .venv/.run: pyproject.toml | .venv/bin/python
-	@echo 'Installing Wildscav and what it needs into .venv: 1.3 GB, a minute or two without a word.'
+	@echo 'Installing Wildscav and its dependencies into .venv: 1.3 GB, which takes a minute or two without output.'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
 	@touch $@
 
 .venv/.dev: pyproject.toml | .venv/bin/python
-	@echo 'Installing Wildscav and the tools of its tests into .venv: a few minutes without a word.'
+	@echo 'Installing Wildscav and its development tools into .venv, which takes a few minutes without output.'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@touch $@ .venv/.run
 
-# What the tests of training need: large, so only the slow tests ask for it.
+# The packages for the tests of training. They are large, so only the slow tests install them.
 .venv/.training: pyproject.toml | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
 	@touch $@ .venv/.dev .venv/.run
@@ -45,7 +45,7 @@ else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
 
-test-slow: .venv/.training ## Run what is too slow for every day.
+test-slow: .venv/.training ## Run the slow tests.
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
@@ -61,28 +61,28 @@ check: .venv/.dev ## Lint, formatting, types and import contracts.
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-format: .venv/.dev ## Format the code and mend what can be mended by itself.
+format: .venv/.dev ## Format the code, and fix what can be fixed automatically.
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
 bench: .venv/.dev ## Run every benchmark; each prints a table.
 	@for name in $(BENCHMARKS); do $(BIN)/python benchmarks/$$name.py || exit 1; done
 
-# Silences a notice of Material for MkDocs at every build: its fixes end in May 2027, and Zensical is to succeed it.
+# Silences a notice that Material for MkDocs prints at every build: fixes end in May 2027, and Zensical succeeds it.
 docs: export NO_MKDOCS_2_WARNING = 1
 docs: .venv/.dev ## Build the site; warnings are errors.
 	$(BIN)/mkdocs build --strict
-	@echo 'The site lies in out/site: open out/site/index.html, or serve it with: make docs-serve'
+	@echo 'The site is in out/site: open out/site/index.html, or serve it with: make docs-serve'
 
 docs-serve: export NO_MKDOCS_2_WARNING = 1
-docs-serve: .venv/.dev ## Show the site at http://127.0.0.1:8000/, and build it again after edits of pages.
+docs-serve: .venv/.dev ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
 	$(BIN)/mkdocs serve
 
-proto: .venv/.dev ## Generate the Python code of the protocol again.
+proto: .venv/.dev ## Generate the Python code of the protocol.
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
 		--grpc_python_out=platform platform/wildscav/proto/*.proto
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
 		platform/wildscav/legacy/*.proto
 
-clean: ## Remove the virtual environment and everything made.
+clean: ## Remove the virtual environments and all output.
 	rm -rf .venv $(OTHER) out

@@ -1,4 +1,4 @@
-# The engine server and the evaluator, as two targets; the context is the repository:
+# The match server and the evaluator, as two targets; the context is the repository:
 #   docker build -f docker/engine.Dockerfile --target server -t wildscav/server .
 #   docker build -f docker/engine.Dockerfile --target evaluator -t wildscav/evaluator .
 ARG PYTHON=docker.io/library/python:3.11-slim
@@ -23,8 +23,8 @@ CMD ["--listen", "0.0.0.0:50051", "--insecure", "--workers", "4", "--organizer-t
     "--log-format", "json"]
 
 FROM source AS evaluator
-# The sandbox of agents: a container in a container would need an engine of its own, bubblewrap does not. Named, so
-# that nothing is played where it cannot be kept.
+# The sandbox of agents is bubblewrap, because a container in a container would need its own container engine. It is
+# set here, so that evaluations fail where bubblewrap does not work, instead of using another sandbox.
 ENV WILDSCAV_SANDBOX=bubblewrap
 RUN apt-get update -qq && apt-get install -qq -y --no-install-recommends bubblewrap libseccomp2 util-linux \
     && rm -rf /var/lib/apt/lists/*

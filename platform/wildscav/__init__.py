@@ -29,4 +29,4 @@ __all__ = [
     "run",
 ]
 
-tune_grpc()  # here, because all that imports gRPC lies in this package or imports it first
+tune_grpc()  # here, because every module that imports gRPC is in this package or imports it first

@@ -66,7 +66,7 @@ def _number(name: str, value: object) -> float:
 
 
 def _flag(name: str, value: object) -> bool:
-    # What an array holds is a flag too, if it is one element; so are 0 and 1.
+    # An array of one element also counts as a flag, and so do the numbers 0 and 1.
     if isinstance(value, np.bool_ | np.ndarray | np.generic) and np.size(value) == 1:
         value = np.asarray(value).item()
     if isinstance(value, int | float) and value in (0, 1):
@@ -76,7 +76,7 @@ def _flag(name: str, value: object) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class SupplyWave:
-    """Supply boxes that appear at one moment, thickest around a centre."""
+    """Supply boxes that appear at one moment, most densely around a centre."""
 
     time: float  # s of game time; 0 is the start of the match
     center: tuple[float, float]  # x, z in m
@@ -85,7 +85,7 @@ class SupplyWave:
 
 @dataclass(frozen=True, slots=True)
 class MatchInfo:
-    """What an agent is told before the first step."""
+    """What an agent learns before the first step."""
 
     track: str  # its name, such as "navigation"; a package may add others
     seat: int  # own, 0 to seats - 1
@@ -97,12 +97,12 @@ class MatchInfo:
     start: Vector  # m, soles of the feet
     target: Vector | None  # m, the place to reach (navigation); None if it has to be found (capture)
     supply_waves: tuple[SupplyWave, ...]  # by time; () in tracks without supplies
-    seed: int  # private random seed of this seat: the same match has the same one
-    step_budget: float  # s to answer an observation that cost nothing
+    seed: int  # private random seed of this seat; the same in every run of the same match
+    step_budget: float  # s to answer an observation without spending the time bank
     time_bank: float  # s for answers beyond the budget, in the whole match
-    target_distance: float  # m, how near the target counts as reached
-    pick_up_distance: float  # m, how near a box must be to be picked up
-    supply_sight: float  # m, how near a box must be to be seen
+    target_distance: float  # m, within which the target counts as reached
+    pick_up_distance: float  # m, within which a box can be picked up
+    supply_sight: float  # m, within which a box is seen
     clip_size: int  # rounds
     start_health: int  # hp
     respawns: bool = True  # whether the dead come back; if not, they are out of the match (royale)
@@ -124,11 +124,11 @@ class VisibleAgent(NamedTuple):
     velocity: Vector  # m/s
     yaw: float  # degrees in (-180, 180]
     health: int  # hp, above 0
-    invincible: bool  # shots do nothing to it, for a while after it came back
+    invincible: bool  # takes no damage, for a while after a respawn
 
 
 class SupplyBox(NamedTuple):
-    """A supply box near by."""
+    """A supply box nearby."""
 
     id: int  # never used twice in a match
     position: Vector  # m
@@ -149,15 +149,15 @@ class Observation(LazyRecord):
     pitch: float  # degrees in [-90, 90]; positive looks down
     on_ground: bool  # not in the air: it may jump
     in_water: bool  # wading, which is slower
-    alive: bool  # if not, what it answers does nothing
+    alive: bool  # if not, its actions have no effect
     health: int  # hp, 0 = dead
     clip: int  # rounds in the weapon
-    spare_ammo: int  # rounds carried besides
+    spare_ammo: int  # rounds carried in addition to the clip
     reloading: bool  # the weapon, which cannot fire meanwhile
     fired: bool  # in the last step
-    hit_seat: int | None  # whom it shot in the last step
-    hit_by_seat: int | None  # who shot it in the last step
-    invincible: bool  # shots do nothing to it, for a while after it came back
+    hit_seat: int | None  # the seat that it hit in the last step
+    hit_by_seat: int | None  # the seat that hit it in the last step
+    invincible: bool  # takes no damage, for a while after a respawn
     respawn_in: float  # s until a dead agent comes back, 0 for one alive
     can_pick_up: bool  # a supply box is within reach
     supplies: int  # carried
@@ -168,7 +168,7 @@ class Observation(LazyRecord):
     tensors: Mapping[str, NDArray[Any]] = field(default_factory=dict)  # sensor readings by name, read-only
     team_supplies: int = 0  # carried by the agent's team together
     reload_in: float = 0.0  # s until the weapon is reloaded, 0 if it is not being reloaded
-    invincible_in: float = 0.0  # s until shots do the agent harm again
+    invincible_in: float = 0.0  # s until the agent can be hurt again, 0 if it can be now
 
     @property
     def depth(self) -> NDArray[np.float32]:
@@ -199,10 +199,10 @@ class Observation(LazyRecord):
 
 
 class Agent:
-    """Base of all agents: override ``act``, and ``reset`` for whatever must be set up first.
+    """Base of all agents: override ``act``, and ``reset`` if something must be set up before a match.
 
-    One object plays one match. The time to import it, to make it and to ``reset`` it counts as start-up: that
-    has a limit of its own.
+    One object plays one match. The time to import the module, construct the agent and ``reset`` it counts as
+    start-up, which has its own limit.
     """
 
     def reset(self, match: MatchInfo) -> None:
@@ -216,7 +216,7 @@ class Agent:
         """Return what to do in the next step.
 
         Args:
-            observation: What the agent senses now. Dead agents are asked too; what they answer does nothing.
+            observation: What the agent senses now. Dead agents are asked too; their actions have no effect.
         """
         raise NotImplementedError(f"{type(self).__name__} must have a method act(self, observation)")
 
@@ -225,14 +225,14 @@ def check_action(agent: object, answer: object) -> Action:
     """Return an agent's answer if it is an action.
 
     Raises:
-        AgentError: It is something else.
+        AgentError: It is not.
     """
     if isinstance(answer, Action):
         return answer
     allowed = ", ".join(item.name for item in fields(Action))
     raise AgentError(
         f"{type(agent).__name__}.act() returned {_shown(answer)}; it must return an Action, "
-        f"wildscav.Action({allowed}), of which every field may be left out"
+        f"wildscav.Action({allowed}), where every field is optional"
     )
 
 

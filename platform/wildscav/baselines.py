@@ -1,4 +1,4 @@
-"""The agents that come with Wildscav, to play against and to begin with."""
+"""The baseline agents that come with Wildscav: opponents, and starting points for submissions."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from wildscav.terminal.suggestions import did_you_mean
 NAMES = ("random", "homing", "hunter")
 PREFIX = "baseline:"
 PACKAGE = Path(__file__).parent
-# An installed wheel has them in the package; a checkout has them at its top.
+# In an installed wheel they are inside the package, in a checkout in its top folder.
 PLACES = (PACKAGE / "submissions", PACKAGE.parents[1] / "submissions")
 
 

@@ -1,14 +1,14 @@
-"""Every error that Wildscav raises for its users to read."""
+"""The errors that Wildscav raises for its users to read."""
 
 from pathlib import Path
 
 
 class WildscavError(Exception):
-    """Base of all errors of Wildscav: one clear line each."""
+    """Base of all errors of Wildscav. The message is one clear line."""
 
 
 class UserError(WildscavError):
-    """What the user asked for cannot be done. The command prints the line and exits.
+    """What the user asked for cannot be done. The command prints the message and exits.
 
     Args:
         message: One line: what, where, and what to do about it.
@@ -42,10 +42,11 @@ class RefusedError(WildscavError):
 
 
 class AddressInUseError(WildscavError):
-    """Something else listens on the address already, or the address cannot be had.
+    """Another process listens on the address already, or the address cannot be bound.
 
     Args:
         address: The address that was asked for.
+        reason: Why it cannot be bound.
     """
 
     def __init__(self, address: str, reason: str = "it is in use already") -> None:
@@ -54,11 +55,11 @@ class AddressInUseError(WildscavError):
 
 
 class SensorError(WildscavError, ValueError):
-    """A seat asks for a sensor that does not exist, or with options that it does not take."""
+    """A seat asks for a sensor that does not exist, or gives it options that it does not take."""
 
 
 def describe(error: OSError) -> str:
-    """Return one line that says what went wrong with which file."""
+    """Return one line that names the file, if there is one, and what went wrong with it."""
     reason = error.strerror or str(error) or type(error).__name__
     if error.filename is None:
         return reason

@@ -1,14 +1,14 @@
-"""How gRPC moves bytes. It reads its settings when it is imported, so whatever imports it comes later."""
+"""Settings of gRPC's input and output. gRPC reads them when it is imported, so they must be set before."""
 
 import os
 
 VARIABLE = "GRPC_EXPERIMENTS"
-# Its event engine hands every message from thread to thread. Without it, the poller that waits for a message
-# reads it, too: threads are woken half as often, and a step takes a quarter to a third less processor time,
-# at a client as at a server. A gRPC that does not have these names ignores them.
+# gRPC's event engine hands every message from one thread to another. Without it, the poller that waits for a
+# message also reads it: threads are woken half as often, and a step takes a quarter to a third less processor
+# time, in a client as well as in a server. Releases of gRPC that do not know these names ignore them.
 EXPERIMENTS = "-event_engine_client,-event_engine_listener"
 
 
 def tune_grpc() -> None:
-    """Have gRPC poll for itself, unless the environment says otherwise."""
+    """Make gRPC use its poller instead of its event engine, unless the environment variable is set."""
     os.environ.setdefault(VARIABLE, EXPERIMENTS)

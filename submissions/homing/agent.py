@@ -1,4 +1,4 @@
-"""The agent that goes straight to what it wants."""
+"""An agent that walks straight to its goal."""
 
 from steering import Boxes, Search, Steering, Vector, effort
 
@@ -6,7 +6,7 @@ from wildscav import Action, Agent, MatchInfo, Observation
 from wildscav.geometry import turn_to
 
 FULL_SPEED = 10.0  # m/s
-MAX_TURN = 4.0  # degrees a frame
+MAX_TURN = 4.0  # degrees per frame
 
 
 class Homing(Agent):
@@ -20,7 +20,7 @@ class Homing(Agent):
         self.boxes = Boxes(effort)
 
     def act(self, observation: Observation) -> Action:
-        """Walk on at full speed, facing where it goes, and pick up what is within reach."""
+        """Walk at full speed, facing the direction of walking, and pick up boxes within reach."""
         goal = self.goal(observation)
         direction, jump = self.steering.toward(observation, goal)
         turn = turn_to(observation.yaw, direction) / self.match.frames_per_action

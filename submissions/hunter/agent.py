@@ -1,4 +1,4 @@
-"""The agent that gathers, and fights whoever comes into sight."""
+"""An agent that gathers supplies, and fights enemies in sight."""
 
 from aim import Order, aim_at, look_around, nearest_enemy
 from steering import Boxes, Search, Steering, Vector, effort
@@ -7,23 +7,23 @@ from wildscav import Action, Agent, MatchInfo, Observation, SupplyBox, VisibleAg
 from wildscav.geometry import flat_distance
 
 FULL_SPEED = 10.0  # m/s
-START_UP = 3.0  # m, a box takes time however near it is
-WORTH = 0.6  # how much the quantity counts, 0 to 1
-CHASE_RANGE = 25.0  # m, an enemy this near is followed when there is no box to fetch
+START_UP = 3.0  # m, added to the distance of every box, because even a near one takes time
+WORTH = 0.6  # weight of the quantity, 0 to 1
+CHASE_RANGE = 25.0  # m, within which an enemy is followed if there is no box to fetch
 
 
 class Hunter(Agent):
     """Walks to supplies, and aims and shoots while it walks."""
 
     def reset(self, match: MatchInfo) -> None:
-        """Remember the match's facts."""
+        """Get ready for a match."""
         self.match = match
         self.steering = Steering(match.seed)
         self.search = Search(match)
         self.boxes = Boxes(effort_by_worth)
 
     def act(self, observation: Observation) -> Action:
-        """Walk one way and look another: supplies and enemies are rarely in the same direction."""
+        """Walk to supplies while facing enemies, which are rarely in the same direction."""
         enemy = nearest_enemy(observation, self.match.team)
         order = self.order(observation, enemy)
         direction, jump = self.steering.toward(observation, self.goal(observation, enemy))
@@ -39,12 +39,12 @@ class Hunter(Agent):
         )
 
     def order(self, observation: Observation, enemy: VisibleAgent | None) -> Order:
-        """Return where to look."""
+        """Return where to look, and whether to shoot."""
         frames = self.match.frames_per_action
         return look_around(observation, frames) if enemy is None else aim_at(observation, enemy, frames)
 
     def goal(self, observation: Observation, enemy: VisibleAgent | None) -> Vector:
-        """Return where to go: the target, a box, an enemy near by, or on with the search."""
+        """Return where to go: the target, a box, a nearby enemy, or the next place of the search."""
         if observation.target is not None:
             return observation.target
         box = self.boxes.choose(observation)
@@ -55,12 +55,12 @@ class Hunter(Agent):
         return self.search.next_place(observation)
 
     def wants_reload(self, observation: Observation, enemy: VisibleAgent | None) -> bool:
-        """Reload an empty clip at once, a low one while nobody is in sight."""
+        """Return whether to reload: an empty clip at once, a low one while no enemy is in sight."""
         if observation.reloading or observation.spare_ammo == 0:
             return False
         return observation.clip == 0 or (enemy is None and observation.clip < self.match.clip_size * 0.6)
 
 
 def effort_by_worth(here: Vector, box: SupplyBox) -> float:
-    """Return how hard a box is to have for what is in it: a rich one is worth a longer way."""
+    """Return the effort to fetch a box relative to its worth: a rich box is worth a longer walk."""
     return (effort(here, box) + START_UP) / box.quantity**WORTH

@@ -1,4 +1,4 @@
-"""Turning to an enemy, and knowing when a shot will hit."""
+"""Aiming at an enemy, and deciding when a shot will hit."""
 
 import math
 from typing import NamedTuple
@@ -8,32 +8,32 @@ from wildscav.geometry import BODY_HEIGHT, BODY_RADIUS, direction_to, flat_dista
 
 Vector = tuple[float, float, float]
 
-LEAD = 0.1  # s, an order acts on what was seen this long ago
-MAX_TURN = 18.0  # degrees a frame; the game sets no limit, but nobody needs more
-SCAN_TURN = 6.0  # degrees a frame: once around in 1.2 s
-SURE_SHOT = 0.8  # of the body's half width: how far off the middle is still worth a round
+LEAD = 0.1  # s between an observation and the action that it leads to
+MAX_TURN = 18.0  # degrees per frame; the game has no limit, but more is not needed
+SCAN_TURN = 6.0  # degrees per frame: a full turn in 1.2 s
+SURE_SHOT = 0.8  # of the body's half width: the largest aiming error for a shot
 
 
 class Order(NamedTuple):
     """How to turn and look during a step, and whether to shoot."""
 
-    turn: float  # degrees a frame
-    look: float  # degrees a frame
+    turn: float  # degrees per frame
+    look: float  # degrees per frame
     shoot: bool
 
 
 def nearest_enemy(observation: Observation, team: int) -> VisibleAgent | None:
-    """Return the nearest agent in sight that can be hurt and is no friend."""
+    """Return the nearest enemy in sight that can be hurt."""
     enemies = (agent for agent in observation.agents if agent.team != team and not agent.invincible)
     return next(enemies, None)
 
 
 def aim_at(observation: Observation, enemy: VisibleAgent, frames: int) -> Order:
-    """Turn to where an enemy will be; shoot if the sight is on it already.
+    """Turn to where an enemy will be, and shoot if it is in the sights already.
 
     Args:
-        observation: What is seen now.
-        enemy: Whom to aim at.
+        observation: The current observation.
+        enemy: The enemy to aim at.
         frames: Frames in a step.
     """
     middle: Vector = (
@@ -54,7 +54,7 @@ def aim_at(observation: Observation, enemy: VisibleAgent, frames: int) -> Order:
 
 
 def look_around(observation: Observation, frames: int) -> Order:
-    """Turn on and on, level; after a hit from someone unseen, turn about at once."""
+    """Keep turning with a level view; after a hit by an agent that is not in sight, turn round at once."""
     turn = 180.0 / frames if observation.hit_by_seat is not None else SCAN_TURN
     return Order(turn=turn, look=_limited(-observation.pitch / frames), shoot=False)
 

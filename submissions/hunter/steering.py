@@ -1,4 +1,4 @@
-"""Walking to a goal and round what stands in the way, without looking; and where to search."""
+"""Walking to a goal and around obstacles without sensors, searching for supplies, and choosing boxes."""
 
 import math
 import random
@@ -10,24 +10,24 @@ from wildscav.geometry import direction_to, flat_distance
 
 Vector = tuple[float, float, float]
 
-PATIENCE = 6  # steps over which an agent that walks should get somewhere
-STUCK_WAY = 1.2  # m, less than this in so many steps is stuck
+PATIENCE = 6  # steps over which the agent's progress is measured
+STUCK_WAY = 1.2  # m, an agent that moves less than this in so many steps is stuck
 JUMPS = 4  # steps of jumping before a detour
-PROGRESS = 2.0  # m nearer to the goal than ever: the last obstacle is behind
+PROGRESS = 2.0  # m nearer to the goal than before: the obstacle has been passed
 
 
 class Steering:
-    """Walks towards goals: straight, then jumping, then round about."""
+    """Walks towards goals: straight, then jumping, then with detours."""
 
     def __init__(self, seed: int) -> None:
         self.random = random.Random(seed)  # noqa: S311 (a game, not a secret)
         self.trail: deque[Vector] = deque(maxlen=PATIENCE)
         self.goal: Vector | None = None
-        self.nearest = math.inf  # m, to the goal so far
+        self.nearest = math.inf  # shortest distance to the goal so far, m
         self.jumps_left = 0
-        self.detours = 0  # around the present obstacle
+        self.detours = 0  # number of detours around the current obstacle
         self.detour_left = 0  # steps
-        self.offset = 0.0  # degrees off the straight way, during a detour
+        self.offset = 0.0  # angle between the detour and the direct line, degrees
 
     def toward(self, observation: Observation, goal: Vector) -> tuple[float, bool]:
         """Return the compass direction to walk in (degrees), and whether to jump."""
@@ -36,7 +36,7 @@ class Steering:
         direction = direction_to(observation.position, goal)
         if self.detour_left > 0:
             self.detour_left -= 1
-            # A low step may be what stops the detour, so hop now and then.
+            # A low step may block the detour, so jump now and then.
             return direction + self.offset, self.detour_left % 8 == 0
         if self.jumps_left > 0:
             self.jumps_left -= 1
@@ -61,7 +61,7 @@ class Steering:
             self.jumps_left = JUMPS
             self.detours = 1
             return
-        # Keep to one side for a while, as one hand on a wall; then try the other, further out.
+        # Follow the obstacle on one side for a while, then try the other side at a larger angle.
         if self.detours == 1:
             self.offset = self.random.choice((-1.0, 1.0)) * 60.0
         elif self.detours % 3 == 0:
@@ -78,7 +78,7 @@ class Steering:
 
 
 class Search:
-    """Places to look for supplies: a spiral around the middle of the wave that came last."""
+    """Places to look for supplies: a spiral around the centre of the last wave."""
 
     def __init__(self, match: MatchInfo) -> None:
         self.waves = match.supply_waves
@@ -86,11 +86,11 @@ class Search:
         self.limit = match.map_size / 2.0 - 3.0  # m from the middle of the map
         self.wave = -1
         self.angle = 0.0  # radians along the spiral
-        self.patience = 0  # steps left for the present place
+        self.patience = 0  # steps left to reach the current place
         self.place: Vector = match.start
 
     def next_place(self, observation: Observation) -> Vector:
-        """Return where to walk to with nothing in sight."""
+        """Return where to walk when no box is in sight."""
         current = sum(wave.time <= observation.time for wave in self.waves) - 1
         if current != self.wave:
             self.wave, self.angle, self.patience = current, 0.0, 0
@@ -121,19 +121,19 @@ class Search:
 
 
 class Boxes:
-    """Which supply box to go for. One that cannot be had in time is left alone for a while."""
+    """Chooses a supply box to fetch. One that cannot be reached in time is ignored for a while."""
 
-    PATIENCE = 3.0  # s beyond the time that the straight way takes
-    LEFT_ALONE = 25.0  # s
+    PATIENCE = 3.0  # s beyond the time of the direct walk
+    LEFT_ALONE = 25.0  # s for which a box is ignored
 
     def __init__(self, cost: Callable[[Vector, SupplyBox], float]) -> None:
-        self.cost = cost  # of fetching a box from where one is: the lowest is chosen
+        self.cost = cost  # of fetching a box from a position; the box with the lowest cost is chosen
         self.wanted: int | None = None
         self.give_up_at = 0.0  # s of game time
-        self.left_alone: dict[int, float] = {}  # box → time from which it may be tried again
+        self.left_alone: dict[int, float] = {}  # by box: the time when it may be tried again
 
     def choose(self, observation: Observation) -> Vector | None:
-        """Return the position of the best box that is worth trying, or nothing."""
+        """Return the position of the best box that is not ignored, or None."""
         now, here = observation.time, observation.position
         if self.wanted is not None and now > self.give_up_at:
             self.left_alone[self.wanted] = now + self.LEFT_ALONE
@@ -147,5 +147,5 @@ class Boxes:
 
 
 def effort(here: Vector, box: SupplyBox) -> float:
-    """Return about how far a box is, m: on another floor it is further than it looks."""
+    """Return the estimated walking distance to a box, m; it is longer if the box is on another floor."""
     return flat_distance(here, box.position) + 4.0 * abs(box.position[1] - here[1])

@@ -1,24 +1,24 @@
-"""The agent that understands nothing."""
+"""An agent that acts at random."""
 
 import random
 
 from wildscav import Action, Agent, MatchInfo, Observation
 
-NEW_DIRECTION = 0.05  # chance a step: every two seconds, about
-MAX_TURN = 4.0  # degrees a frame
+NEW_DIRECTION = 0.05  # probability per step: about every two seconds
+MAX_TURN = 4.0  # degrees per frame
 
 
 class Random(Agent):
-    """Walks at random, and tries every button."""
+    """Walks at random, and takes every kind of action at random."""
 
     def reset(self, match: MatchInfo) -> None:
-        """Take the seat's own random numbers, so that the same match is played the same way."""
+        """Seed the random numbers with the seat's seed, so that the same match is played the same way."""
         self.random = random.Random(match.seed)  # noqa: S311 (a game, not a secret)
         self.direction = self.random.uniform(0.0, 360.0)
         self.turn = 0.0
 
     def act(self, observation: Observation) -> Action:
-        """Keep the direction most of the time; press each button now and then."""
+        """Keep the direction most of the time, and take other actions now and then."""
         if self.random.random() < NEW_DIRECTION:
             self.direction = self.random.uniform(0.0, 360.0)
             self.turn = self.random.uniform(-MAX_TURN, MAX_TURN)

@@ -1,4 +1,4 @@
-"""``wildscav init --from-policy``: what the options say, and the files that come of it."""
+"""``wildscav init --from-policy``: from its options to the files of the submission."""
 
 import json
 from collections.abc import Sequence
@@ -15,23 +15,23 @@ def policy_files(
     """Return the files of a submission that plays a trained policy, by name.
 
     Args:
-        model: The file of the policy.
-        name: Of the submission.
-        track: What the policy was trained for; a preset among the options tells it, too.
-        options: Of the environment, each as NAME=VALUE.
-        choose: A ``Choose``.
-        activation: What follows each layer of an npz but the last.
+        model: The policy's file.
+        name: Name of the submission.
+        track: The track that the policy was trained for; not needed if the options name a preset.
+        options: Options of the environment, each as NAME=VALUE.
+        choose: How it selects actions, one of ``Choose``.
+        activation: The activation after each layer but the last, for an npz file.
 
     Raises:
         UserError: The policy cannot be read, or does not fit the environment.
     """
-    from wildscav.export import fit, read_model, submission_files
+    from wildscav.export import policy_tables, read_model, submission_files
 
     if choose not in list(Choose):
         raise UserError(f"--choose is {choose!r}, must be {' or '.join(Choose)}", exit_code=2)
     given = dict(map(_read_option, options))
     trained = read_model(model, activation)
-    tables = fit(trained, _track(track, given), given)
+    tables = policy_tables(trained, _track(track, given), given)
     return submission_files(trained, tables, name, Choose(choose))
 
 

@@ -16,35 +16,39 @@ TEMPLATE = ("submission.toml", "agent.py", "README.md")
 LONGEST_NAME = 40  # characters
 
 
-Folder = Annotated[Path, typer.Argument(help="Folder to make: one that does not exist yet, or an empty one.")]
-Name = Annotated[str | None, typer.Option(help="Name of the submission. Default: that of the folder.")]
+Folder = Annotated[
+    Path, typer.Argument(help="Folder to create: one that does not exist yet, or an empty one.")
+]
+Name = Annotated[str | None, typer.Option(help="Name of the submission. Default: the name of the folder.")]
 Baseline = Annotated[
     str | None,
     typer.Option(
-        "--from", help=f"Begin with a copy of a baseline: {', '.join(NAMES)}. Default: a small template."
+        "--from", help=f"Start from a copy of a baseline: {', '.join(NAMES)}. Default: a small template."
     ),
 ]
 PolicyFile = Annotated[
     Path | None,
     typer.Option(
-        help="A trained policy to play: a .zip of Stable-Baselines3 (only one that you trust: it holds "
+        help="A trained policy to play: a .zip of Stable-Baselines3 (only one that you trust: it contains "
         "Python objects), an .onnx file, or an .npz of layers."
     ),
 ]
-Track = Annotated[str | None, typer.Option(help="With --from-policy: what it was trained for.")]
+Track = Annotated[str | None, typer.Option(help="With --from-policy: the track that it was trained for.")]
 EnvironmentOptions = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME=VALUE",
         help="With --from-policy: an option of the environment that it was trained in, its value as "
-        "JSON, such as frames_per_action=15. What the policy's own shape tells may be left out.",
+        "JSON, such as frames_per_action=15. Options that the policy's shapes determine may be left out.",
     ),
 ]
 Choosing = Annotated[
     str,
-    typer.Option(help="With --from-policy: sampled (as likely as it says) or deterministic (the likeliest)."),
+    typer.Option(
+        help="With --from-policy: sampled (with the policy's probabilities) or deterministic (the likeliest)."
+    ),
 ]
-Activation = Annotated[str, typer.Option(help="With an .npz: what follows each layer but the last.")]
+Activation = Annotated[str, typer.Option(help="With an .npz: the activation after each layer but the last.")]
 
 
 def init(
@@ -57,14 +61,16 @@ def init(
     choose: Choosing = "sampled",
     activation: Activation = "tanh",
 ) -> None:
-    """Make a new submission, from a template, a baseline or a trained policy, ready to play."""
+    """Create a new submission from a template, a baseline or a trained policy, ready to play."""
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder} is not an empty folder: name one that does not exist yet", exit_code=2)
     name = submission_name(folder.resolve().name) if name is None else _checked(name)
     if from_policy is None and (track is not None or option):
         raise UserError("--track and --option are for --from-policy", exit_code=2)
     if from_policy is not None and baseline is not None:
-        raise UserError("--from and --from-policy are given: begin with a baseline or a policy", exit_code=2)
+        raise UserError(
+            "--from and --from-policy are both given: start from a baseline or a policy", exit_code=2
+        )
     if baseline is not None:
         content = _from_baseline(baseline, name)
     elif from_policy is None:
@@ -86,15 +92,15 @@ def _print_next_steps(folder: Path, name: str) -> None:
     quoted = shlex.quote(str(folder))
     for command, what in (
         (f"wildscav play {quoted}", "one match"),
-        (f"wildscav check {quoted}", "all that a judge asks of it"),
-        (f"wildscav evaluate {quoted}", "what it scores"),
+        (f"wildscav check {quoted}", "everything that an evaluation requires"),
+        (f"wildscav evaluate {quoted}", "its scores"),
     ):
         console.print(f"  {command}  # {what}", soft_wrap=True, highlight=False)
-    console.print(f"It is written in {folder / 'agent.py'}.", soft_wrap=True, highlight=False)
+    console.print(f"The agent's code is in {folder / 'agent.py'}.", soft_wrap=True, highlight=False)
 
 
 def _from_baseline(baseline: str, name: str) -> dict[str, bytes]:
-    """Return the files of a baseline, as those of a submission of another name."""
+    """Return the files of a baseline, with its name replaced."""
     folder = baseline_folder(baseline)
     content = {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
     old, new = (f'name = "{each}"'.encode() for each in (folder.name, name))
@@ -108,7 +114,7 @@ def _from_template(name: str) -> dict[str, bytes]:
 
 
 def _write(folder: Path, content: Mapping[str, bytes]) -> None:
-    """Write files into a folder; all of them or none."""
+    """Write all files into a folder, or none."""
     is_new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     try:
@@ -123,7 +129,7 @@ def _write(folder: Path, content: Mapping[str, bytes]) -> None:
 
 
 def submission_name(text: str) -> str:
-    """Return the nearest thing to a text that a submission may be called."""
+    """Return a valid submission name that is close to a text."""
     name = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:LONGEST_NAME].rstrip("-")
     return name if len(name) > 1 else "my-agent"
 
@@ -131,6 +137,7 @@ def submission_name(text: str) -> str:
 def _checked(name: str) -> str:
     if not re.fullmatch(rf"[a-z0-9][a-z0-9-]{{1,{LONGEST_NAME - 1}}}", name):
         raise UserError(
-            f"--name is {name!r}: 2 to {LONGEST_NAME} of a-z, 0-9 and -, a letter or digit first", exit_code=2
+            f"--name is {name!r}, must be 2 to {LONGEST_NAME} of a-z, 0-9 and -, a letter or digit first",
+            exit_code=2,
         )
     return name

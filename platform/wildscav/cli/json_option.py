@@ -6,7 +6,7 @@ import typer
 
 
 def _keep_stdout_free(wanted: bool) -> bool:
-    """Let everything that is said go to stderr if stdout is to hold a JSON document and nothing else."""
+    """Print everything else to stderr if stdout is to hold nothing but a JSON document."""
     from wildscav.terminal import console
 
     console.console.stderr = wanted

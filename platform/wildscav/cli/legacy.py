@@ -1,4 +1,4 @@
-"""``wildscav legacy``: the original game's client on our engine."""
+"""``wildscav legacy``: the client of the original game on this engine."""
 
 from pathlib import Path
 from typing import Annotated
@@ -29,12 +29,12 @@ def legacy() -> None:
 def install(
     folder: Annotated[Path, typer.Argument(help="Folder to write into.", metavar="DIR", show_default=False)],
     maps: Annotated[
-        str, typer.Option(help="Ids of maps, such as 1,2,101-130; those that are there already stay.")
+        str, typer.Option(help="Ids of maps, such as 1,2,101-130; maps that are there already are kept.")
     ] = DEFAULT_MAPS,
 ) -> None:
     """Write what the client needs: DIR/engine with an executable fps.x86_64, and DIR/maps.
 
-    A script of the original's runs as it is then: Game(map_dir="DIR/maps", engine_dir="DIR/engine").
+    Scripts for the original then run unchanged: Game(map_dir="DIR/maps", engine_dir="DIR/engine").
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -54,20 +54,20 @@ def install(
         task = progress.add_task("making maps", total=len(missing))
         for _ in install_maps(missing, folder / "maps", cores()):
             progress.advance(task)
-    there = len(ids) - len(missing)
+    present = len(ids) - len(missing)
     lines = [
         str(program),
-        f"{folder / 'maps'}: {counted(len(missing), 'map')} made, {there} there already",
+        f"{folder / 'maps'}: {counted(len(missing), 'map')} made, {present} there already",
         f'Game(map_dir="{(folder / "maps").absolute()}", engine_dir="{program.parent.absolute()}")',
     ]
     console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
 
 
 def read_ids(text: str) -> list[int]:
-    """Return the ids of a list such as ``1,2,101-130``, ascending, each once.
+    """Return the ids in a list such as ``1,2,101-130``, ascending and without duplicates.
 
     Raises:
-        UserError: It is no such list, or an id is not one of a map.
+        UserError: The text is not such a list, or no map has one of the ids.
     """
     ids: set[int] = set()
     for part in text.split(","):
@@ -76,6 +76,6 @@ def read_ids(text: str) -> list[int]:
             raise UserError(f"--maps has {part.strip()!r}, must be ids and ranges such as 1,2,101-130", 2)
         low, high = int(first), int(last or first)
         if not 1 <= low <= high <= LAST_MAP:
-            raise UserError(f"--maps has {part.strip()!r}, must be of 1 to {LAST_MAP} and ascend", 2)
+            raise UserError(f"--maps has {part.strip()!r}, must be within 1 to {LAST_MAP} and ascending", 2)
         ids.update(range(low, high + 1))
     return sorted(ids)

@@ -1,8 +1,8 @@
-"""The ``wildscav`` command: its own commands, and those that other packages plug in.
+"""The ``wildscav`` command: its own commands, and those that other packages add.
 
-A command is a plain function with Typer's annotations, or a Typer application of several. Ours stand in
-``OWN``; other packages name theirs in the entry-point group ``wildscav.commands``. Either is imported only
-when it is run, or for the list of help.
+A command is a function with Typer's annotations, or a Typer application with several subcommands. Our own are
+listed in ``OWN``; other packages register theirs in the entry-point group ``wildscav.commands``. A command's
+module is imported only when the command is run or listed in the help.
 """
 
 import importlib
@@ -30,7 +30,7 @@ OWN = {
     "look": "wildscav.cli.maps.look:app",
     "legacy": "wildscav.cli.legacy:app",
 }
-# The groups of help, and in them the order: what a newcomer needs first.
+# The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
     "Agents": ("init", "play", "check", "build"),
     "Evaluations": ("evaluate", "compare", "leaderboard", "replay", "verify", "rescore", "replay-agent"),
@@ -39,10 +39,10 @@ PANELS = {
     "The original game": ("legacy",),
 }
 OTHERS = "Others"
-FIRST = tuple(name for names in PANELS.values() for name in names)
+HELP_ORDER = tuple(name for names in PANELS.values() for name in names)
 # The extra that all commands of a package need.
-PACKAGES = {"wildscav_leaderboard": "leaderboard", "wildscav_evaluator": "evaluator"}
-# What a missing module is installed with, where a command of another package needs it.
+PACKAGE_EXTRAS = {"wildscav_leaderboard": "leaderboard", "wildscav_evaluator": "evaluator"}
+# The extra that installs a missing module, for commands of any other package.
 EXTRAS = {
     "cryptography": "evaluator",
     "grpc_health": "engine",
@@ -60,29 +60,30 @@ EXTRAS = {
 
 
 class Commands(TyperGroup):
-    """The commands by name, each imported when it is needed."""
+    """The commands by name, each imported on demand."""
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - Typer's signature
         """Return the names, in the order of help."""
         names = [*OWN, *_plug_ins()]
-        return sorted(names, key=lambda name: (FIRST.index(name) if name in FIRST else len(FIRST), name))
+        known, last = HELP_ORDER, len(HELP_ORDER)
+        return sorted(names, key=lambda name: (known.index(name) if name in known else last, name))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command that the arguments begin with; of a name that is none, say what is near it."""
+        """Return the command that the arguments begin with; for an unknown name, suggest a similar one."""
         names = self.list_commands(ctx)
         if args[0] not in names and not args[0].startswith("-") and not ctx.resilient_parsing:
             ctx.fail(f"No such command {args[0]!r}{did_you_mean(args[0], names)}")
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
-        """Return a command, None if there is none of that name."""
+        """Return a command, or None if there is none with that name."""
         try:
             if cmd_name in OWN:
                 module, _, function = OWN[cmd_name].partition(":")
                 return _command(cmd_name, getattr(importlib.import_module(module), function))
             plug_in = _plug_ins().get(cmd_name)
             return plug_in and _command(cmd_name, plug_in.load())
-        except Exception as error:  # noqa: BLE001 - a broken plug-in must not break the others
+        except Exception as error:  # noqa: BLE001 - a broken plug-in must not break other commands
             return _command(cmd_name, _unavailable(cmd_name, error), options=False)
 
 
@@ -91,13 +92,13 @@ def _plug_ins() -> dict[str, EntryPoint]:
 
 
 def _command(name: str, function: Callable[..., None] | typer.Typer, *, options: bool = True) -> Any:
-    command = _made(name, function, options=options)
+    command = _build(name, function, options=options)
     command.name = name
     command.rich_help_panel = next((panel for panel, names in PANELS.items() if name in names), OTHERS)
     return command
 
 
-def _made(name: str, function: Callable[..., None] | typer.Typer, *, options: bool) -> Any:
+def _build(name: str, function: Callable[..., None] | typer.Typer, *, options: bool) -> Any:
     if isinstance(function, typer.Typer):
         return typer.main.get_command(function)
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="rich")
@@ -110,7 +111,7 @@ def _made(name: str, function: Callable[..., None] | typer.Typer, *, options: bo
 
 
 def _unavailable(name: str, error: Exception) -> Callable[[], None]:
-    """Return a command in place of one that cannot be imported."""
+    """Return a replacement for a command that cannot be imported: it explains why."""
     from rich.markup import escape
 
     why = _remedy(error) or (str(error) if _is_extension_error(error) else f"{type(error).__name__}: {error}")
@@ -123,7 +124,7 @@ def _unavailable(name: str, error: Exception) -> Callable[[], None]:
 
 
 def _remedy(error: BaseException) -> str | None:
-    """Return what to install if an error comes from an extra that is not there."""
+    """Return what to install if an error comes from an extra that is not installed."""
     if not isinstance(error, ModuleNotFoundError):
         return None
     missing = (error.name or "").partition(".")[0]
@@ -132,7 +133,7 @@ def _remedy(error: BaseException) -> str | None:
     running = {
         frame.f_globals.get("__name__", "").partition(".")[0] for frame, _ in walk_tb(error.__traceback__)
     }
-    extra = next((extra for package, extra in PACKAGES.items() if package in running), EXTRAS[missing])
+    extra = next((extra for package, extra in PACKAGE_EXTRAS.items() if package in running), EXTRAS[missing])
     return f"it needs the module {missing}; install it with: pip install 'wildscav[{extra}]'"
 
 
@@ -141,7 +142,7 @@ app = typer.Typer(
     name="wildscav",
     help="An open arena for game-playing agents: try an agent, evaluate it, watch it play.",
     no_args_is_help=True,
-    context_settings={"help_option_names": ["-h", "--help"]},  # of all commands below as well
+    context_settings={"help_option_names": ["-h", "--help"]},  # inherited by all commands
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
@@ -163,7 +164,7 @@ def options(
 
 
 def main() -> None:
-    """Run the command line; errors that a user can do something about are one line on stderr."""
+    """Run the command line. Errors that users can cause are printed as one line on stderr."""
     try:
         app()
     except UserError as error:
@@ -171,7 +172,7 @@ def main() -> None:
     except WildscavError as error:
         _fail(str(error), 1)
     except BrokenPipeError:
-        # Whoever read our output has gone; the interpreter would complain once more at its end.
+        # The reader of our output has gone. Without this, the interpreter would report that again at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except OSError as error:

@@ -12,7 +12,7 @@ from wildscav.errors import UserError
 if TYPE_CHECKING:
     from wildscav_engine.record import Record
 
-RERUN_FILE = b"RRF"  # how every .rrd begins
+RERUN_MAGIC = b"RRF"  # the first bytes of every .rrd file
 SUFFIX = ".rrd"
 
 
@@ -33,25 +33,23 @@ def replay(
         int | None, typer.Option(help="Seat that the cameras follow. Default: the first submission.", min=0)
     ] = None,
     images: Annotated[
-        bool, typer.Option(help="Draw what the followed agent's camera and depth camera see.")
+        bool, typer.Option(help="Draw the images of the followed agent's camera and depth camera.")
     ] = True,
-    web: Annotated[
-        bool, typer.Option("--web", help="Serve it with a viewer for browsers, until Ctrl-C.")
-    ] = False,
+    web: Annotated[bool, typer.Option("--web", help="Serve it with a browser viewer until Ctrl-C.")] = False,
     host: Annotated[
-        str | None, typer.Option(help="Address that --web listens at. Default: 127.0.0.1, this machine only.")
+        str | None, typer.Option(help="Address that --web listens on. Default: 127.0.0.1, this machine only.")
     ] = None,
     port: Annotated[
-        int | None, typer.Option(help="Port that --web listens at. Default: any free one.", min=0, max=65535)
+        int | None, typer.Option(help="Port that --web listens on. Default: any free one.", min=0, max=65535)
     ] = None,
 ) -> None:
     """Render a record as a replay that can be watched in 3D."""
     if not web and (host is not None or port is not None):
-        raise UserError("--host and --port say where --web serves: add --web", exit_code=2)
+        raise UserError("--host and --port are for --web: add --web", exit_code=2)
     if web and _is_replay(record):
-        _check_whole(output, follow, images)
+        _refuse_rendering_options(output, follow, images)
         return _serve(_read(record), record.name, host, port)
-    content = _rendered(record, _played(record, follow), output, follow, images, web=web)
+    content = _render(record, _read_record(record, follow), output, follow, images, web=web)
     path = output if web else output or record.with_suffix(".rrd")
     if path is not None:
         _write(path, content)
@@ -63,16 +61,16 @@ def replay(
 def _is_replay(path: Path) -> bool:
     try:
         with path.open("rb") as file:
-            return file.read(len(RERUN_FILE)) == RERUN_FILE
+            return file.read(len(RERUN_MAGIC)) == RERUN_MAGIC
     except OSError:
-        return False  # the reader of records says what is wrong
+        return False  # reading it as a record reports the error
 
 
-def _check_whole(output: Path | None, follow: int | None, images: bool) -> None:
-    """Refuse what would change a replay that is already rendered."""
-    given = {"--output": output is not None, "--follow": follow is not None, "--no-images": not images}
-    for option, there in given.items():
-        if there:
+def _refuse_rendering_options(output: Path | None, follow: int | None, images: bool) -> None:
+    """Refuse options of rendering for a replay that is already rendered."""
+    options = {"--output": output is not None, "--follow": follow is not None, "--no-images": not images}
+    for option, is_given in options.items():
+        if is_given:
             raise UserError(f"{option} needs a record: this is a replay already", exit_code=2)
 
 
@@ -83,8 +81,8 @@ def _read(path: Path) -> bytes:
         raise UserError(f"cannot read {path}: {error.strerror}") from None
 
 
-def _played(record: Path, follow: int | None) -> "Record":
-    """Read a record, and check that it has the seat to follow."""
+def _read_record(record: Path, follow: int | None) -> "Record":
+    """Read a record, and check that its match has the seat to follow."""
     from wildscav_engine.record import RecordError, read_record
 
     try:
@@ -98,10 +96,10 @@ def _played(record: Path, follow: int | None) -> "Record":
     return played
 
 
-def _rendered(
+def _render(
     record: Path, played: "Record", output: Path | None, follow: int | None, images: bool, *, web: bool
 ) -> bytes:
-    """Render a record that may not be written over."""
+    """Check that the output would not overwrite the record, and render it."""
     from wildscav.terminal.console import error_console
     from wildscav_engine.record import RecordError
     from wildscav_engine.view import ViewError, rendered
@@ -123,7 +121,7 @@ def _rendered(
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write the file whole, and say how to open it."""
+    """Write the file, and print how to open it."""
     from wildscav.terminal.console import command, console
     from wildscav_engine.storage.files import write_whole
 
@@ -156,12 +154,12 @@ def _serve(content: bytes, name: str, host: str | None, port: int | None) -> Non
 
 
 def check_name(option: str, path: Path) -> None:
-    """Refuse a name that is not one of a Rerun recording: other programs would take it for what it says.
+    """Refuse a file name without the suffix of Rerun recordings, which viewers go by.
 
     Raises:
         UserError: It does not end in ".rrd".
     """
     if path.suffix.lower() != SUFFIX:
         raise UserError(
-            f"{option} is {path}: a replay is a Rerun recording, its name must end in {SUFFIX}", 2
+            f"{option} is {path}: a replay is a Rerun recording, so its name must end in {SUFFIX}", 2
         )

@@ -1,4 +1,4 @@
-"""``wildscav serve``: a match server that others share."""
+"""``wildscav serve``: a shared match server."""
 
 import asyncio
 import signal
@@ -17,8 +17,8 @@ SHORTEST_TOKEN = 16  # characters
 MOST_WORKERS = 64
 
 
-class Serving(NamedTuple):
-    """What a server is told."""
+class ServerOptions(NamedTuple):
+    """The options of a server."""
 
     addresses: list[str]
     token: str | None
@@ -35,25 +35,29 @@ def serve(
     ] = None,
     organizer_token_file: Annotated[
         Path | None,
-        typer.Option(help="File with the secret that opening a match asks for. Needed beyond this machine."),
+        typer.Option(
+            help="File with the secret that is needed to open a match. Required on public addresses."
+        ),
     ] = None,
     tls_cert: Annotated[
         Path | None,
-        typer.Option(help="Certificate to show to clients, PEM. Needed beyond this machine."),
+        typer.Option(help="The server's certificate, PEM. Required on public addresses."),
     ] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Its private key, PEM.")] = None,
     client_ca: Annotated[
         Path | None,
-        typer.Option(help="Let in only clients with a certificate that this authority (PEM) has signed."),
+        typer.Option(help="Accept only clients with a certificate that this authority (PEM) has signed."),
     ] = None,
     insecure: Annotated[
         bool,
-        typer.Option("--insecure", help="Let other machines in without TLS: tokens can be read on the way."),
+        typer.Option(
+            "--insecure", help="Accept other machines without TLS: tokens cross the network in clear."
+        ),
     ] = False,
     workers: Annotated[
         int | None,
         typer.Option(
-            help="Processes that play the matches, each at an address of its own. Default: one a core.",
+            help="Processes that play the matches, each with its own address. Default: one per core.",
             min=1,
             max=MOST_WORKERS,
             show_default=False,
@@ -61,13 +65,13 @@ def serve(
     ] = None,
     log_format: Annotated[
         Literal["json", "text"] | None,
-        typer.Option(help="Write a line on stderr for everything that happens: as JSON or as text."),
+        typer.Option(help="Write a log line to stderr for every event: as JSON or as text."),
     ] = None,
     metrics_port: Annotated[
         int | None,
         typer.Option(
-            help="Serve Prometheus metrics to this machine on this port, a further worker's on each "
-            "of the next ones; 0 takes free ones.",
+            help="Serve Prometheus metrics to this machine on this port, and those of further workers on "
+            "the ports after it; 0 takes free ports.",
             min=0,
             max=65_535,
         ),
@@ -75,18 +79,18 @@ def serve(
 ) -> None:
     """Run a match server (default 127.0.0.1:50051) until it is interrupted.
 
-    A match is opened by the Arena service of the protocol (HostMatch), which answers with a token for every
-    seat and the address at which they are joined: with several workers, worker n listens for its seats on
-    PORT + n, or on unix:/PATH.n. An agent joins with WILDSCAV_ADDRESS and WILDSCAV_TOKEN in its environment,
-    run by python -m wildscav.sdk FOLDER.
+    The protocol's Arena service (HostMatch) opens a match. It answers with a token for every seat and the
+    address where the seats are joined: with several workers, worker n listens for its seats on PORT + n, or
+    on unix:/PATH.n. To join, start the agent with python -m wildscav.sdk FOLDER and with WILDSCAV_ADDRESS
+    and WILDSCAV_TOKEN in its environment.
     """
     from wildscav_engine.parallel.threads import cores
 
     token = None if organizer_token_file is None else _read_token(organizer_token_file)
     certificate = _certificate(tls_cert, tls_key, client_ca)
     addresses = listen or ["127.0.0.1:50051"]
-    how = Serving(addresses, token, certificate, insecure, log_format, metrics_port)
-    asyncio.run(_serve(how, workers or min(cores(), MOST_WORKERS)))
+    options = ServerOptions(addresses, token, certificate, insecure, log_format, metrics_port)
+    asyncio.run(_serve(options, workers or min(cores(), MOST_WORKERS)))
 
 
 def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -> "Certificate | None":
@@ -97,9 +101,9 @@ def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -
             raise UserError("--client-ca needs --tls-cert and --tls-key", exit_code=2)
         return None
     if chain is None or key is None:
-        raise UserError("--tls-cert and --tls-key belong together: name both or none", exit_code=2)
+        raise UserError("--tls-cert and --tls-key belong together: give both or neither", exit_code=2)
     certificate = Certificate(str(chain), str(key), None if client_ca is None else str(client_ca))
-    certificate.context()  # before the engine is prepared, which may take a while
+    certificate.context()  # reports errors before the engine is prepared, which may take a while
     return certificate
 
 
@@ -112,18 +116,18 @@ def _read_token(path: Path) -> str:
     return token
 
 
-async def _serve(how: Serving, workers: int) -> None:
+async def _serve(options: ServerOptions, workers: int) -> None:
     from wildscav.monitoring.logs import open_log
 
-    open_log(how.log_format).info("preparing_engine", workers=workers)  # it may take a minute or two
+    open_log(options.log_format).info("preparing_engine", workers=workers)  # it may take a minute or two
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stopped.set)
-    await (_serve_alone(how, stopped) if workers == 1 else _serve_with(workers, how, stopped))
+    await (_serve_alone(options, stopped) if workers == 1 else _serve_with(workers, options, stopped))
 
 
-async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
+async def _serve_alone(options: ServerOptions, stopped: asyncio.Event) -> None:
     """Serve in this process."""
     from wildscav.monitoring.logs import open_log
     from wildscav.monitoring.metrics import serving_metrics
@@ -133,19 +137,19 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     from wildscav.terminal.engine_progress import preparing
 
     endpoint_settings = EndpointSettings(
-        tls=how.certificate.context() if how.certificate else None, insecure=how.insecure
+        tls=options.certificate.context() if options.certificate else None, insecure=options.insecure
     )
     server = MatchServer(
         arena=True,
-        organizer_token=how.token,
+        organizer_token=options.token,
         endpoint_settings=endpoint_settings,
-        log=open_log(how.log_format),
+        log=open_log(options.log_format),
     )
-    taken = await server.start(how.addresses)
-    with preparing(console, is_said=how.log_format == "json"):
+    bound = await server.start(options.addresses)
+    with preparing(console, is_said=options.log_format == "json"):
         await asyncio.to_thread(precompile)
-    _say_listening(taken)
-    with serving_metrics(server.metrics, how.metrics_port) as metrics:
+    _print_listening(bound)
+    with serving_metrics(server.metrics, options.metrics_port) as metrics:
         if metrics is not None:
             console.print(f"metrics at {metrics}", highlight=False)
         await stopped.wait()
@@ -153,23 +157,23 @@ async def _serve_alone(how: Serving, stopped: asyncio.Event) -> None:
     await server.stop()
 
 
-async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> None:
-    """Serve with several processes."""
+async def _serve_with(workers: int, options: ServerOptions, stopped: asyncio.Event) -> None:
+    """Serve with several worker processes."""
     from wildscav.server.workers.shared_server import SharedServer
     from wildscav.terminal.console import console
     from wildscav.terminal.engine_progress import preparing
 
     server = SharedServer(
         workers,
-        organizer_token=how.token,
-        certificate=how.certificate,
-        insecure=how.insecure,
-        log_format=how.log_format,
-        metrics_port=how.metrics_port,
+        organizer_token=options.token,
+        certificate=options.certificate,
+        insecure=options.insecure,
+        log_format=options.log_format,
+        metrics_port=options.metrics_port,
     )
-    with preparing(console, is_said=how.log_format == "json"):
-        taken = await server.start(how.addresses)
-    _say_listening(taken)
+    with preparing(console, is_said=options.log_format == "json"):
+        bound = await server.start(options.addresses)
+    _print_listening(bound)
     for worker in server.workers:
         metrics = f", metrics at {worker.metrics}" if worker.metrics else ""
         console.print(
@@ -182,7 +186,7 @@ async def _serve_with(workers: int, how: Serving, stopped: asyncio.Event) -> Non
     await server.stop()
 
 
-def _say_listening(addresses: list[str]) -> None:
+def _print_listening(addresses: list[str]) -> None:
     from wildscav.terminal.console import console
 
     for address in addresses:

@@ -1,11 +1,11 @@
-"""From a trained policy to a submission: reads models, and writes folders that play with ``wildscav.policy``.
+"""Export of trained policies: read models, and make submissions that play them with ``wildscav.policy``.
 
-PyTorch and Stable-Baselines3 are needed here alone, for models that come from them.
+Only this package needs PyTorch and Stable-Baselines3, and only for models that were saved by them.
 """
 
-from wildscav.export.environment_options import fit
+from wildscav.export.environment_options import policy_tables
 from wildscav.export.model_files import read_model
 from wildscav.export.submission_folder import submission_files
-from wildscav.export.trained_model import Trained
+from wildscav.export.trained_model import TrainedModel
 
-__all__ = ["Trained", "fit", "read_model", "submission_files"]
+__all__ = ["TrainedModel", "policy_tables", "read_model", "submission_files"]

@@ -1,23 +1,24 @@
-"""Which environment a model was trained in: its options, checked against what the model takes and gives."""
+"""The environment that a model was trained in: its options, checked against the model's shapes."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from wildscav.errors import UserError
-from wildscav.export.trained_model import Shape, Trained
+from wildscav.export.trained_model import Shape, TrainedModel
 from wildscav.policy.action_choice import ACTIONS, NUMBERS, SCORES
 from wildscav.policy.action_modes import ActionMode, action_mode
 
-MODES = ("multidiscrete", "baseline", "box")  # those that a network can play
+MODES = ("multidiscrete", "baseline", "box")  # the action modes that a network can play
 
 
-def fit(trained: Trained, track: str, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the environment that a model was trained in, and what the model's outputs mean.
+def policy_tables(trained: TrainedModel, track: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the environment that a model was trained in, and the meaning of the model's outputs.
 
     Args:
         trained: The model.
-        track: What it was trained for.
-        options: Of the environment, but for ``flat`` and ``action_mode``, which the model tells unless given.
+        track: The track that it was trained for.
+        options: Options of the environment. ``flat`` and ``action_mode`` are inferred from the model if they
+            are not given.
 
     Returns:
         The tables "environment" and "network" of ``policy.json``.
@@ -57,46 +58,47 @@ def _describe(track: str, options: dict[str, Any]) -> dict[str, Any]:
         raise UserError(f"the options of the environment: {error}", exit_code=2) from None
 
 
-def _head(trained: Trained, mode: ActionMode) -> str | None:
-    """Return what a model's outputs mean in an action mode; None if it does not fit."""
+def _head(trained: TrainedModel, mode: ActionMode) -> str | None:
+    """Return the meaning of a model's outputs in an action mode; None if they do not fit it."""
     if trained.head is not None:
         same = trained.sizes == mode.sizes and bool(trained.sizes or mode.numbers)
         deviations = trained.network.get("deviations")
         return trained.head if same and (deviations is None or len(deviations) == mode.numbers) else None
     if trained.outputs is None or not (mode.sizes or mode.numbers):
         return None
-    if trained.whole:
+    if trained.outputs_are_integers:
         return ACTIONS if mode.sizes and trained.outputs == len(mode.sizes) else None
     if mode.sizes:
         return SCORES if trained.outputs == sum(mode.sizes) else None
     return NUMBERS if trained.outputs == mode.numbers else None
 
 
-def _modes_error(trained: Trained, track: str, modes: tuple[str, ...], fitting: int) -> str:
-    gives = f"chooses from {list(trained.sizes)}" if trained.sizes else f"gives {trained.outputs} numbers"
+def _modes_error(trained: TrainedModel, track: str, modes: tuple[str, ...], fitting: int) -> str:
+    outputs = f"chooses from {list(trained.sizes)}" if trained.sizes else f"returns {trained.outputs} numbers"
     if trained.outputs is None and not trained.sizes:
-        gives = "does not tell how many numbers it gives"
-    named = ", ".join(modes)
+        outputs = "does not specify how many numbers it returns"
+    names = ", ".join(modes)
     if fitting:
         return (
-            f"{trained.source} {gives}, which fits several action modes: name one, --option action_mode=box"
+            f"{trained.source} {outputs}, which fits several action modes: name one, such as "
+            "--option action_mode=box"
         )
-    return f"{trained.source} {gives}, which does not fit the track {track} with action_mode {named}"
+    return f"{trained.source} {outputs}, which does not fit the track {track} with action_mode {names}"
 
 
-def _stack(trained: Trained, description: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Return how many observations the model takes at once, and how they are put together.
+def _stack(trained: TrainedModel, description: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return how many observations the model takes at once, and how they are stacked.
 
     Raises:
-        UserError: It takes something else.
+        UserError: The model's inputs do not fit the environment.
     """
     shapes = {str(part["name"]): tuple(part["shape"]) for part in description["observations"]}
     wanted = trained.inputs
     if isinstance(wanted, Mapping):
         if missing := sorted(set(wanted) - set(shapes)):
             raise UserError(
-                f"{trained.source} takes {missing[0]!r}; the environment with these options gives "
-                f"{', '.join(shapes)}: name the sensors, --option 'sensors={{…}}'",
+                f"{trained.source} takes {missing[0]!r}; the environment with these options returns "
+                f"{', '.join(shapes)}: give the sensors, --option 'sensors={{…}}'",
                 exit_code=2,
             )
         found = {_ratio(shape, shapes[name]) for name, shape in wanted.items()}
@@ -108,15 +110,15 @@ def _stack(trained: Trained, description: Mapping[str, Any]) -> dict[str, Any] |
         return None if count == 1 else {"count": count, "axis": axis, "padding": padding}
     parts = ", ".join(f"{name} {list(shape)}" for name, shape in shapes.items())
     raise UserError(
-        f"{trained.source} takes {_shown(wanted)}; the environment with these options gives {parts}, "
-        f"{sum(_count(shape) for shape in shapes.values())} numbers: name the options of the training, "
+        f"{trained.source} takes {_shown(wanted)}; the environment with these options returns {parts}, "
+        f"{sum(_count(shape) for shape in shapes.values())} numbers: give the options used in training, "
         'such as --option \'sensors={"depth": {"width": 10, "height": 10}}\'',
         exit_code=2,
     )
 
 
 def _ratio(wanted: Shape, single: Shape) -> tuple[int, str] | None:
-    """Return how many arrays make one of a shape, and along which axis; None if they cannot."""
+    """Return how many arrays of one shape stack to another, and along which axis; None if they do not."""
     if wanted == single:
         return 1, "last"
     if wanted[1:] == single and wanted[0] > 1:

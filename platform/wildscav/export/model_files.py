@@ -1,4 +1,4 @@
-"""Reading models, told by their files."""
+"""Reading models from files, by their suffix."""
 
 from pathlib import Path
 from typing import Any
@@ -8,25 +8,25 @@ from numpy.typing import NDArray
 
 from wildscav.errors import UserError
 from wildscav.export.stable_baselines import read_zip
-from wildscav.export.trained_model import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, Trained, pack_layers
+from wildscav.export.trained_model import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, TrainedModel, pack_layers
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.networks import ACTIVATIONS, Layers, OnnxNetwork, read_layers
 
 SUFFIXES = (".zip", ".onnx", ".npz")
 
 
-def read_model(path: Path, activation: str = "tanh") -> Trained:
+def read_model(path: Path, activation: str = "tanh") -> TrainedModel:
     """Read a model: a zip of Stable-Baselines3, an ONNX file, or an npz of layers.
 
     Args:
-        path: The file. A zip holds Python objects: read only one that you trust.
-        activation: What follows each layer of an npz but the last.
+        path: The file. A zip contains Python objects, so read only one that you trust.
+        activation: The activation after each layer but the last, for an npz file.
 
     Raises:
         UserError: It cannot be read, or needs a library that is not installed.
     """
     if not path.is_file():
-        raise UserError(f"{path} is no file: name a model that was saved", exit_code=2)
+        raise UserError(f"{path} is not a file: give the file of a saved model", exit_code=2)
     try:
         if path.suffix == ".npz":
             return _read_npz(path, activation)
@@ -41,9 +41,11 @@ def read_model(path: Path, activation: str = "tanh") -> Trained:
     )
 
 
-def _read_npz(path: Path, activation: str) -> Trained:
+def _read_npz(path: Path, activation: str) -> TrainedModel:
     if activation not in ACTIVATIONS:
-        raise UserError(f"--activation is {activation!r}; known are {', '.join(ACTIVATIONS)}", exit_code=2)
+        raise UserError(
+            f"--activation is {activation!r}, must be one of {', '.join(ACTIVATIONS)}", exit_code=2
+        )
     weights, biases = read_layers(path)
     activations = [activation] * (len(weights) - 1) + ["identity"]
     layers = Layers(weights, biases, activations)
@@ -51,7 +53,7 @@ def _read_npz(path: Path, activation: str) -> Trained:
     with np.load(path, allow_pickle=False) as arrays:
         if "log_std" in arrays:
             network["deviations"] = _deviations(path, arrays["log_std"])
-    return Trained(
+    return TrainedModel(
         source=path,
         inputs=(layers.inputs,),
         outputs=layers.outputs,
@@ -62,25 +64,25 @@ def _read_npz(path: Path, activation: str) -> Trained:
 
 
 def _deviations(path: Path, logs: NDArray[Any]) -> list[float]:
-    """Return standard deviations, whose logarithms are given."""
+    """Return the standard deviations with the given logarithms."""
     if logs.dtype.kind not in "fiu":
         raise UserError(f"{path}: log_std holds {logs.dtype}, must hold numbers", exit_code=2)
     deviations: list[float] = np.exp(logs.astype(np.float64)).reshape(-1).tolist()
     return deviations
 
 
-def _read_onnx(path: Path) -> Trained:
+def _read_onnx(path: Path) -> TrainedModel:
     network = OnnxNetwork(path)
     shapes = {name: shape for name, shape in network.shapes.items() if shape is not None}
     if len(shapes) < len(network.shapes):
         unknown = next(name for name, shape in network.shapes.items() if shape is None)
-        raise UserError(f"{path}: the input {unknown} must have a fixed shape but for its batch axis", 2)
-    return Trained(
+        raise UserError(f"{path}: the input {unknown} must have a fixed shape, except for its batch axis", 2)
+    return TrainedModel(
         source=path,
         inputs=shapes if len(shapes) > 1 else next(iter(shapes.values())),
         outputs=network.outputs,
         head=None,
-        whole=network.whole,
+        outputs_are_integers=network.outputs_are_integers,
         network={"kind": "onnx", "file": ONNX_FILE},
         files={ONNX_FILE: path.read_bytes()},
         requirements=(ONNX_REQUIREMENT,),

@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3: fully connected networks as layers, all others as ONNX."""
+"""Models of Stable-Baselines3. Fully connected networks are exported as layers, all others as ONNX."""
 
 import io
 import warnings
@@ -14,60 +14,62 @@ from wildscav.export.trained_model import (
     ONNX_FILE,
     ONNX_REQUIREMENT,
     Shape,
-    Trained,
+    TrainedModel,
     pack_layers,
 )
 from wildscav.policy.action_choice import NUMBERS, SCORES, SQUASHED, VALUES
 
-NAMES = {"Tanh": "tanh", "ReLU": "relu", "ELU": "elu", "LeakyReLU": "leaky_relu", "SiLU": "silu"}
-# What changes nothing when a policy plays.
-SILENT = ("Flatten", "Dropout", "Identity", "FlattenExtractor")
+# PyTorch's activations by class name.
+ACTIVATIONS = {"Tanh": "tanh", "ReLU": "relu", "ELU": "elu", "LeakyReLU": "leaky_relu", "SiLU": "silu"}
+# Modules that have no effect when a policy plays.
+NO_EFFECT = ("Flatten", "Dropout", "Identity", "FlattenExtractor")
 
 
 class NotLayersError(Exception):
-    """A network is more than fully connected layers."""
+    """A network does not consist of fully connected layers alone."""
 
 
-def read_zip(path: Path) -> Trained:
-    """Read what ``model.save`` wrote, on the CPU.
+def read_zip(path: Path) -> TrainedModel:
+    """Read a file that ``model.save`` wrote, on the CPU.
 
     Raises:
-        UserError: It is no such file, Stable-Baselines3 is not installed, or no such policy can be exported.
+        UserError: It is not such a file, Stable-Baselines3 is not installed, or its policy cannot be
+            exported.
     """
     try:
         from stable_baselines3.common.save_util import load_from_zip_file
     except ImportError:
         raise UserError(
-            f"{path} is read with Stable-Baselines3: pip install 'wildscav[training]'", exit_code=2
+            f"reading {path} needs Stable-Baselines3: pip install 'wildscav[training]'", exit_code=2
         ) from None
     try:
         data, parameters, _ = load_from_zip_file(path, device="cpu")
         policy = _policy_of(data or {}, parameters)
     except UserError:
         raise
-    except Exception as error:  # noqa: BLE001 - whatever a damaged or foreign zip raises
-        raise UserError(f"{path} is no model of Stable-Baselines3: {error}", exit_code=2) from None
+    except Exception as error:  # noqa: BLE001 - a damaged or foreign zip can raise anything
+        raise UserError(f"{path} is not a model of Stable-Baselines3: {error}", exit_code=2) from None
     return _trained(path, policy)
 
 
 def _policy_of(data: Mapping[str, Any], parameters: Mapping[str, Any]) -> Any:
-    """Return the policy alone: that takes no environment, and no algorithm."""
+    """Return the policy. It is constructed without its environment and algorithm, which are not needed."""
     kind = data["policy_class"]
     options = dict(data.get("policy_kwargs", {}))
     if data.get("use_sde"):
         raise UserError("a policy with state-dependent exploration (use_sde) cannot be exported", exit_code=2)
     if "Recurrent" in kind.__name__:
-        raise UserError(f"{kind.__name__} remembers: recurrent policies cannot be exported", exit_code=2)
+        raise UserError(f"{kind.__name__} is recurrent: such policies cannot be exported", exit_code=2)
     policy = kind(data["observation_space"], data["action_space"], lambda _: 0.0, **options)
     policy.load_state_dict(parameters["policy"])
     policy.set_training_mode(False)
     return policy
 
 
-def _trained(path: Path, policy: Any) -> Trained:
+def _trained(path: Path, policy: Any) -> TrainedModel:
     modules, head, deviations = _parts(policy)
     network: dict[str, Any] = {} if deviations is None else {"deviations": deviations}
-    told: dict[str, Any] = {
+    common: dict[str, Any] = {
         "source": path,
         "inputs": _shapes(policy.observation_space),
         "outputs": None,
@@ -76,21 +78,21 @@ def _trained(path: Path, policy: Any) -> Trained:
     }
     try:
         if any(map(_is_picture, _spaces(policy).values())):
-            raise NotLayersError  # the trainer divides its numbers first
+            raise NotLayersError  # Stable-Baselines3 first scales the pixels of images
         weights, biases, activations = _layers(modules)
     except NotLayersError:
         files = {ONNX_FILE: _onnx(policy)}
         network |= {"kind": "onnx", "file": ONNX_FILE}
-        return Trained(**told, network=network, files=files, requirements=(ONNX_REQUIREMENT,))
+        return TrainedModel(**common, network=network, files=files, requirements=(ONNX_REQUIREMENT,))
     network |= {"kind": "layers", "file": LAYERS_FILE, "activations": activations}
-    return Trained(**told, network=network, files={LAYERS_FILE: pack_layers(weights, biases)})
+    return TrainedModel(**common, network=network, files={LAYERS_FILE: pack_layers(weights, biases)})
 
 
 def _parts(policy: Any) -> tuple[list[Any], str, list[float] | None]:
-    """Return the modules that an observation goes through, what comes out, and deviations of numbers.
+    """Return the modules of a policy in order, the meaning of their outputs, and standard deviations if any.
 
     Raises:
-        UserError: The policy is of no kind that is known here.
+        UserError: Policies of this class cannot be exported.
     """
     numbers = not _sizes(policy.action_space)
     if hasattr(policy, "mlp_extractor"):  # PPO, A2C
@@ -109,10 +111,10 @@ def _parts(policy: Any) -> tuple[list[Any], str, list[float] | None]:
 
 
 def _layers(modules: list[Any]) -> tuple[list[Any], list[Any], list[str]]:
-    """Return the weights, biases and activations of modules that come one after another.
+    """Return the weights, biases and activations of a sequence of modules.
 
     Raises:
-        NotLayersError: There is something else in them.
+        NotLayersError: They contain something else than fully connected layers.
     """
     weights: list[Any] = []
     biases: list[Any] = []
@@ -124,31 +126,31 @@ def _layers(modules: list[Any]) -> tuple[list[Any], list[Any], list[str]]:
                 weights.append(np.concatenate([one.weight.detach().numpy() for one in part]))
                 biases.append(np.concatenate([one.bias.detach().numpy() for one in part]))
                 activations.append("identity")
-            elif name in NAMES and activations and activations[-1] == "identity":
+            elif name in ACTIVATIONS and activations and activations[-1] == "identity":
                 if name == "LeakyReLU" and part[0].negative_slope != 0.01:
                     raise NotLayersError
-                activations[-1] = NAMES[name]
-            elif name not in SILENT:
+                activations[-1] = ACTIVATIONS[name]
+            elif name not in NO_EFFECT:
                 raise NotLayersError
     return weights, biases, activations
 
 
 def _leaves(module: Any) -> Iterator[tuple[Any, ...]]:
-    """Yield the modules inside, each in a tuple; several are side by side."""
+    """Yield the modules inside a module, in order; those in one tuple are parallel."""
     if isinstance(module, tuple):
         yield module
     elif type(module).__name__ == "Sequential":
         for inner in module:
             yield from _leaves(inner)
     elif type(module).__name__ == "CombinedExtractor":
-        for inner in module.extractors.values():  # each flattens, or it is more than layers
+        for inner in module.extractors.values():  # layers only if each of them just flattens
             yield from _leaves(inner)
     else:
         yield (module,)
 
 
 def _shapes(space: Any) -> Mapping[str, Shape] | Shape:
-    """Return the shape of an observation as the environment has it: pictures with their channels last."""
+    """Return the shape of an observation as the environment returns it: images with their channels last."""
     if hasattr(space, "spaces"):
         return {name: _shape(inner) for name, inner in space.spaces.items()}
     return _shape(space)
@@ -172,21 +174,21 @@ def _is_picture(space: Any) -> bool:
 
 
 def _is_transposed(space: Any) -> bool:
-    """Return whether the trainer has put the channels of a picture first."""
+    """Return whether Stable-Baselines3 has moved the channels of an image to the front."""
     from stable_baselines3.common.preprocessing import is_image_space_channels_first
 
     return _is_picture(space) and bool(is_image_space_channels_first(space))
 
 
 def _sizes(space: Any) -> Shape:
-    """Return how many things there are to choose from; () for numbers."""
+    """Return the number of choices in each dimension of an action space; () for a continuous one."""
     if hasattr(space, "nvec"):
         return tuple(space.nvec.tolist())
     return (int(space.n),) if hasattr(space, "n") else ()
 
 
 def _onnx(policy: Any) -> bytes:
-    """Return a policy as ONNX: from observations, as the environment has them, to its outputs.
+    """Return a policy as ONNX: from observations, as the environment returns them, to its outputs.
 
     Raises:
         UserError: The package onnx is not installed, or the policy cannot be written.
@@ -202,11 +204,11 @@ def _onnx(policy: Any) -> bytes:
     file = io.BytesIO()
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of the exporter itself
+            warnings.simplefilter("ignore")  # the exporter itself causes some
             torch.onnx.export(module, given, file, input_names=names, output_names=["outputs"], dynamo=False)
     except Exception as error:  # noqa: BLE001 - the exporter's errors have many bases
         raise UserError(
-            f"the policy is more than fully connected layers, and PyTorch cannot write it as ONNX: {error} "
+            f"the policy has other than fully connected layers, and PyTorch cannot write it as ONNX: {error} "
             "(pip install onnx)",
             exit_code=2,
         ) from None
@@ -214,7 +216,7 @@ def _onnx(policy: Any) -> bytes:
 
 
 def _outputs_of(policy: Any) -> Any:
-    """Return a module from an observation's arrays, as the environment has them, to a policy's outputs."""
+    """Return a module that maps an observation's arrays, as the environment returns them, to outputs."""
     import torch
 
     spaces = _spaces(policy)
@@ -225,26 +227,26 @@ def _outputs_of(policy: Any) -> Any:
             self.policy = policy
 
         def forward(self, *arrays: Any) -> Any:
-            seen = {
+            parts = {
                 name: array.permute(0, 3, 1, 2) if _is_transposed(inner) else array
                 for (name, inner), array in zip(spaces.items(), arrays, strict=True)
             }
-            is_one = not hasattr(policy.observation_space, "spaces")
-            return _forward(self.policy, seen["observation"] if is_one else seen)
+            is_single = not hasattr(policy.observation_space, "spaces")
+            return _forward(self.policy, parts["observation"] if is_single else parts)
 
     return Outputs()
 
 
-def _forward(policy: Any, seen: Any) -> Any:
+def _forward(policy: Any, observation: Any) -> Any:
     import torch
 
     if hasattr(policy, "mlp_extractor"):
-        features = policy.extract_features(seen, policy.pi_features_extractor)
+        features = policy.extract_features(observation, policy.pi_features_extractor)
         return policy.action_net(policy.mlp_extractor.forward_actor(features))
     if hasattr(policy, "q_net"):
-        return policy.q_net(seen)
+        return policy.q_net(observation)
     actor = policy.actor
-    features = actor.extract_features(seen, actor.features_extractor)
+    features = actor.extract_features(observation, actor.features_extractor)
     if hasattr(actor, "latent_pi"):
         latent = actor.latent_pi(features)
         return torch.cat([actor.mu(latent), actor.log_std(latent)], dim=1)

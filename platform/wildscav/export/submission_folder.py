@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
-from wildscav.export.trained_model import Trained
+from wildscav.export.trained_model import TrainedModel
 from wildscav.policy.networks import Choose
 from wildscav.policy.policy import FILE
 
@@ -13,15 +13,15 @@ TEMPLATE = ("agent.py", "README.md")
 
 
 def submission_files(
-    trained: Trained, tables: Mapping[str, Any], name: str, choose: Choose
+    trained: TrainedModel, tables: Mapping[str, Any], name: str, choose: Choose
 ) -> dict[str, bytes]:
-    """Return the content of each file of a submission, by its name.
+    """Return the files of a submission: their contents by name.
 
     Args:
         trained: The model.
-        tables: What ``fit`` returned.
-        name: Of the submission.
-        choose: How it is to choose by what the network says.
+        tables: What ``policy_tables`` returned.
+        name: Name of the submission.
+        choose: How it selects actions from the network's outputs.
     """
     policy = {"choose": choose.value, "network": tables["network"], "environment": tables["environment"]}
     template = files("wildscav.export") / "template"
@@ -45,7 +45,7 @@ def _manifest(environment: Mapping[str, Any], name: str) -> str:
     ]
     for part in environment["observations"]:
         if "sensor" in part:
-            # Numbers, texts, yes or no and lists of them are written in TOML as in JSON.
+            # Numbers, strings, booleans and lists of them are written in TOML as in JSON.
             options = {key: value for key, value in part["sensor"].items() if value is not None}
             lines += ["", f"[sensors.{part['name']}]"]
             lines += [f"{key} = {json.dumps(value)}" for key, value in options.items()]

@@ -1,4 +1,4 @@
-"""A model as it comes out of training, whatever kind of file it was read from."""
+"""A trained model, independent of the kind of file it was read from."""
 
 import io
 from collections.abc import Mapping
@@ -15,22 +15,24 @@ ONNX_REQUIREMENT = "onnxruntime>=1.20"
 
 
 @dataclass(frozen=True)
-class Trained:
-    """A model: what it takes, what it gives, and the files that hold it."""
+class TrainedModel:
+    """A model: its inputs, its outputs, and the files that contain it."""
 
     source: Path
-    inputs: Mapping[str, Shape] | Shape  # of one observation, by name or as one array
-    outputs: int | None  # how many numbers it gives; None: not told
-    head: str | None  # what they mean, as in ``wildscav.policy.action_choice``; None: told by their number
-    sizes: Shape = ()  # how many things it chooses from in each place, where that is told
-    whole: bool = False  # whether the outputs are whole numbers: the choice itself
+    inputs: Mapping[str, Shape] | Shape  # shapes of one observation, by name or as one array
+    outputs: int | None  # how many numbers it returns; None if the file does not specify it
+    head: (
+        str | None
+    )  # their meaning, as in ``wildscav.policy.action_choice``; None: inferred from their number
+    sizes: Shape = ()  # the number of choices in each dimension of the action space, where it is known
+    outputs_are_integers: bool = False  # whether the outputs are integers, which are the choice itself
     network: Mapping[str, Any] = field(default_factory=dict)  # the table "network" of policy.json
     files: Mapping[str, bytes] = field(default_factory=dict)  # by name
     requirements: tuple[str, ...] = ()  # lines of requirements.txt
 
 
 def pack_layers(weights: list[NDArray[Any]], biases: list[NDArray[Any]]) -> bytes:
-    """Return the file of layers that ``read_layers`` reads."""
+    """Return the content of a file of layers, as ``read_layers`` reads it."""
     arrays = {f"weight_{layer}": np.asarray(weight, np.float32) for layer, weight in enumerate(weights)}
     arrays |= {f"bias_{layer}": np.asarray(bias, np.float32) for layer, bias in enumerate(biases)}
     file = io.BytesIO()

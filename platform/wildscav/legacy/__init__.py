@@ -1,5 +1,5 @@
-"""The original game's client plays here: a drop-in for its engine, over the original's own wire contract.
+"""A replacement for the original game's engine: the original's client plays here, over its own protocol.
 
-The roles are the reverse of ours: the client is the server, and the engine calls it (``commander.proto``).
-All rules are the engine's; what stands here translates.
+The roles are the reverse of ours: the client is the gRPC server, and the engine calls it
+(``commander.proto``). All rules are those of our engine; this package only translates.
 """

@@ -1,4 +1,4 @@
-"""What the client orders, as the engine's rows of actions."""
+"""Translation of the client's commands into the engine's action rows."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -14,16 +14,16 @@ from wildscav.legacy.commander_pb2 import AgentCommand
 def read_actions(
     commands: Iterable[AgentCommand], seats: Mapping[int, int]
 ) -> "tuple[NDArray[np.float32], list[int]]":
-    """Return (A, FIELDS) what all seats do; who is not in the commands does nothing.
+    """Return (A, FIELDS) the actions of all seats. Seats without a command do nothing.
 
-    A walk speed outside 0 to 10 m/s counts as the nearest in it: the original's agents never had another one.
+    A walk speed is clamped to 0 to 10 m/s, the range that the original's agents had.
 
     Args:
-        commands: Of one reply; of two for one agent, the last counts.
+        commands: The commands of one reply; if there are two for one agent, the last one counts.
         seats: The seat of each id.
 
     Returns:
-        The rows, and the ids of no agent.
+        The rows, and the ids that belong to no agent.
     """
     from wildscav_engine.specs.actions import MAX_WALK_SPEED, no_actions
 

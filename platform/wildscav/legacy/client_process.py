@@ -1,9 +1,9 @@
-"""Reaching the person who runs the client: the contract has no words for faults, and the client waits.
+"""Reporting errors to the client's user: the original's protocol has no messages for that.
 
-The client keeps what its engine prints in a file, or nowhere. So warnings and errors are written to the
-client's own stderr, too, and a client that would wait forever is interrupted as by Ctrl-C. Both only where
-it is certain who the client is: the process that started this one, if it listens on the port that this one
-was told. That can be known on Linux only; elsewhere there is the log.
+The client writes its engine's output to a file or discards it. So warnings and errors are also written to
+the client's own stderr, and a client that would wait forever is interrupted as by Ctrl-C. Both are done only
+if it is certain which process the client is: the parent of this process, if it listens on the port that was
+given to this one. That can be found out on Linux only; elsewhere there is just the log.
 """
 
 import logging
@@ -13,35 +13,35 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-LISTENING = "0A"  # in Linux' tables of sockets
+LISTENING = "0A"  # the state in Linux's tables of sockets
 TABLES = ("tcp", "tcp6")
 
 
-class UserHandler(logging.Handler):
+class ClientStderrHandler(logging.Handler):
     """Writes warnings and errors to the stderr of another process, each text once."""
 
     def __init__(self, process: int) -> None:
-        """Write to a process.
+        """Write to the stderr of a process.
 
         Args:
-            process: Its id.
+            process: The process's id.
         """
         super().__init__(logging.WARNING)
         self._path = Path(f"/proc/{process}/fd/2")
-        self._said: set[str] = set()
+        self._written: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write a record, if it can be written: nobody is to fail for want of a terminal."""
+        """Write a record. Errors in writing are ignored, because the client may have closed its stderr."""
         text = record.getMessage()
-        if text in self._said:
+        if text in self._written:
             return
-        self._said.add(text)
+        self._written.add(text)
         with suppress(OSError), self._path.open("a", encoding="utf-8", errors="backslashreplace") as file:
             file.write(f"wildscav: {record.levelname.lower()}: {text}\n")
 
 
 def find_client(port: int) -> int | None:
-    """Return the id of the process that started this one if it listens on a port, else None."""
+    """Return the id of the parent process if it listens on a port, else None."""
     parent = os.getppid()
     with suppress(OSError):
         files = {str(each.readlink()) for each in Path(f"/proc/{parent}/fd").iterdir()}
@@ -51,15 +51,15 @@ def find_client(port: int) -> int | None:
 
 
 def has_own_stderr(process: int) -> bool:
-    """Return whether a process has another stderr than this one."""
+    """Return whether a process has a different stderr from this one."""
     with suppress(OSError):
-        its = Path(f"/proc/{process}/fd/2").stat()
-        return not os.path.samestat(its, os.fstat(sys.stderr.fileno()))
+        other = Path(f"/proc/{process}/fd/2").stat()
+        return not os.path.samestat(other, os.fstat(sys.stderr.fileno()))
     return False
 
 
 def interrupt(process: int) -> None:
-    """End what a process waits for, as Ctrl-C does."""
+    """Interrupt a process, as Ctrl-C does."""
     with suppress(OSError):
         os.kill(process, signal.SIGINT)
 

@@ -1,9 +1,8 @@
-"""What a ``GMCommand`` asks for, as the engine's own spec of a match.
+"""Translation of a ``GMCommand`` into the engine's spec of a match.
 
-A scalar that the client does not send has the original's default. One that is out of range counts as the
-nearest that is in it, since the client takes more than the engine plays and cannot be told; the log says
-so. What has no nearest, such as the number of a map, is refused, by the name that the field has in the
-contract.
+A scalar that the client does not send has the original's default. A number out of range is clamped, with a
+warning in the log, because the client accepts wider ranges than the engine and cannot be sent an error. A
+number that cannot be clamped, such as the id of a map, is refused; the error names the protocol's field.
 """
 
 import logging
@@ -31,21 +30,21 @@ MODES = {track: mode for mode, track in TRACKS.items()}
 FRAMES_PER_ACTION = 5
 SHORTEST_TIME = 0.02  # s: a frame
 FARTHEST = 1000.0  # m from the middle of the largest map to its edges
-NAMES = {"game_mode", "map_id"}  # fields whose numbers stand for something: none is near another
+IDENTIFIERS = {"game_mode", "map_id"}  # fields that cannot be clamped
 
 log = logging.getLogger("wildscav.legacy")
 MOST_AGENTS = 1000
 
 
 class Number(NamedTuple):
-    """A number of the contract: what it is where it is not sent, and what it may be."""
+    """A numeric field of the protocol: its default if it is not sent, and its range."""
 
     default: float
     least: float
     most: float
 
 
-# The defaults of the facts of the original game, else those that its client sends by itself.
+# The original game's defaults; where they are not known, the values that its client sends by default.
 FIELDS = {
     "timeout": Number(60, 1, 86_400),
     "game_mode": Number(GameMode.NAVIGATION_MODE, min(TRACKS), max(TRACKS)),
@@ -73,15 +72,15 @@ FIELDS = {
 
 
 class RefusedEpisodeError(WildscavError):
-    """An episode cannot be played as it was asked for; the message names the field and what is allowed."""
+    """An episode cannot be played as requested; the message names the field and what is allowed."""
 
 
 class Episode(NamedTuple):
-    """What the client wants to be played."""
+    """An episode as the client requests it."""
 
     map_id: int
-    spec: "MatchSpec"  # starts and target are as they were asked for: perhaps not where anybody can stand
-    ids: tuple[int, ...]  # what the client calls each seat
+    spec: "MatchSpec"  # with starts and target as requested, which may not be usable places
+    ids: tuple[int, ...]  # the client's id of each seat
     names: tuple[str, ...]  # of the seats
     is_recorded: bool
     suffix: str  # of the record's name
@@ -90,10 +89,10 @@ class Episode(NamedTuple):
 
 
 def read_episode(command: GMCommand) -> Episode:
-    """Return what a command asks for.
+    """Return the episode that a command requests.
 
     Raises:
-        RefusedEpisodeError: It cannot be.
+        RefusedEpisodeError: It cannot be played.
     """
     setups = _setups(command)
     return Episode(
@@ -109,10 +108,10 @@ def read_episode(command: GMCommand) -> Episode:
 
 
 def _setups(command: GMCommand) -> list[AgentSetup]:
-    """Return the set-up of each agent; those that are counted but not described have all defaults.
+    """Return the set-up of each agent; agents that are counted but not described get the defaults.
 
     Raises:
-        RefusedEpisodeError: There are none, more than are counted, or two with one id.
+        RefusedEpisodeError: There are no agents, too many, or two with the same id.
     """
     setups = list(command.agent_setups)
     count = command.num_agents if command.HasField("num_agents") else len(setups)
@@ -124,7 +123,7 @@ def _setups(command: GMCommand) -> list[AgentSetup]:
     ids = {setup.id for setup in setups}
     if len(ids) < len(setups):
         raise RefusedEpisodeError(
-            f"agent_setups has the ids {[setup.id for setup in setups]}: one comes twice"
+            f"agent_setups has the ids {[setup.id for setup in setups]}: they must differ"
         )
     free = (number for number in range(count) if number not in ids)
     return setups + [
@@ -179,7 +178,7 @@ def _equipment(setup: AgentSetup) -> "Equipment":
 
 
 def _returns_anywhere(command: GMCommand) -> bool:
-    """Return whether the dead come back at a random place; where they started unless the client says so."""
+    """Return whether dead agents respawn at a random place instead of their start."""
     return command.is_random_respawn_location
 
 
@@ -214,31 +213,31 @@ def _wave(source: GMCommand | SupplyRefreshData, time: float) -> "SupplyWave":
 def _range(command: GMCommand, least: str, most: str) -> tuple[int, int]:
     low, high = _value(command, least), _value(command, most)
     if low > high:
-        log.warning("%s is %d and %s is %d: they are played the other way round", least, low, most, high)
+        log.warning("%s is %d and %s is %d: they are swapped", least, low, most, high)
     return min(low, high), max(low, high)
 
 
 def _value(source: _Source, name: str) -> Any:
-    """Return a number of a message, or its default; the nearest that is allowed, if it is none of those.
+    """Return the number in a field, clamped to its range, or its default.
 
     Raises:
-        RefusedEpisodeError: It stands for something that is not there.
+        RefusedEpisodeError: It is out of range and cannot be clamped.
     """
     field = FIELDS[name]
     value = getattr(source, name) if source.HasField(name) else field.default
-    value = round(value, 6) if isinstance(value, float) else value  # as it was before it had 32 bits
-    if field.least <= value <= field.most:  # written so that NaN is not in it
+    value = round(value, 6) if isinstance(value, float) else value  # undoes the rounding to 32 bits
+    if field.least <= value <= field.most:  # False for NaN
         return value
-    what = f"{_named(source, name)} is {value}, must be {field.least} to {field.most}"
-    if name in NAMES:
-        raise RefusedEpisodeError(what)
-    played = field.default if math.isnan(value) else min(max(value, field.least), field.most)
-    log.warning("%s: %s is played", what, played)
-    return played
+    problem = f"{_named(source, name)} is {value}, must be {field.least} to {field.most}"
+    if name in IDENTIFIERS:
+        raise RefusedEpisodeError(problem)
+    used = field.default if math.isnan(value) else min(max(value, field.least), field.most)
+    log.warning("%s: %s is used", problem, used)
+    return used
 
 
 def _place(source: _Source, name: str) -> "Position | None":
-    """Return a place in m, None where it is not given; infinite numbers count as far, no numbers as 0."""
+    """Return a place in m, or None if it is not sent; NaN becomes 0, and infinity a place far away."""
     if not source.HasField(name):
         return None
     vector: Vector3 = getattr(source, name)
@@ -246,7 +245,7 @@ def _place(source: _Source, name: str) -> "Position | None":
     if all(map(math.isfinite, place)):
         return place
     x, y, z = (_finite(number) for number in place)
-    log.warning("%s is %s, must be finite: %s is played", _named(source, name), place, (x, y, z))
+    log.warning("%s is %s, must be finite: %s is used", _named(source, name), place, (x, y, z))
     return x, y, z
 
 

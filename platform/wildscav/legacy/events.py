@@ -1,4 +1,4 @@
-"""What happened in a step, as the contract's ``EventInfo``: read off the state before and after it."""
+"""The events of a step as an ``EventInfo``, found by comparing the states before and after it."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.state import Agents, Supplies
 
 
-class Before(NamedTuple):
-    """What of a state is compared with the next."""
+class PreviousState(NamedTuple):
+    """The parts of a state that are compared with the next state."""
 
     position: NDArray[np.float64]  # (A, 3) m
     health: NDArray[np.int32]  # (A,)
@@ -50,37 +50,37 @@ class Refresh(NamedTuple):
 
 
 class Events:
-    """Tells of one match what happens in it.
+    """Reports the events of one match.
 
     Args:
-        match: Before its first step.
-        episode: What the client asked for.
+        match: The match, before its first step.
+        episode: The episode that the client requested.
     """
 
     def __init__(self, match: "Match", episode: Episode) -> None:
         self._match, self._ids = match, episode.ids
         self._mode = MODES[match.track.name]
         self._refreshes = _refreshes(match)
-        self._before: Before | None = None
+        self._before: PreviousState | None = None
 
     def next(self) -> EventInfo:
-        """Return what happened since the last call: at first, the start."""
+        """Return the events since the last call; the first call returns the start of the match."""
         match, before = self._match, self._before
         info = EventInfo(timeStep=match.frame)
-        self._tell_of_match(info.event_system, starts=before is None)
+        self._add_match_events(info.event_system, starts=before is None)
         if before is not None:
-            info.event_agentInfos.extend(self._of_agents(before))
+            info.event_agentInfos.extend(self._agent_events(before))
         if not info.event_system.ByteSize():
             info.ClearField("event_system")
-        self._before = _take(match)
+        self._before = _snapshot(match)
         return info
 
-    def _tell_of_match(self, system: EventSystem, *, starts: bool) -> None:
+    def _add_match_events(self, system: EventSystem, *, starts: bool) -> None:
         match = self._match
         if starts:
             system.event_game_start.CopyFrom(EventGameStart(gameMode=self._mode))
         if self._refreshes and self._refreshes[0].frame <= match.frame:
-            # One message tells of one: of several at a time, the others come with the next.
+            # A message has room for one wave; further waves of the same time follow in the next messages.
             number, _, (x, z), boxes = self._refreshes.pop(0)
             place = Vector3(x=x, y=0.0, z=z)
             system.event_supplyrefrsh.CopyFrom(EventSupplyRefresh(pos=place, count=boxes, id=number))
@@ -88,7 +88,7 @@ class Events:
             system.event_settle.CopyFrom(self._settlement())
 
     def _settlement(self) -> EventSettle:
-        """Return the result: of all agents, and of the first by itself."""
+        """Return the results of all agents, and once more those of the first agent."""
         from wildscav_engine.specs.rules import FRAME
 
         agents = self._match.state.agents
@@ -111,8 +111,8 @@ class Events:
             event_player_infos=players,
         )
 
-    def _of_agents(self, before: Before) -> Iterator[EventAgent]:
-        """Yield what happened to the agents, one thing each."""
+    def _agent_events(self, before: PreviousState) -> Iterator[EventAgent]:
+        """Yield the events of agents, one event in each message."""
         agents = self._match.state.agents
         ranks = _ranks(agents.supplies[0]).tolist()
         for seat, event in (
@@ -127,11 +127,11 @@ class Events:
             yield event
 
 
-Found = Iterator[tuple[int, EventAgent]]  # seats, and what happened to them
+SeatEvents = Iterator[tuple[int, EventAgent]]  # each with its seat
 
 
-def _hits(agents: "Agents", before: Before) -> Found:
-    """Yield whom the shots of the step hit, and by which seat; who is invincible loses nothing."""
+def _hits(agents: "Agents", before: PreviousState) -> SeatEvents:
+    """Yield the agents that were hit, with the shooter's seat; invincible agents take no damage."""
     for shooter in np.nonzero(agents.hit_seat[0] >= 0)[0].tolist():
         victim = int(agents.hit_seat[0, shooter])
         is_hurt = (
@@ -142,10 +142,10 @@ def _hits(agents: "Agents", before: Before) -> Found:
         yield victim, EventAgent(event_agent_beHited=EventAgentBeHit(damageValue=damage, fire_id=shooter))
 
 
-def _deaths_and_returns(agents: "Agents", before: Before) -> Found:
+def _deaths_and_returns(agents: "Agents", before: PreviousState) -> SeatEvents:
     died = agents.deaths[0] > before.deaths
     for seat in np.nonzero(died)[0].tolist():
-        # The dead lie where they died; who is back already, lay about where it was before.
+        # Dead agents stay where they died; one that has respawned already died about where it was before.
         place = agents.position[0, seat] if agents.health[0, seat] <= 0 else before.position[seat]
         yield seat, EventAgent(event_agent_dead=EventAgentDead(pos=_vector(place)))
     for seat in np.nonzero((agents.health[0] > 0) & (died | (before.health <= 0)))[0].tolist():
@@ -153,14 +153,14 @@ def _deaths_and_returns(agents: "Agents", before: Before) -> Found:
         yield seat, EventAgent(event_agent_refresh=EventAgentRefresh(pos=_vector(place)))
 
 
-def _reloads(agents: "Agents", before: Before) -> Found:
+def _reloads(agents: "Agents", before: PreviousState) -> SeatEvents:
     done = (before.reload_left > 0) & (agents.reload_left[0] == 0) & (agents.deaths[0] == before.deaths)
     for seat in np.nonzero(done)[0].tolist():
         yield seat, EventAgent(event_agent_reload_success=EventAgentReloadSuccess())
 
 
-def _pick_ups(match: "Match", before: Before) -> Found:
-    """Yield the boxes that were taken, each by the nearest of those who gained as much."""
+def _pick_ups(match: "Match", before: PreviousState) -> SeatEvents:
+    """Yield the boxes that were picked up, each by the nearest agent that gained at least as much."""
     agents, supplies = match.state.agents, match.state.supplies
     left = agents.gained[0].copy()
     if not left.any():
@@ -170,9 +170,9 @@ def _pick_ups(match: "Match", before: Before) -> Found:
         if not len(enough):
             continue
         place = supplies.position[0, slot]
-        ways = agents.position[0, enough] - place
-        seat = int(enough[np.argmin((ways * ways).sum(axis=1))])
-        # How much was in a box that was dropped and taken in one step is known by what is left to explain.
+        offsets = agents.position[0, enough] - place
+        seat = int(enough[np.argmin((offsets * offsets).sum(axis=1))])
+        # A box that was dropped and picked up in the same step is credited with the rest of the agent's gain.
         count = quantity or int(left[seat])
         left[seat] -= count
         yield (
@@ -185,18 +185,18 @@ def _pick_ups(match: "Match", before: Before) -> Found:
         )
 
 
-def _taken(supplies: "Supplies", before: Before) -> list[tuple[int, int]]:
-    """Return the slots of boxes that were taken, and how much was in them; 0 where nobody knows."""
+def _taken(supplies: "Supplies", before: PreviousState) -> list[tuple[int, int]]:
+    """Return the slots of boxes that were picked up, and their quantities; 0 if the quantity is unknown."""
     is_empty, same = supplies.quantity[0] == 0, supplies.serial[0] == before.serial
     known = np.nonzero(is_empty & same & (before.quantity > 0))[0].tolist()
-    # Dropped and taken since then.
+    # Boxes that were dropped and picked up since the previous state.
     new = np.nonzero(is_empty & (supplies.serial[0] >= before.next_serial))[0].tolist()
     return [(slot, int(before.quantity[slot])) for slot in known] + [(slot, 0) for slot in new]
 
 
-def _take(match: "Match") -> Before:
+def _snapshot(match: "Match") -> PreviousState:
     agents, supplies = match.state.agents, match.state.supplies
-    return Before(
+    return PreviousState(
         *(agents.position[0].copy(), agents.health[0].copy(), agents.deaths[0].copy()),
         *(agents.reload_left[0].copy(), supplies.serial[0].copy(), supplies.quantity[0].copy()),
         int(match.state.matches.next_serial[0]),
@@ -204,7 +204,7 @@ def _take(match: "Match") -> Before:
 
 
 def _refreshes(match: "Match") -> list[Refresh]:
-    """Return the waves of supplies after the start, in the order of their times."""
+    """Return the waves of supplies after the start, ordered by time."""
     from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
     appears = match.state.supplies.appears[0][match.state.supplies.quantity[0] > 0]
@@ -217,7 +217,7 @@ def _refreshes(match: "Match") -> list[Refresh]:
 
 
 def _ranks(supplies: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Return (A,) the rank of each agent by what it carries: one more than there are with more."""
+    """Return (A,) the rank of each agent by its supplies: 1 plus the number of agents that carry more."""
     ranks: NDArray[np.int64] = 1 + (supplies[np.newaxis] > supplies[:, np.newaxis]).sum(axis=1)
     return ranks
 

@@ -1,4 +1,4 @@
-"""The folder that a script of the original's client is pointed at: its engine and its maps."""
+"""Installation of the engine and the maps that scripts for the original's client use."""
 
 import os
 import shlex
@@ -12,15 +12,15 @@ from wildscav.legacy.map_files import is_written, write_map
 from wildscav.system.worker_processes import become_worker, starting_workers
 
 PROGRAM = "fps.x86_64"
-HOME = Path(__file__).parents[2]  # the folder that holds the package of Wildscav
-# A shell script that starts Python with itself: paths of interpreters may be too long for a first line.
+HOME = Path(__file__).parents[2]  # the folder that contains the package wildscav
+# A shell script that runs itself with Python, because the interpreter's path may be too long for a "#!" line.
 LAUNCHER = """\
 #!/bin/sh
 ''':'
 exec {python} -I "$0" "$@"
 '''
-# The engine of Wildscav in place of the original game's. It runs in an environment of its own, whatever the
-# client has in PYTHONPATH.
+# The engine of Wildscav in place of the original game's. It runs in its own Python environment, independent
+# of the client's PYTHONPATH.
 import sys
 from pathlib import Path
 
@@ -43,7 +43,7 @@ def install_engine(folder: Path) -> Path:
     import wildscav_engine
     from wildscav_engine.storage.files import write_whole
 
-    # Where this code lies, in case that its environment alone does not lead to it.
+    # The folders of this code, which may not be on the default path of its Python environment.
     roots = [str(HOME), str(Path(wildscav_engine.__path__[0]).parent)]
     text = LAUNCHER.format(python=shlex.quote(sys.executable), roots=roots)
     folder.mkdir(parents=True, exist_ok=True)
@@ -54,7 +54,7 @@ def install_engine(folder: Path) -> Path:
 
 
 def missing_maps(ids: list[int], folder: Path) -> list[int]:
-    """Return which maps a folder has not, or not as this engine makes them."""
+    """Return the ids of maps that a folder lacks, or that another version of the generator made."""
     return [map_id for map_id in ids if not is_written(map_id, folder)]
 
 
@@ -62,12 +62,12 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
     """Write maps into a folder, several at a time.
 
     Args:
-        ids: Which ones.
-        folder: Where.
-        workers: How many processes make them.
+        ids: Ids of the maps.
+        folder: The folder.
+        workers: Number of processes.
 
     Yields:
-        The id of each map that is written.
+        The id of each map once it is written.
 
     Raises:
         OSError: A file cannot be written.
@@ -75,7 +75,7 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
     folder.mkdir(parents=True, exist_ok=True)
     if not ids:
         return
-    # New processes, not copies of this one, in which kernels may have run.
+    # Spawned, not forked, because kernels may have run in this process.
     count, spawn = min(workers, len(ids)), get_context("spawn")
     with ProcessPoolExecutor(count, spawn, become_worker, (os.getpid(),)) as pool:
         with starting_workers():

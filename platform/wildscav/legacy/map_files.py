@@ -1,7 +1,7 @@
-"""A map as the client reads it: ``NNN.obj``, the triangles, and ``NNN.json``, where one can stand.
+"""A map in the client's format: ``NNN.obj`` with its triangles, and ``NNN.json`` with its valid locations.
 
-The mesh is the surface that motion, shots and sight meet, in the frame of the client's raycaster: the
-engine's with x negated. Water is not in it: nothing stops there.
+The mesh is the surface that stops motion, shots and sight, in the coordinates of the client's raycaster: the
+engine's with x negated. It does not contain water, which stops nothing.
 """
 
 import json
@@ -19,7 +19,7 @@ MIRROR = np.array([-1.0, 1.0, 1.0], np.float32)
 
 
 def write_map(map_id: int, folder: Path) -> None:
-    """Write both files of a map; each is there whole or not at all, and the mesh comes last.
+    """Write both files of a map, each atomically, and the mesh last.
 
     Raises:
         MapError: There is no such map.
@@ -32,25 +32,25 @@ def write_map(map_id: int, folder: Path) -> None:
     game_map = load_map(map_id)
     obj, places = paths_of(map_id, folder)
     write_whole(places, json.dumps(locations_of(game_map)).encode())
-    write_whole(obj, mark_of(map_id) + obj_of(game_map))
+    write_whole(obj, header_of(map_id) + obj_of(game_map))
 
 
 def is_written(map_id: int, folder: Path) -> bool:
-    """Return whether a folder has a map as this engine makes it."""
+    """Return whether a folder has both files of a map, made by this version of the generator."""
     obj, places = paths_of(map_id, folder)
     if not (obj.is_file() and places.is_file()):
         return False
     with obj.open("rb") as file:
-        return file.readline() == mark_of(map_id)
+        return file.readline() == header_of(map_id)
 
 
 def paths_of(map_id: int, folder: Path) -> tuple[Path, Path]:
-    """Return where the mesh and the locations of a map are."""
+    """Return the paths of a map's mesh and locations."""
     return folder / f"{map_id:03}.obj", folder / f"{map_id:03}.json"
 
 
-def mark_of(map_id: int) -> bytes:
-    """Return the first line of a mesh, which tells what made it."""
+def header_of(map_id: int) -> bytes:
+    """Return the first line of a mesh, which identifies the map and the generator's version."""
     from wildscav_engine.maps import GENERATOR_VERSION
 
     return f"# Wildscav map {map_id:03}, generator {GENERATOR_VERSION}: x west, y up, z north; m\n".encode()
@@ -69,6 +69,6 @@ def obj_of(game_map: "GameMap") -> bytes:
 
 
 def _write(mesh: "Mesh", first: int, text: BytesIO) -> None:
-    """Write a mesh whose first vertex has a number; mirrored, it is the other way round, and turned back."""
+    """Write a mirrored mesh, numbered from ``first``; reversing each triangle keeps its outer side."""
     np.savetxt(text, mesh.vertices * MIRROR, "v %.3f %.3f %.3f")
     np.savetxt(text, mesh.triangles[:, ::-1] + first, "f %d %d %d")

@@ -1,9 +1,9 @@
-"""The program in place of the original's executable: ``fps.x86_64 -IP:HOST -PORT:N``.
+"""The program that replaces the original's executable: ``fps.x86_64 -IP:HOST -PORT:N``.
 
-All that it says goes to stderr, which the client writes into its engine log; warnings and errors go to the
-client's own stderr, too. Exit status: 0 closed by the client, 1 the client has gone or was never there, 2
-wrong arguments or an episode that cannot be played or told. A client that would wait forever for that is
-interrupted.
+It logs to stderr, which the client writes into its engine log; warnings and errors also go to the client's
+own stderr. Exit status: 0 closed by the client; 1 the client has gone or never answered; 2 wrong arguments,
+an episode that cannot be played, or a message that is too large; 3 a fault of the engine. After 2 and 3 the
+client is interrupted, because it would wait forever.
 """
 
 import logging
@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from wildscav.errors import UserError, WildscavError
 from wildscav.legacy.channel import Client, ClientGoneError
-from wildscav.legacy.client_process import UserHandler, find_client, has_own_stderr, interrupt
+from wildscav.legacy.client_process import ClientStderrHandler, find_client, has_own_stderr, interrupt
 from wildscav.legacy.session import Session
 
 USAGE = "is started by the client's Game.init() as: fps.x86_64 -IP:HOST -PORT:N"
@@ -26,21 +26,21 @@ _end_once = threading.Lock()
 
 
 def main(engine_folder: Path, arguments: list[str]) -> NoReturn:
-    """Serve the client that the arguments name, until it closes or goes.
+    """Serve the client that the arguments name, until it closes or disappears.
 
     Args:
-        engine_folder: Where the program lies; records are written beside it.
-        arguments: Of the command line.
+        engine_folder: The program's folder; records are written into a folder in it.
+        arguments: The command line's arguments.
     """
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
-    # Ctrl-C in a terminal reaches us, too: whether it ends the session is for the client to say.
+    # Ctrl-C in a terminal reaches this process as well, but the client decides whether it ends the session.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     client = None
     try:
         address = read_address(arguments)
         client = find_client(int(address.rpartition(":")[2]))
         if client is not None and has_own_stderr(client):
-            log.addHandler(UserHandler(client))
+            log.addHandler(ClientStderrHandler(client))
         serve(address, engine_folder / "records")
     except ClientGoneError as error:
         end(1, str(error))
@@ -48,20 +48,20 @@ def main(engine_folder: Path, arguments: list[str]) -> NoReturn:
         end(2, str(error), waiting=client)
     except Exception:
         log.exception("this is a fault of the engine")
-        end(3, "the client cannot be told and waits: stop it", waiting=client)
+        end(3, "the client waits and cannot be sent an error: stop it", waiting=client)
     end(0)
 
 
 def serve(address: str, records: Path) -> None:
     """Serve the client on an address until it closes."""
     client = Client(address)
-    # At once, whatever is being done: a map may take long to make.
-    client.when_gone(lambda: end(1, f"the client on {address} has gone"))
+    # This ends the process at once, even while a map is being made.
+    client.on_gone(lambda: end(1, f"the client on {address} has gone"))
     log.info("connected to the client on %s", address)
-    # Here, because two threads that import the compiler at once find it half imported.
+    # Imported before the thread starts: two threads that import the compiler at once find it half imported.
     import wildscav_engine.simulation.match  # noqa: F401
 
-    # While the client waits for its user.
+    # Load the engine while the client waits for its user.
     threading.Thread(target=_load_engine, daemon=True).start()
     Session(client, records).run()
 
@@ -87,12 +87,12 @@ def read_address(arguments: list[str]) -> str:
 
 
 def end(status: int, why: str = "", waiting: int | None = None) -> NoReturn:
-    """End the process at once, other threads and all; the first to say why is heard.
+    """End the process and all its threads at once. If several threads call this, the first one wins.
 
     Args:
-        status: Of the exit.
-        why: What the user is to read.
-        waiting: The client's process, if it waits for an answer that will never come: it is interrupted.
+        status: The exit status.
+        why: The message for the user.
+        waiting: The client's process, if it waits for an answer that will never come; it is interrupted.
     """
     _end_once.acquire()
     if why:

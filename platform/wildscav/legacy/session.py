@@ -1,4 +1,4 @@
-"""A session with a client: episode after episode, until it closes."""
+"""A session with a client: a sequence of episodes, until the client closes it."""
 
 import logging
 import os
@@ -12,7 +12,7 @@ from wildscav.legacy.channel import Client
 from wildscav.legacy.commander_pb2 import GameState, GMCommand, Reply
 from wildscav.legacy.episode import Episode, RefusedEpisodeError, read_episode
 from wildscav.legacy.request_messages import START, Requests
-from wildscav.legacy.start_places import settle_places
+from wildscav.legacy.start_places import with_usable_places
 from wildscav.terminal.console import counted
 
 if TYPE_CHECKING:
@@ -27,32 +27,32 @@ log = logging.getLogger("wildscav.legacy")
 
 
 class Session:
-    """What the engine does for one client, from its first call to its end.
+    """Plays the episodes of one client.
 
     Args:
-        client: Which one.
-        records: Folder of the records that it asks for.
+        client: The client.
+        records: Folder for the records that the client requests.
     """
 
     def __init__(self, client: Client, records: Path) -> None:
         self._client, self._records = client, records
         self._episodes = 0
-        self._unknown_ids: set[int] = set()  # ids of no agent, warned of in this episode
+        self._unknown_ids: set[int] = set()  # ids without an agent, already logged in this episode
 
     def run(self) -> None:
-        """Play what the client asks for until it closes.
+        """Play the episodes that the client requests until it closes the session.
 
         Raises:
-            ClientGoneError: It is there no longer.
-            RefusedEpisodeError: It asks for what cannot be.
-            TooLargeError: It asks for more than it can be told.
+            ClientGoneError: The client has gone.
+            RefusedEpisodeError: It requests an episode that cannot be played.
+            TooLargeError: It does not accept messages as large as the episode needs.
         """
         reply = self._client.ask(START)
         while reply.game_state != GameState.CLOSE:
             if reply.game_state == GameState.RESET:
                 reply = self._play(reply.gm_cmd)
             else:
-                # There is no episode, so there is nothing to do but to ask again.
+                # There is no episode to update, so the client is asked again.
                 log.warning("the client replies %d, but no episode is being played", reply.game_state)
                 reply = self._client.ask(START)
         log.info("closed by the client after %s", counted(self._episodes, "episode"))
@@ -63,25 +63,25 @@ class Session:
         self._unknown_ids.clear()
         episode = read_episode(command)
         match = self._match_of(episode)
-        what = f"map {episode.map_id:03}, {match.track.name}, {counted(match.seats, 'agent')}"
-        log.info("episode %d: %s, at most %g s", self._episodes, what, match.spec.time_limit)
+        description = f"map {episode.map_id:03}, {match.track.name}, {counted(match.seats, 'agent')}"
+        log.info("episode %d: %s, at most %g s", self._episodes, description, match.spec.time_limit)
         requests, began = Requests(match, episode), time.perf_counter()
-        told, is_over = requests.next(), False
-        reply = self._client.ask(told)
+        request, is_over = requests.next(), False
+        reply = self._client.ask(request)
         while reply.game_state == GameState.UPDATE:
-            # Who goes on after the end is told the end again.
+            # A client that goes on after the end is sent the last request again.
             if not is_over:
                 match.step(self._actions(reply, episode))
-                told, is_over = requests.next(), match.over
+                request, is_over = requests.next(), match.over
                 if is_over:
                     self._end(episode, match, time.perf_counter() - began)
-            reply = self._client.ask(told)
+            reply = self._client.ask(request)
         if not is_over:
             self._end(episode, match, time.perf_counter() - began)
         return reply
 
     def _match_of(self, episode: Episode) -> "Match":
-        """Return the match of an episode, and everything ready for it: that may take long."""
+        """Return the match of an episode, with the engine prepared for it, which may take a while."""
         from wildscav.server.hosting.precompile import precompile
 
         with self._client.watched():
@@ -89,15 +89,15 @@ class Session:
             return match_of(episode)
 
     def _actions(self, reply: Reply, episode: Episode) -> "NDArray[np.float32]":
-        """Return what the agents do; that there is no agent of an id is said once an episode."""
+        """Return the actions in a reply; each unknown id is logged once per episode."""
         rows, unknown = read_actions(reply.agent_cmd_list, episode.seats)
         for unknown_id in set(unknown) - self._unknown_ids:
             self._unknown_ids.add(unknown_id)
-            log.warning("there is no agent %d; its actions are left out", unknown_id)
+            log.warning("there is no agent %d; its actions are ignored", unknown_id)
         return rows
 
     def _end(self, episode: Episode, match: "Match", seconds: float) -> None:
-        """Say how an episode ended, and record it, before the client hears of it: then it may go at once."""
+        """Log how an episode ended, and write its record, before the client learns of the end."""
         how = match.result().ending.replace("_", " ") if match.over else "interrupted"
         rate = match.step_number / seconds
         log.info("episode %d: %s after %d frames; %.0f actions/s", self._episodes, how, match.frame, rate)
@@ -105,7 +105,7 @@ class Session:
             self._record(episode, match)
 
     def _record(self, episode: Episode, match: "Match") -> None:
-        """Write the record of an episode that was played to its end."""
+        """Write the record of an episode, if it was played to its end."""
         from wildscav_engine.record import SUFFIX, write_record
 
         if not match.over:
@@ -134,7 +134,7 @@ def match_of(episode: Episode) -> "Match":
 
     try:
         game_map = load_map(episode.map_id)
-        spec, moved = settle_places(episode, game_map)
+        spec, moved = with_usable_places(episode, game_map)
         for line in moved:
             log.warning("%s", line)
         return Match(spec, game_map)

@@ -1,1 +1,1 @@
-"""How servers and evaluations report on themselves: structured log lines and Prometheus metrics."""
+"""Monitoring of servers and evaluations: structured log lines and Prometheus metrics."""

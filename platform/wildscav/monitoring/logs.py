@@ -1,7 +1,7 @@
-"""Structured log lines on stderr, for servers and evaluations that nobody watches.
+"""Structured log lines on stderr, for servers and evaluations that run unattended.
 
-A line says when, what happened (a fixed word) and with what values: as JSON for machines, as text for people.
-Values may be text of agents; none of them can steer a terminal.
+A line has a time, an event (a fixed word) and values: as JSON for machines, as text for people. Values may
+come from agents, so they are escaped: none of them can control a terminal.
 """
 
 import json
@@ -14,14 +14,14 @@ LogFormat = Literal["json", "text"]
 
 
 class Log(Protocol):
-    """What log lines are written with."""
+    """The interface through which log lines are written."""
 
     def info(self, event: str, **values: Any) -> Any:
         """Write that something happened."""
         ...
 
     def warning(self, event: str, **values: Any) -> Any:
-        """Write that something happened that somebody should look at."""
+        """Write that something happened that needs attention."""
         ...
 
 
@@ -29,8 +29,8 @@ def open_log(form: LogFormat | None, **values: Any) -> Log:
     """Return a log.
 
     Args:
-        form: Of its lines; none: nothing is written.
-        values: What every line says beside its own.
+        form: Format of its lines; None writes nothing.
+        values: Values that are added to every line.
     """
     import structlog
 
@@ -59,7 +59,7 @@ def _as_json(values: dict[str, Any], **options: Any) -> str:
 
 
 def _made_plain(_logger: Any, _method: str, values: MutableMapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a line with plain texts; what is no text is shown by ``repr``, which is plain."""
+    """Return the values of a line with all strings escaped; others are shown by ``repr``, which escapes."""
     from wildscav.terminal.console import printable
 
     return {name: printable(value) if isinstance(value, str) else value for name, value in values.items()}

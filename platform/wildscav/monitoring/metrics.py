@@ -13,17 +13,17 @@ HOST = "127.0.0.1"
 
 @contextmanager
 def serving_metrics(collector: Collector, port: int | None) -> Iterator[str | None]:
-    """Serve metrics for as long as the block lasts, to this machine alone.
+    """Serve metrics to this machine until the block ends.
 
     Args:
-        collector: What they are read from.
-        port: 0 takes a free one; none: nothing is served.
+        collector: The source of the metrics.
+        port: Port to listen on; 0 takes a free one, None serves nothing.
 
     Yields:
-        Their address, if they are served.
+        The URL of the metrics, or None if they are not served.
 
     Raises:
-        UserError: The port cannot be had.
+        UserError: The port cannot be bound.
     """
     if port is None:
         yield None
@@ -33,7 +33,7 @@ def serving_metrics(collector: Collector, port: int | None) -> Iterator[str | No
     try:
         server, thread = start_http_server(port, HOST, registry)
     except OSError as error:
-        raise UserError(f"--metrics-port {port} cannot be had: {error.strerror}", exit_code=2) from error
+        raise UserError(f"--metrics-port {port} cannot be used: {error.strerror}", exit_code=2) from error
     try:
         yield f"http://{HOST}:{server.server_port}/metrics"
     finally:

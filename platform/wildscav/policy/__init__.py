@@ -1,8 +1,8 @@
-"""Policies as agents: the observations and actions of the training environments, from what an agent receives.
+"""Trained policies as agents: the training environments' observations and actions, without the engine.
 
-Nothing here needs the engine. ``wildscav init --from-policy`` writes how an environment is laid out into a
-submission's ``policy.json``; ``Policy`` reads it, turns each ``Observation`` into exactly the arrays that the
-environment would have returned, asks the network, and turns its choice into an ``Action``.
+``wildscav init --from-policy`` describes the environment in a submission's ``policy.json``. ``Policy`` reads
+that file, turns each ``Observation`` into exactly the arrays that the environment would have returned, runs
+the network, and turns its choice into an ``Action``.
 """
 
 from wildscav.policy.environment import Environment

@@ -1,4 +1,4 @@
-"""From a network's outputs to a choice of the action space."""
+"""From a network's outputs to a choice: an element of the environment's action space."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,24 +10,24 @@ from wildscav.policy.action_modes import ActionMode
 from wildscav.policy.errors import PolicyError
 from wildscav.policy.networks import Choose
 
-# What a network's outputs mean.
-SCORES = "scores"  # of each thing to choose from (log-probabilities but for a constant), place after place
-VALUES = "values"  # of each thing to choose from, such as Q values: the best one is chosen
-NUMBERS = "numbers"  # the mean of each number, whose deviations policy.json gives
-SQUASHED = "squashed"  # mean and log of the deviation of each number, before a tanh (SAC)
+# The meaning of a network's outputs.
+SCORES = "scores"  # logits of the choices in each dimension, dimension after dimension
+VALUES = "values"  # values of the choices, such as Q values; the best one is chosen
+NUMBERS = "numbers"  # the mean of each number; standard deviations are in policy.json
+SQUASHED = "squashed"  # mean and log standard deviation of each number, before a tanh (SAC)
 ACTIONS = "actions"  # the choice itself
 HEADS = (SCORES, VALUES, NUMBERS, SQUASHED, ACTIONS)
-LEAST, MOST = -20.0, 2.0  # bounds of the log of a deviation, as SAC has them
+LOWEST_LOG_STD, HIGHEST_LOG_STD = -20.0, 2.0  # the bounds in SAC
 
 
 class Chooser:
-    """Chooses by what a network says.
+    """Chooses by a network's outputs.
 
     Args:
         mode: The action mode.
-        head: What the outputs mean, one of ``HEADS``.
-        choose: Whether at random or always the likeliest.
-        deviations: (numbers,) standard deviations of the head "numbers".
+        head: The meaning of the outputs, one of ``HEADS``.
+        choose: Whether to sample, or to take the likeliest choice.
+        deviations: (numbers,) standard deviations for the head "numbers".
 
     Raises:
         PolicyError: The head does not fit the action mode.
@@ -59,31 +59,31 @@ class Chooser:
         """Return a choice of the action space.
 
         Args:
-            outputs: (n,) of the network.
-            random: Where chance comes from.
+            outputs: (n,) the network's outputs.
+            random: Random number generator to sample with.
 
         Raises:
             PolicyError: There are too many or too few outputs, or some are not finite.
         """
         if outputs.shape != (self.outputs,) or not np.isfinite(outputs).all():
-            raise PolicyError(f"the network returned {outputs!r}; needed are {self.outputs} finite numbers")
+            raise PolicyError(f"the network returned {outputs!r}, must be {self.outputs} finite numbers")
         if self._head == ACTIONS:
             return np.clip(outputs, -1.0, 1.0) if self._mode.numbers else outputs.astype(np.int64)
         if self._head in {SCORES, VALUES}:
-            return self._places(outputs, random)
+            return self._choices(outputs, random)
         return self._numbers(outputs, random)
 
-    def _places(self, scores: NDArray[Any], random: np.random.Generator) -> NDArray[np.int64]:
+    def _choices(self, scores: NDArray[Any], random: np.random.Generator) -> NDArray[np.int64]:
         if self._choose == Choose.SAMPLED and self._head == SCORES:
-            scores = scores + random.gumbel(size=scores.shape)  # its maximum is a draw from the softmax
-        places = np.split(scores, np.cumsum(self._mode.sizes)[:-1])
-        return np.array([place.argmax() for place in places], np.int64)
+            scores = scores + random.gumbel(size=scores.shape)  # the maximum is a sample from the softmax
+        dimensions = np.split(scores, np.cumsum(self._mode.sizes)[:-1])
+        return np.array([dimension.argmax() for dimension in dimensions], np.int64)
 
     def _numbers(self, outputs: NDArray[Any], random: np.random.Generator) -> NDArray[np.float32]:
         count, deviations = self._mode.numbers, self._deviations
         means = outputs[:count].astype(np.float32)
         if self._head == SQUASHED:
-            deviations = np.exp(np.clip(outputs[count:], LEAST, MOST))
+            deviations = np.exp(np.clip(outputs[count:], LOWEST_LOG_STD, HIGHEST_LOG_STD))
         if self._choose == Choose.SAMPLED:
             means = (means + deviations * random.standard_normal(count)).astype(np.float32)
         return np.tanh(means) if self._head == SQUASHED else np.clip(means, -1.0, 1.0)
@@ -94,11 +94,11 @@ def chooser_of(mode: ActionMode, network: Mapping[str, Any], choose: object) -> 
 
     Args:
         mode: The action mode.
-        network: The table of that name.
-        choose: A ``Choose``, if it is one.
+        network: The table "network".
+        choose: The field "choose", not yet checked.
 
     Raises:
-        PolicyError: It is none, or the network does not fit the action mode.
+        PolicyError: ``choose`` is not a ``Choose``, or the network does not fit the action mode.
     """
     if not isinstance(choose, str) or choose not in list(Choose):
         raise PolicyError(f"policy.json: choose is {choose!r}, must be {' or '.join(Choose)}")

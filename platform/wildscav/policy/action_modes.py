@@ -1,4 +1,4 @@
-"""Actions in the modes of the training environments, as actions of the SDK."""
+"""The action modes of the training environments: from a choice to an action of the SDK."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -15,26 +15,26 @@ FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "sh
 
 
 class ActionMode(ABC):
-    """A way to choose: turns what a network chose into an action."""
+    """An action space: turns a choice of the network into an action."""
 
-    sizes: tuple[int, ...] = ()  # how many things there are to choose from, in each place; () for numbers
-    numbers = 0  # in [-1, 1] to choose, for a mode of numbers
+    sizes: tuple[int, ...] = ()  # the number of choices in each dimension; () for a continuous space
+    numbers = 0  # how many numbers in [-1, 1] a choice has, for a continuous space
 
     @abstractmethod
     def action(self, choice: Any, yaw: float) -> Action:
         """Return the action that a choice stands for.
 
         Args:
-            choice: As the environment's action space has it.
-            yaw: Where the agent looks, degrees.
+            choice: An element of the environment's action space.
+            yaw: The agent's yaw, degrees.
 
         Raises:
-            PolicyError: It is not of that space.
+            PolicyError: The choice is not in that space.
         """
 
 
 class DictMode(ActionMode):
-    """The fields of an action by their names."""
+    """The fields of an action by name."""
 
     def __init__(self, description: Mapping[str, Any]) -> None:
         self._fields = tuple(description["fields"])
@@ -47,7 +47,7 @@ class DictMode(ActionMode):
 
 
 class BoxMode(ActionMode):
-    """Numbers in [-1, 1]: walk east, walk north, turn, look, and above 0 is yes."""
+    """Numbers in [-1, 1]: walk east, walk north, turn, look, and flags, which are set above 0."""
 
     def __init__(self, description: Mapping[str, Any]) -> None:
         self._flags = tuple(description["flags"])
@@ -71,7 +71,7 @@ class BoxMode(ActionMode):
 
 
 class TableMode(ActionMode):
-    """One number, which stands for a row of a table of actions."""
+    """An index into a table of actions."""
 
     def __init__(self, description: Mapping[str, Any]) -> None:
         self._table = [tuple(row) for row in description["table"]]
@@ -84,7 +84,7 @@ class TableMode(ActionMode):
 
 
 class ChoicesMode(ActionMode):
-    """A few things to choose from in each place: walk, speed, turn, look, and yes or no."""
+    """A list of choices for each of direction, speed, turn and look, and flags."""
 
     def __init__(self, description: Mapping[str, Any]) -> None:
         self._directions: list[float | None] = list(description["directions"])  # None: stand
@@ -94,7 +94,7 @@ class ChoicesMode(ActionMode):
         self.sizes = (*(len(values) for values in lists), *[2] * len(self._flags))
 
     def action(self, choice: Any, yaw: float) -> Action:
-        """Return the action of (k,) whole numbers. See ``ActionMode.action``."""
+        """Return the action of (k,) integers. See ``ActionMode.action``."""
         walk, speed, turn, look, *flags = _whole_numbers(choice, self.sizes)
         direction = self._directions[walk]
         return Action(
@@ -107,17 +107,17 @@ class ChoicesMode(ActionMode):
 
 
 def _whole_numbers(choice: ArrayLike, sizes: Sequence[int]) -> list[int]:
-    """Return a choice as whole numbers, each below its size.
+    """Return a choice as integers, each from 0 and below its size.
 
     Raises:
-        PolicyError: It is something else.
+        PolicyError: It is not such a choice.
     """
     values: NDArray[Any] = np.asarray(choice)
     if values.dtype.kind not in "iu" or values.size != len(sizes):
         raise PolicyError(f"the choice is {choice!r}, must be {len(sizes)} whole numbers")
     numbers: list[int] = values.reshape(-1).tolist()
     if any(not 0 <= number < size for number, size in zip(numbers, sizes, strict=True)):
-        raise PolicyError(f"the choice is {numbers}, must be from 0 and below {list(sizes)}")
+        raise PolicyError(f"the choice is {numbers}, must be at least 0 and below {list(sizes)}")
     return numbers
 
 

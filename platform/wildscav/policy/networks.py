@@ -1,4 +1,4 @@
-"""The networks of policies: layers in NumPy, or whatever ONNX Runtime runs."""
+"""The networks of policies: fully connected layers in NumPy, or ONNX models in ONNX Runtime."""
 
 import math
 import zipfile
@@ -19,14 +19,14 @@ NEEDED = "its arrays must be weight_0, bias_0, weight_1 and so on"
 
 
 class Choose(StrEnum):
-    """How a policy chooses by what its network says."""
+    """How a policy chooses by its network's outputs."""
 
-    SAMPLED = "sampled"  # at random, as likely as the network says
-    DETERMINISTIC = "deterministic"  # always the likeliest
+    SAMPLED = "sampled"  # at random, with the network's probabilities
+    DETERMINISTIC = "deterministic"  # always the likeliest choice
 
 
 class Network(Protocol):
-    """Whatever turns an observation into numbers."""
+    """A function from an observation to outputs."""
 
     def __call__(self, observation: Stacked) -> NDArray[Any]:
         """Return (n,) the outputs for one observation."""
@@ -44,12 +44,12 @@ ACTIVATIONS: dict[str, Callable[[NDArray[Any]], NDArray[Any]]] = {
 
 
 class Layers:
-    """Fully connected layers, one after another, in float32.
+    """A sequence of fully connected layers in float32.
 
     Args:
-        weights: Of each layer, (outputs, inputs).
-        biases: Of each layer, (outputs,).
-        activations: What follows each layer, names in ``ACTIVATIONS``.
+        weights: (outputs, inputs) for each layer.
+        biases: (outputs,) for each layer.
+        activations: The name of the activation after each layer, a key of ``ACTIVATIONS``.
 
     Raises:
         PolicyError: They do not fit one another.
@@ -65,13 +65,13 @@ class Layers:
             if weight.ndim != 2 or weight.shape[1] != inputs or bias.shape != weight.shape[:1]:
                 raise PolicyError(
                     f"layer {layer} of the network has weights {weight.shape} and biases {bias.shape}; "
-                    f"needed are (outputs, {inputs}) and (outputs,)"
+                    f"they must be (outputs, {inputs}) and (outputs,)"
                 )
             if not (np.isfinite(weight).all() and np.isfinite(bias).all()):
-                raise PolicyError(f"layer {layer} of the network holds numbers that are not finite")
+                raise PolicyError(f"layer {layer} of the network has numbers that are not finite")
         if unknown := sorted(set(activations) - set(ACTIVATIONS)):
             raise PolicyError(
-                f"the network has the activation {unknown[0]!r}; known here are {', '.join(ACTIVATIONS)}"
+                f"the network has the activation {unknown[0]!r}, must be one of {', '.join(ACTIVATIONS)}"
             )
         self.inputs, self.outputs = weights[0].shape[1], weights[-1].shape[0]
         self._layers = [
@@ -80,7 +80,7 @@ class Layers:
         ]
 
     def __call__(self, observation: Stacked) -> Numbers:
-        """Return (outputs,) for one observation, whose numbers come in the order of its parts."""
+        """Return (outputs,) for one observation, whose parts are concatenated in order."""
         values = in_one_row(observation)
         for weight, bias, activate in self._layers:
             values = activate(weight @ values + bias)
@@ -90,7 +90,7 @@ class Layers:
 class OnnxNetwork:
     """A network in ONNX Runtime.
 
-    Its inputs are the observation, or parts of it by their names, each with a batch axis before the others.
+    Its inputs are the observation, or parts of it by name, each with a leading batch axis.
     """
 
     def __init__(self, path: Path) -> None:
@@ -110,39 +110,40 @@ class OnnxNetwork:
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         try:
             self._session = onnxruntime.InferenceSession(str(path), options, ["CPUExecutionProvider"])
-        except Exception as error:  # its errors have no base of their own
+        except Exception as error:  # ONNX Runtime's errors have no common base
             raise PolicyError(f"ONNX Runtime cannot load {path}: {error}") from error
         inputs, output = self._session.get_inputs(), self._session.get_outputs()[0]
         self._dtypes = {one.name: _numpy_type(one.type) for one in inputs}
         self.shapes = {one.name: _shape_of_one(one.shape) for one in inputs}  # of one observation; None: any
         shape = _shape_of_one(output.shape)
-        self.outputs = (
-            None if shape is None else math.prod(shape)
-        )  # how many numbers it gives; None: not told
-        self.whole = _numpy_type(output.type).kind in "iu"  # whether they are whole numbers
+        # How many numbers it returns; None if the file does not specify it.
+        self.outputs = None if shape is None else math.prod(shape)
+        self.outputs_are_integers = _numpy_type(output.type).kind in "iu"  # whether they are integers
 
     def __call__(self, observation: Stacked) -> NDArray[Any]:
-        """Return (n,) the first output for one observation."""
-        given = self._inputs(observation)
-        feeds = {name: values.astype(self._dtypes[name])[np.newaxis] for name, values in given.items()}
+        """Return (n,) the network's first output for one observation."""
+        inputs = self._inputs(observation)
+        feeds = {name: values.astype(self._dtypes[name])[np.newaxis] for name, values in inputs.items()}
         try:
             outputs = self._session.run(None, feeds)
         except Exception as error:
             shapes = ", ".join(f"{name} {values.shape}" for name, values in feeds.items())
-            raise PolicyError(f"the ONNX network does not take {shapes}: {error}") from error
+            raise PolicyError(f"the ONNX network does not accept {shapes}: {error}") from error
         return np.asarray(outputs[0]).reshape(-1)
 
     def _inputs(self, observation: Stacked) -> Mapping[str, NDArray[Any]]:
         if isinstance(observation, Mapping) and set(self._dtypes) <= set(observation):
             return {name: observation[name] for name in self._dtypes}
         if len(self._dtypes) != 1:
-            told = ", ".join(observation) if isinstance(observation, Mapping) else "one row"
-            raise PolicyError(f"the ONNX network takes {', '.join(self._dtypes)}; the observation has {told}")
+            parts = ", ".join(observation) if isinstance(observation, Mapping) else "one row"
+            raise PolicyError(
+                f"the ONNX network takes {', '.join(self._dtypes)}; the observation has {parts}"
+            )
         return {name: in_one_row(observation) for name in self._dtypes}
 
 
 def in_one_row(observation: Stacked) -> Numbers:
-    """Return (n,) all numbers of an observation, part after part."""
+    """Return (n,) all numbers of an observation, its parts concatenated."""
     if isinstance(observation, Mapping):
         parts = [values.reshape(-1) for values in observation.values()]
         return np.concatenate(parts, dtype=np.float32)
@@ -150,16 +151,16 @@ def in_one_row(observation: Stacked) -> Numbers:
 
 
 def _numpy_type(name: str) -> "np.dtype[Any]":
-    """Return the NumPy type of an input, which ONNX Runtime writes as "tensor(float)"."""
+    """Return the NumPy type for ONNX Runtime's name of a type, such as "tensor(float)"."""
     inner = name.removeprefix("tensor(").removesuffix(")")
     try:
         return np.dtype({"float": "float32", "double": "float64"}.get(inner, inner))
     except TypeError:
-        raise PolicyError(f"the ONNX network takes {name}, must be numbers") from None
+        raise PolicyError(f"the ONNX network has the type {name}, must be numbers") from None
 
 
 def _shape_of_one(shape: Sequence[Any]) -> tuple[int, ...] | None:
-    """Return a shape without its first axis, that of the batch; None if an axis may have any length."""
+    """Return a shape without its batch axis, the first; None if another axis may have any length."""
     lengths = tuple(shape[1:])
     return lengths if all(isinstance(length, int) and length > 0 for length in lengths) else None
 
@@ -168,11 +169,11 @@ def load_network(folder: Path, description: Mapping[str, Any]) -> Network:
     """Return the network that a ``policy.json`` names.
 
     Raises:
-        PolicyError: There is none that can be used.
+        PolicyError: The network cannot be loaded.
     """
     kind, path = description.get("kind"), folder / str(description.get("file"))
     if not path.is_file():
-        raise PolicyError(f"{path} is missing: policy.json names it as the network")
+        raise PolicyError(f"{path} is missing: policy.json names it as its network")
     if kind == "onnx":
         return OnnxNetwork(path)
     if kind == "layers":
@@ -188,12 +189,12 @@ def read_layers(path: Path) -> tuple[list[NDArray[Any]], list[NDArray[Any]]]:
     """Return the weights and biases in a file of arrays ``weight_0``, ``bias_0``, ``weight_1`` and so on.
 
     Raises:
-        PolicyError: It is no such file.
+        PolicyError: It is not such a file.
     """
     try:
         with np.load(path, allow_pickle=False) as arrays:
             names = [f"weight_{layer}" for layer in range(len(arrays.files))]
-            count = next((place for place, name in enumerate(names) if name not in arrays), len(names))
+            count = next((layer for layer, name in enumerate(names) if name not in arrays), len(names))
             weights = [arrays[f"weight_{layer}"] for layer in range(count)]
             biases = [arrays[f"bias_{layer}"] for layer in range(count)]
     except (KeyError, ValueError, OSError, AttributeError, zipfile.BadZipFile) as error:

@@ -1,4 +1,4 @@
-"""Observations as the training environments return them, from an agent's own observations."""
+"""The training environments' observations, computed from an agent's own observations."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +16,7 @@ Values = tuple[float, ...]
 
 
 class Events(NamedTuple):
-    """What happened to the agent since the policy last chose: several steps, if it chooses more rarely."""
+    """What happened to the agent since the policy's last choice, which may be several steps ago."""
 
     gained: int = 0  # supplies
     fired: bool = False
@@ -34,7 +34,7 @@ class Events(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """What the numbers of one observation are made from."""
+    """The inputs from which one observation is computed."""
 
     match: MatchInfo
     seen: Observation
@@ -42,7 +42,7 @@ class Moment(NamedTuple):
 
 
 class Group(NamedTuple):
-    """Numbers that belong together: how they are called, and how to find them."""
+    """A part of an observation: the names of its numbers, and how they are computed."""
 
     columns: tuple[str, ...]
     read: Callable[[Moment], Values]
@@ -86,7 +86,7 @@ def _weapon(now: Moment) -> Values:
     return seen.clip, seen.spare_ammo, seen.reload_in, events.fired, events.hit, events.was_hit
 
 
-# As the engine's columns are called; the tests hold the numbers equal to the environments'.
+# With the engine's names of columns. Tests check that the numbers equal those of the environments.
 GROUPS: dict[str, Group] = {
     "position": Group(("x", "y", "z"), lambda now: now.seen.position),
     "velocity": Group(("x", "y", "z"), lambda now: now.seen.velocity),
@@ -108,15 +108,15 @@ class Observer:
     """Makes an environment's observations.
 
     Args:
-        parts: ``observations`` of a description: what each part of an observation is, in order.
+        parts: ``observations`` of a description: the parts of an observation, in order.
         flat: Whether an observation is one row of numbers.
 
     Raises:
-        PolicyError: A part is not known here.
+        PolicyError: A part is unknown.
     """
 
     def __init__(self, parts: Sequence[Mapping[str, Any]], *, flat: bool) -> None:
-        self._parts = [(str(part["name"]), _places(part)) for part in parts]
+        self._parts = [(str(part["name"]), _column_indices(part)) for part in parts]
         self._flat = flat
         self.shapes = {str(part["name"]): tuple(part["shape"]) for part in parts}
         self.dtypes = {str(part["name"]): np.dtype(part["dtype"]) for part in parts}
@@ -132,12 +132,12 @@ class Observer:
         """Return an observation: arrays by name, or (n,) float32 if the environment is flat.
 
         Raises:
-            PolicyError: A sensor does not arrive, or not as it was in training.
+            PolicyError: A sensor's reading is missing, or not as in training.
         """
         now = Moment(match, seen, events)
         readings = {
-            name: self._sensor(name, seen) if places is None else _values(name, places, now)
-            for name, places in self._parts
+            name: self._sensor(name, seen) if columns is None else _values(name, columns, now)
+            for name, columns in self._parts
         }
         if not self._flat:
             return readings
@@ -149,22 +149,22 @@ class Observer:
         reading = seen.sensor(name)
         if reading.shape != self.shapes[name] or reading.dtype != self.dtypes[name]:
             raise PolicyError(
-                f"the sensor {name} gives {reading.dtype} {reading.shape}; the policy was trained with "
-                f"{self.dtypes[name]} {self.shapes[name]}: mend [sensors.{name}] in submission.toml"
+                f"the sensor {name} returns {reading.dtype} {reading.shape}; the policy was trained with "
+                f"{self.dtypes[name]} {self.shapes[name]}: fix [sensors.{name}] in submission.toml"
             )
         return reading
 
 
-def _values(name: str, places: Sequence[int], now: Moment) -> NDArray[np.float32]:
+def _values(name: str, columns: Sequence[int], now: Moment) -> NDArray[np.float32]:
     values = GROUPS[name].read(now)
-    return np.array([values[place] for place in places], np.float64).astype(np.float32)
+    return np.array([values[column] for column in columns], np.float64).astype(np.float32)
 
 
-def _places(part: Mapping[str, Any]) -> tuple[int, ...] | None:
-    """Return where the columns of a group are among those known here; None for a sensor.
+def _column_indices(part: Mapping[str, Any]) -> tuple[int, ...] | None:
+    """Return the indices of a part's columns in its group; None for a sensor.
 
     Raises:
-        PolicyError: A column is not known here.
+        PolicyError: A column is unknown.
     """
     if "columns" not in part:
         return None
@@ -172,7 +172,7 @@ def _places(part: Mapping[str, Any]) -> tuple[int, ...] | None:
     known = GROUPS[name].columns if name in GROUPS else ()
     if unknown := [column for column in columns if column not in known]:
         raise PolicyError(
-            f"policy.json wants {unknown[0]!r} of {name!r}, which this version of the SDK does not know: "
-            "make the submission anew with the wildscav that it will be played with"
+            f"policy.json needs {unknown[0]!r} of {name!r}, which this version of the SDK does not know: "
+            "export the policy again with the version of wildscav that will play it"
         )
     return tuple(known.index(column) for column in columns)

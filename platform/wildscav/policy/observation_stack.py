@@ -1,4 +1,4 @@
-"""Stacks of the last observations, as trainers' wrappers make them."""
+"""Stacks of the last observations, as the frame-stacking wrappers of training libraries make them."""
 
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -13,17 +13,17 @@ Stacked = Readings | NDArray[Any]
 
 
 class Stack:
-    """The last few observations as one.
+    """Stacks the last observations into one.
 
     Args:
         count: How many.
         axis: "last": along the last axis, as ``VecFrameStack`` of Stable-Baselines3 does; "new": along a new
             first axis, as ``FrameStackObservation`` of Gymnasium does.
-        padding: What stands for those before the first: "zero", or "first", the first one again. The two
-            wrappers' own defaults are "zero" and "first".
+        padding: What fills the stack before the first observation: "zero", the default of the former wrapper,
+            or "first", the first observation repeated, the default of the latter.
 
     Raises:
-        ValueError: One of these is something else.
+        ValueError: An argument has another value.
     """
 
     def __init__(self, count: int, axis: str, padding: str) -> None:

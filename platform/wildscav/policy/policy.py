@@ -17,19 +17,19 @@ FILE = "policy.json"
 
 
 class Policy:
-    """An environment, a network, and how to choose by what it says.
+    """A training environment, a network, and a rule for choosing by its outputs.
 
     Attributes:
         environment: Makes the observations and actions of the training environment.
-        network: Turns an observation into numbers.
-        chooser: Turns those into a choice of the action space.
+        network: Turns an observation into outputs.
+        chooser: Turns outputs into a choice of the action space.
     """
 
     def __init__(self, folder: Path) -> None:
         """Load a policy.
 
         Args:
-            folder: Of the submission; ``policy.json`` lies in it.
+            folder: The submission's folder, which contains ``policy.json``.
 
         Raises:
             PolicyError: The file, or the network that it names, cannot be used.
@@ -40,13 +40,14 @@ class Policy:
         self.network = load_network(folder, network)
         self.chooser = chooser_of(self.environment.mode, network, description.get("choose", Choose.SAMPLED))
         self._random = np.random.default_rng(0)
-        self._action, self._until = Action(), 0  # what is done, and up to which frame
+        self._action, self._until = Action(), 0  # the action that is held, and until which frame
 
     def begin(self, match: MatchInfo) -> None:
-        """Begin a match; the same match draws the same random numbers.
+        """Begin a match. Its seed makes the random numbers the same in every run.
 
         Raises:
-            PolicyError: The match is of another track, or its steps do not fit those of the environment.
+            PolicyError: The match is of another track, or an action of the environment is not a whole number
+                of the match's steps.
         """
         self.environment.begin(match)
         self._random = np.random.default_rng(match.seed)
@@ -55,22 +56,22 @@ class Policy:
     def act(self, seen: Observation) -> Action:
         """Return what the policy does in this step.
 
-        Where the environment held its actions longer than the match does, an action is held as long here.
+        If the environment holds actions longer than the match, an action is held for several steps.
 
         Raises:
-            PolicyError: What the network returns is no choice of the action space.
+            PolicyError: The network's outputs do not give a choice of the action space.
         """
         if seen.frame < self._until:
             self.environment.skip(seen)
             return self._action
         outputs = self.network(self.environment.observe(seen))
         self._action = self.environment.action(self.chooser(outputs, self._random), seen)
-        self._until = seen.frame + self.environment.held
+        self._until = seen.frame + self.environment.frames_per_action
         return self._action
 
 
 class PolicyAgent(Agent):
-    """Plays as the policy in a folder says: the base of what ``wildscav init --from-policy`` makes."""
+    """Plays the policy in a folder: the base class of agents that ``wildscav init --from-policy`` makes."""
 
     folder: Path  # of policy.json; a class attribute of the submission's agent
 

@@ -1,8 +1,8 @@
-"""Sine, cosine and arctangent as the engine computes them, bit for bit: angles are in degrees.
+"""Sine, cosine and arctangent with the same bits as the engine's. Angles are in degrees.
 
-The C library's functions differ in the last bit between machines, and an agent's installation has neither the
-engine nor its compiler. Tests hold these equal to ``wildscav_engine.arithmetic.elementary_functions``, which
-explains the series.
+The C library's functions differ in the last bit between machines, and an agent's installation has neither
+the engine nor its compiler. Tests check that these equal
+``wildscav_engine.arithmetic.elementary_functions``, which explains the series.
 """
 
 import math

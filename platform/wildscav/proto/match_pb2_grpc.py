@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class MatchStub:
-    """The seats of matches: what an agent speaks.
+    """The service for agents: the seats of matches.
     """
 
     def __init__(self, channel):
@@ -43,7 +43,7 @@ class MatchStub:
 
 
 class MatchServicer:
-    """The seats of matches: what an agent speaks.
+    """The service for agents: the seats of matches.
     """
 
     def Play(self, request_iterator, context):
@@ -70,7 +70,7 @@ def add_MatchServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class Match:
-    """The seats of matches: what an agent speaks.
+    """The service for agents: the seats of matches.
     """
 
     @staticmethod
@@ -102,8 +102,8 @@ class Match:
 
 
 class ArenaStub:
-    """The shared server's front desk: what an organizer's tools speak. Where the server was given an organizer
-    token, each call carries it in the metadata as "authorization: Bearer TOKEN"; without it: UNAUTHENTICATED.
+    """The service for organizers: opening matches on a shared server. If the server has an organizer token, each call
+    must carry it in its metadata as "authorization: Bearer TOKEN"; otherwise the status is UNAUTHENTICATED.
     """
 
     def __init__(self, channel):
@@ -125,19 +125,19 @@ class ArenaStub:
 
 
 class ArenaServicer:
-    """The shared server's front desk: what an organizer's tools speak. Where the server was given an organizer
-    token, each call carries it in the metadata as "authorization: Bearer TOKEN"; without it: UNAUTHENTICATED.
+    """The service for organizers: opening matches on a shared server. If the server has an organizer token, each call
+    must carry it in its metadata as "authorization: Bearer TOKEN"; otherwise the status is UNAUTHENTICATED.
     """
 
     def HostMatch(self, request, context):
-        """Opens a match; its seats can be joined as soon as this answers.
+        """Opens a match. Its seats can be joined from the moment of the response.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def GetMatch(self, request, context):
-        """Tells how a match stands, and hands over its record once it is finished.
+        """Returns the state of a match, and its record once it is finished.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -165,8 +165,8 @@ def add_ArenaServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class Arena:
-    """The shared server's front desk: what an organizer's tools speak. Where the server was given an organizer
-    token, each call carries it in the metadata as "authorization: Bearer TOKEN"; without it: UNAUTHENTICATED.
+    """The service for organizers: opening matches on a shared server. If the server has an organizer token, each call
+    must carry it in its metadata as "authorization: Bearer TOKEN"; otherwise the status is UNAUTHENTICATED.
     """
 
     @staticmethod

@@ -1,1 +1,1 @@
-"""The agent SDK: what an agent senses and does, and the connection that carries it."""
+"""The agent SDK: it runs an agent's code and connects it to a match server."""

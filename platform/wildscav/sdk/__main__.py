@@ -1,9 +1,9 @@
 """Start an agent: ``python -m wildscav.sdk agent:Homing``, in the submission's folder.
 
-Or ``python -m wildscav.sdk FOLDER``: the entry point stands in the folder's submission.toml, or a command
-that takes the place of this process. For a server with TLS, ``--ca``, ``--cert`` and ``--key`` name files, as
-``WILDSCAV_CA`` and so on do. Exit codes: 0 the match was played, 2 usage, 3 the agent's code failed, 4 the
-server cannot be reached or refuses.
+Or ``python -m wildscav.sdk FOLDER``: the folder's submission.toml names the entry point, or a command that
+replaces this process. For a server with TLS, the options ``--ca``, ``--cert`` and ``--key`` name files, like
+the environment variables ``WILDSCAV_CA`` and so on. Exit codes: 0 the match was played, 2 wrong usage, 3 the
+agent's code failed, 4 the server cannot be reached or refuses the seat.
 """
 
 import asyncio
@@ -24,7 +24,7 @@ from wildscav.sdk.run import run
 from wildscav.sdk.watchdog import watch_start_up
 
 PLAYED, USAGE, AGENT_FAILED, NO_SERVER = 0, 2, 3, 4
-PACKAGE = Path(__file__).parents[1]  # all of Wildscav that an agent has
+PACKAGE = Path(__file__).parents[1]  # the package wildscav
 OPTIONS = {"--ca": CA_VARIABLE, "--cert": CERT_VARIABLE, "--key": KEY_VARIABLE}
 USAGE_LINE = (
     "usage: python -m wildscav.sdk MODULE:CLASS [--ca FILE] [--cert FILE --key FILE]"
@@ -47,18 +47,18 @@ def main(arguments: list[str]) -> int:
         return _fail(NO_SERVER, str(error))
     except KeyboardInterrupt:
         return 130
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever an agent's code raises
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - an agent's code can raise anything
         _print_own_code(error)
         return AGENT_FAILED
     return PLAYED
 
 
 def _take_options(arguments: list[str]) -> str | None:
-    """Put the options into the environment, and return what else was said; None if it is not understood."""
+    """Put the options into the environment, and return the other argument; None if the usage is wrong."""
     rest = list(arguments)
     while len(rest) > 2 and rest[-2] in OPTIONS:
         value, name = rest.pop(), rest.pop()
-        os.environ[OPTIONS[name]] = str(Path(value).absolute())  # the folder will be left
+        os.environ[OPTIONS[name]] = str(Path(value).absolute())  # the working directory will change
     return rest[0] if len(rest) == 1 and not rest[0].startswith("-") else None
 
 
@@ -68,15 +68,15 @@ def _fail(code: int, message: str) -> int:
 
 
 def _enter(target: str) -> str:
-    """Go to the submission's folder, put it first on the path, and return the entry point.
+    """Change to the submission's folder, put it first on the path, and return the entry point.
 
-    A submission with a command becomes that command here.
+    If the submission has a command, this process is replaced with it.
     """
     if ":" not in target and Path(target).is_dir():
         manifest = _manifest(Path(target) / "submission.toml")
         os.chdir(target)
         if "command" in manifest:
-            _become(manifest["command"])
+            _execute(manifest["command"])
         entry_point = _entry_point(manifest)
     else:
         entry_point = target
@@ -100,19 +100,19 @@ def _entry_point(manifest: dict[str, Any]) -> str:
     return entry_point
 
 
-def _become(command: Any) -> NoReturn:
-    """Run a submission's command in place of this process."""
+def _execute(command: Any) -> NoReturn:
+    """Replace this process with a submission's command."""
     if not isinstance(command, list) or not command or not all(isinstance(word, str) for word in command):
-        raise UserError("submission.toml: command must be a list of texts", USAGE)
+        raise UserError("submission.toml: command must be a list of strings", USAGE)
     try:
-        os.execvp(command[0], command)  # noqa: S606 - there is nothing for a shell in it
+        os.execvp(command[0], command)  # noqa: S606 - no shell is needed
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise UserError(f"cannot run the command {command[0]!r}: {reason}", USAGE) from None
 
 
 def _load(entry_point: str) -> Callable[[], Agent]:
-    """Import the agent's class; what its module raises is passed on."""
+    """Import the agent's class. Exceptions of its module are passed on."""
     module_name, _, class_name = entry_point.partition(":")
     if not module_name or not class_name:
         raise UserError(f"entry point is {entry_point!r}, must be MODULE:CLASS, such as agent:MyAgent", USAGE)
@@ -124,14 +124,14 @@ def _load(entry_point: str) -> Callable[[], Agent]:
 
 
 def _print_own_code(error: BaseException) -> None:
-    """Print a traceback without the frames of the SDK at its beginning."""
+    """Print a traceback without the leading frames of the SDK."""
     trace: TracebackType | None = error.__traceback__
-    while trace is not None and _is_foreign_to_agent(trace):
+    while trace is not None and _is_outside_agent(trace):
         trace = trace.tb_next
     traceback.print_exception(type(error), error, trace, file=sys.stderr)
 
 
-def _is_foreign_to_agent(trace: TracebackType) -> bool:
+def _is_outside_agent(trace: TracebackType) -> bool:
     folders = (str(PACKAGE), *asyncio.__path__, "<frozen importlib")
     return trace.tb_frame.f_code.co_filename.startswith((*folders, importlib.__file__))
 

@@ -1,7 +1,7 @@
 """One seat's stream to the match server.
 
-The asyncio client of gRPC: it uses fewer threads than the blocking client, and with ten agents on two cores
-steps were 30 to 50 % faster (with one agent: the same).
+It uses gRPC's asyncio client, which has fewer threads than the blocking client: with ten agents on two cores,
+steps were 30 to 50 % faster (with one agent, equally fast).
 """
 
 import asyncio
@@ -22,29 +22,29 @@ from wildscav.wire.observations import decode_observation
 METHOD = "/wildscav.match.v1.Match/Play"
 CONNECT_TIMEOUT = 5.0  # s
 NOT_ENCRYPTED = Credentials()
-LONG_SILENCE = 0.05  # s after which it is worth a look whether the server is still there
+LONG_SILENCE = 0.05  # s without a message after which pending events are handled before writing
 CHANNEL_OPTIONS = (
-    ("grpc.max_receive_message_length", -1),  # sensors may be large, and the server is trusted
+    ("grpc.max_receive_message_length", -1),  # readings of sensors may be large, and the server is trusted
     ("grpc.enable_http_proxy", 0),
 )
 
 
 class Connection:
-    """A seat taken in a match. Use as an asynchronous context manager; closing it leaves the seat.
+    """A seat in a match. Use it as an asynchronous context manager; leaving the context leaves the seat.
 
     Args:
         address: ``host:port`` or ``unix:/path``.
         token: The seat's token.
-        sdk_version: Told to the server.
-        credentials: Of TLS; not encrypted without them.
+        sdk_version: The SDK's version, which is sent to the server.
+        credentials: For TLS; by default, the connection is not encrypted.
 
     Raises:
         ServerUnreachableError: No server answers, or the connection was lost.
-        RefusedError: The server does not give the seat.
+        RefusedError: The server refuses the seat.
     """
 
     match: MatchInfo
-    over: MatchOver  # there once the match has ended
+    over: MatchOver  # set when the match has ended
 
     def __init__(
         self, address: str, token: str, sdk_version: str, credentials: Credentials = NOT_ENCRYPTED
@@ -54,11 +54,11 @@ class Connection:
 
     async def __aenter__(self) -> Self:
         self._loop = asyncio.get_running_loop()
-        secret = self._credentials.channel()
+        credentials = self._credentials.channel()
         self._channel = (
             grpc.aio.insecure_channel(self._address, options=CHANNEL_OPTIONS)
-            if secret is None
-            else grpc.aio.secure_channel(self._address, secret, options=CHANNEL_OPTIONS)
+            if credentials is None
+            else grpc.aio.secure_channel(self._address, credentials, options=CHANNEL_OPTIONS)
         )
         try:
             message = await self._open()
@@ -78,13 +78,13 @@ class Connection:
             response_deserializer=ServerMessage.FromString,
         )
         self._call = play()
-        self._last_heard = self._loop.time()  # when the last message came
+        self._last_heard = self._loop.time()  # when the last message arrived
         return await self._exchange(self._join)
 
     async def _connect(self) -> None:
-        """Wait until there is a connection; if TLS prevents it, find out what is wrong."""
+        """Wait until the connection is established; if TLS prevents it, find out why."""
         if self._credentials.ca:
-            await self._check_tls()  # before gRPC tries, which would write a log of its own
+            await self._check_tls()  # before gRPC tries, because gRPC would log a failure itself
         try:
             async with asyncio.timeout(CONNECT_TIMEOUT):
                 state = self._channel.get_state(try_to_connect=True)
@@ -104,13 +104,13 @@ class Connection:
     async def _exchange(self, message: ClientMessage) -> ServerMessage:
         """Send a message and wait for the next one."""
         if self._loop.time() - self._last_heard > LONG_SILENCE:
-            # Events have not been looked at while the agent thought. If the server has ended the stream, its
-            # reason would be lost in the failure of writing.
+            # The loop has handled no events while the agent computed. If the server has ended the stream
+            # meanwhile, writing would fail and hide the server's reason.
             await asyncio.sleep(0.001)
         try:
             await self._call.write(message)
         except asyncio.InvalidStateError:
-            pass  # the stream has ended; reading says why
+            pass  # the stream has ended; reading reports why
         except grpc.RpcError as error:
             raise decode_error(error, self._address) from None
         return await self._read()
@@ -126,7 +126,7 @@ class Connection:
         return message
 
     async def first(self) -> Observation | None:
-        """Get the first observation, the agent being set up; None if the match is over at once."""
+        """Report that the agent is ready, and wait for the first observation; None if the match is over."""
         return self._decode(await self._exchange(encode_ready()))
 
     async def answer(self, step: int, action: Action) -> Observation | None:

@@ -1,4 +1,4 @@
-"""How a client trusts its server, and is trusted by it: TLS, where certificates are named."""
+"""TLS credentials of a client, and diagnosis of failed TLS connections."""
 
 import os
 import socket
@@ -16,37 +16,38 @@ PROBE_TIME = 3.0  # s
 
 
 class Credentials(NamedTuple):
-    """Files of PEM; without the first, a connection is not encrypted."""
+    """PEM files for TLS. Without ``ca``, a connection is not encrypted."""
 
     ca: str = ""  # the authority that signed the server's certificate
-    cert: str = ""  # the client's own certificate, where the server asks for one
+    cert: str = ""  # the client's own certificate, if the server requires one
     key: str = ""  # its private key
 
     @classmethod
     def of(cls, environment: Mapping[str, str] = os.environ) -> "Credentials":
-        """Return what the environment names.
+        """Return the credentials that environment variables name.
 
         Raises:
-            UserError: A file cannot be read, or one that belongs to another is missing.
+            UserError: A file cannot be read, or another file that it needs is not named.
         """
         named = cls(*(environment.get(name, "") for name in (CA_VARIABLE, CERT_VARIABLE, KEY_VARIABLE)))
         if bool(named.cert) != bool(named.key):
             raise UserError(
-                f"{CERT_VARIABLE} and {KEY_VARIABLE} belong together: name both or none", exit_code=2
+                f"{CERT_VARIABLE} and {KEY_VARIABLE} belong together: set both or neither", exit_code=2
             )
         if named.cert and not named.ca:
             raise UserError(
-                f"{CERT_VARIABLE} needs {CA_VARIABLE}: who signed the server's certificate", exit_code=2
+                f"{CERT_VARIABLE} needs {CA_VARIABLE}, the authority that signed the server's certificate",
+                exit_code=2,
             )
         if named.ca:
             named.context()
         return named
 
     def context(self) -> ssl.SSLContext:
-        """Return the same for Python's own TLS.
+        """Return the credentials for Python's own TLS.
 
         Raises:
-            UserError: A file cannot be read, or is not what it should be.
+            UserError: A file cannot be read or is invalid.
         """
         for path in filter(None, self):
             _read(path)
@@ -63,7 +64,7 @@ class Credentials(NamedTuple):
         return context
 
     def channel(self) -> grpc.ChannelCredentials | None:
-        """Return the same for gRPC; None: not encrypted."""
+        """Return the credentials for gRPC; None for a connection that is not encrypted."""
         if not self.ca:
             return None
         own = [_read(path) for path in (self.key, self.cert) if path]
@@ -79,9 +80,9 @@ def _read(path: str) -> bytes:
 
 
 def explain_tls_failure(address: str, credentials: Credentials) -> str:
-    """Return why TLS fails at an address, in half a sentence that ends a line; "" if it does not.
+    """Return why TLS fails at an address, as the end of an error message; "" if it does not fail.
 
-    gRPC tells its users nothing of it but that there is no connection.
+    gRPC itself reports only that there is no connection.
     """
     if address.startswith("unix:"):
         return ""
@@ -93,7 +94,7 @@ def explain_tls_failure(address: str, credentials: Credentials) -> str:
             socket.create_connection((host, int(port)), PROBE_TIME) as plain,
             context.wrap_socket(plain, server_hostname=host) as encrypted,
         ):
-            lets_in = _is_greeted(encrypted)
+            is_accepted = _is_accepted(encrypted)
     except ssl.SSLCertVerificationError as error:
         return f": its certificate is not accepted ({error.verify_message or error.reason})"
     except ssl.SSLError as error:
@@ -102,15 +103,15 @@ def explain_tls_failure(address: str, credentials: Credentials) -> str:
     except (OSError, ValueError):
         return ""
     if not credentials.ca:
-        return f": it speaks TLS; name its authority with --ca or {CA_VARIABLE}"
-    if not lets_in:
-        shown = "the one shown" if credentials.cert else "none"
-        return f": it wants a client's certificate, and {shown} is not accepted (--cert, --key)"
+        return f": it uses TLS; name its authority with --ca or {CA_VARIABLE}"
+    if not is_accepted:
+        problem = "the one given is not accepted" if credentials.cert else "none is given"
+        return f": it requires a client's certificate, and {problem} (--cert, --key)"
     return ""
 
 
-def _is_greeted(encrypted: ssl.SSLSocket) -> bool:
-    """Return whether a server has anything to say: it rejects a client's certificate after the handshake."""
+def _is_accepted(encrypted: ssl.SSLSocket) -> bool:
+    """Return whether a server sends data: it rejects a client's certificate only after the handshake."""
     try:
         return bool(encrypted.recv(1))
     except OSError:
@@ -118,7 +119,7 @@ def _is_greeted(encrypted: ssl.SSLSocket) -> bool:
 
 
 def _any_server() -> ssl.SSLContext:
-    """Return what shakes hands with any server, only to find out whether it speaks TLS."""
+    """Return a context that accepts any server, only to find out whether it uses TLS."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     context.set_alpn_protocols(["h2"])

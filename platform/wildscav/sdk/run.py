@@ -23,20 +23,20 @@ def run(agent_class_or_factory: Callable[[], Agent]) -> None:
 
     The server's address and the seat's token come from the environment: ``WILDSCAV_ADDRESS`` (``host:port``
     or ``unix:/path``) and ``WILDSCAV_TOKEN``; for TLS, also ``WILDSCAV_CA``, and ``WILDSCAV_CERT`` and
-    ``WILDSCAV_KEY`` where the server asks for a client's certificate. From then on the process runs as
-    ``SCHED_BATCH``, where there is such a policy and no other one was chosen.
+    ``WILDSCAV_KEY`` if the server requires a client's certificate. On Linux the process changes its
+    scheduling policy to ``SCHED_BATCH``, unless another policy than the default was chosen.
 
     Args:
-        agent_class_or_factory: A subclass of ``Agent``, or anything that makes an agent when called.
+        agent_class_or_factory: A subclass of ``Agent``, or a function that returns an agent.
 
     Raises:
         UserError: Address or token is missing, or a certificate cannot be read.
-        AgentError: The agent answers with something else than an action.
+        AgentError: The agent returns something that is not an action.
         ServerUnreachableError: No server answers, or the connection was lost.
-        RefusedError: The server does not give the seat.
+        RefusedError: The server refuses the seat.
     """
     address, token = _from_environment(ADDRESS_VARIABLE), _from_environment(TOKEN_VARIABLE)
-    # The agent is made before the seat is taken: what cannot be made cannot play.
+    # The agent is made before the seat is taken, so that one that cannot be made takes no seat.
     agent = make_agent(agent_class_or_factory)
     play(agent, address, token)
 
@@ -45,7 +45,7 @@ def _from_environment(name: str) -> str:
     value = os.environ.get(name, "")
     if not value:
         raise UserError(
-            f"{name} is not set: an agent is started by a match's host, for instance `wildscav play FOLDER`",
+            f"{name} is not set: a match's host starts the agents, for instance `wildscav play FOLDER`",
             exit_code=2,
         )
     return value
@@ -55,7 +55,7 @@ def make_agent(factory: Callable[[], Agent]) -> Agent:
     """Make an agent.
 
     Raises:
-        AgentError: What comes out has no ``act`` or no ``reset``.
+        AgentError: The object has no ``act`` or no ``reset``.
     """
     agent = factory()
     for method in ("reset", "act"):
@@ -66,21 +66,21 @@ def make_agent(factory: Callable[[], Agent]) -> Agent:
 
 
 def play(agent: Agent, address: str, token: str) -> "MatchOver":
-    """Play one match with an agent that has been made, and return how it ended."""
+    """Play one match with an agent, and return its result."""
     use_batch_scheduling()
-    # A loop of its own, which an agent that asks for the current one does not get.
+    # A separate loop, which is not the current one for the agent's code.
     with asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
         return runner.get_loop().run_until_complete(_play(agent, address, token))
 
 
 def use_batch_scheduling() -> None:
-    """Have this thread, and what it starts from now on, not preempt others when it is woken (Linux).
+    """Make this thread, and threads and processes that it starts, not preempt others on wake-up (Linux).
 
-    Agents are woken all at once, each for a moment. Where ten share two cores with the server, a match plays
-    a tenth to a fifth more steps a second if each waits until whoever is at work has done its part.
+    All agents are woken at once, each for a short time. Where ten of them share two cores with the server, a
+    match plays a tenth to a fifth more steps per second if each waits until the running process is done.
     """
     if hasattr(os, "SCHED_BATCH"):
-        with contextlib.suppress(OSError):  # a policy is a kindness: where it is not to be had, do without
+        with contextlib.suppress(OSError):  # it is an optimization: where it is not allowed, do without
             if os.sched_getscheduler(0) == os.SCHED_OTHER:
                 os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
@@ -109,11 +109,11 @@ async def _play(agent: Agent, address: str, token: str) -> "MatchOver":
 
 
 class OutsideEventLoop:
-    """Calls an agent's code as if no event loop ran, so that it may run loops of its own.
+    """Calls an agent's code as if no event loop were running, so that it may run loops of its own.
 
-    Made by the task that plays the match. To stop the connection's loop for each call and to start it again
-    would take a sixth of a whole step. Python from 3.14 on knows one current task a thread, not one a loop,
-    so the task has to be left as well.
+    It is constructed in the task that plays the match. Stopping and restarting the connection's loop for
+    each call would take a sixth of a whole step. Since Python 3.14, the current task belongs to the thread
+    and not to the loop, so the task has to be left as well.
     """
 
     def __init__(self) -> None:
@@ -121,8 +121,8 @@ class OutsideEventLoop:
         self._task = cast(asyncio.Task[Any], asyncio.current_task())
 
     def call(self, work: Callable[..., Result], argument: object) -> Result:
-        """Call something of the agent's."""
-        asyncio._leave_task(self._loop, self._task)  # noqa: SLF001 - both are documented for who extends asyncio
+        """Call a method of the agent."""
+        asyncio._leave_task(self._loop, self._task)  # noqa: SLF001 - documented for extensions of asyncio
         asyncio._set_running_loop(None)  # noqa: SLF001
         try:
             return work(argument)

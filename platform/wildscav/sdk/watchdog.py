@@ -1,8 +1,8 @@
-"""Print where an agent's code is when its time is up, so that its author finds an endless loop.
+"""Print where an agent's code is when its time is up, so that its author can find an endless loop.
 
 The traceback comes from ``faulthandler``, whose watchdog is a thread in C: it prints the Python stack of
-every thread to standard error even while the agent's code holds the interpreter's lock. An agent that arms
-``faulthandler.dump_traceback_later`` itself shares that one watchdog with the SDK.
+every thread to standard error even while the agent's code holds the interpreter lock. There is only one such
+watchdog, so an agent that calls ``faulthandler.dump_traceback_later`` shares it with the SDK.
 """
 
 import asyncio
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from wildscav.agent import MatchInfo, Observation
 
 START_VARIABLE = "WILDSCAV_START_LIMIT"  # s that the host gives an agent to start up
-WARNING_SHARE = 0.9  # of the time to start up: afterwards the host may end the process at any moment
-REARM_INTERVAL = 0.5  # s between two settings of the watchdog, and so the most that a traceback comes late
-STDERR = 2  # the file descriptor, whatever the agent does with sys.stderr
-MOST_TRACEBACKS = 3  # in one match: more would only fill the log
+WARNING_SHARE = 0.9  # of the time to start up; after all of it, the host may end the process
+REARM_INTERVAL = 0.5  # s after which the watchdog is set again, and so the longest delay of a traceback
+STDERR = 2  # the file descriptor, because the agent may replace sys.stderr
+MOST_TRACEBACKS = 3  # per match; more would only fill the log
 
 
 def watch_start_up() -> None:
-    """Print the stacks if the agent is still starting up when its time for that is nearly over."""
+    """Print the stacks if the agent is still starting up when its start-up time is nearly over."""
     try:
         limit = float(os.environ.get(START_VARIABLE, ""))
     except ValueError:
@@ -33,18 +33,18 @@ def watch_start_up() -> None:
 
 
 def end_watch() -> None:
-    """Stop watching: what is waited for now is not the agent's code."""
+    """Stop watching, because the agent's code is no longer running."""
     faulthandler.cancel_dump_traceback_later()
 
 
 class StepWatchdog:
-    """Watches the steps of a match: prints the stacks when an answer takes longer than the agent may take.
+    """Watches the steps of a match: prints the stacks when an answer takes longer than it may.
 
-    While the event loop turns, the agent's code is not running, and a task moves the watchdog on. So a step
-    itself costs nothing.
+    A task of the event loop, which runs only while the agent's code does not, sets the watchdog again from
+    time to time. So it adds no work to a step.
 
     Args:
-        match: With the limits of the agent's time.
+        match: The match, with the agent's time limits.
     """
 
     def __init__(self, match: "MatchInfo") -> None:
@@ -53,7 +53,7 @@ class StepWatchdog:
         self._printed = 0
 
     async def run(self) -> None:
-        """Move the watchdog on until cancelled."""
+        """Set the watchdog again at intervals until cancelled."""
         fires = float("inf")
         try:
             while self._printed < MOST_TRACEBACKS:

@@ -1,4 +1,4 @@
-"""The match server: many matches at once in one event loop, one stream a seat."""
+"""The match server: many matches at once in one event loop, with one stream per seat."""
 
 from wildscav.server.endpoints.endpoint import EndpointSettings
 from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError

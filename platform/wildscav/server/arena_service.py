@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from wildscav_engine.specs.match_spec import MatchSpec
 
 OPEN_LIMIT = 64  # matches at one time
-KEPT_LIMIT = 256  # finished matches that can still be asked for
+KEPT_LIMIT = 256  # finished matches whose results are kept
 
 State = GetMatchResponse.State
 
 
 class MatchHost(Protocol):
-    """What the service needs of the server that hosts its matches."""
+    """The interface that the service needs of the server that hosts its matches."""
 
     async def host(
         self,
@@ -42,7 +42,7 @@ class MatchHost(Protocol):
 
 
 class ArenaService:
-    """Opens matches for organizers, and hands out their results.
+    """Opens matches for organizers, and returns their results.
 
     Args:
         server: Hosts the matches.
@@ -50,9 +50,9 @@ class ArenaService:
 
     def __init__(self, server: MatchHost) -> None:
         self._server = server
-        self._open: dict[str, HostedMatch | None] = {}  # None: its map is being made
+        self._open: dict[str, HostedMatch | None] = {}  # None while the map is being made
         self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()
-        self._keepers: set[asyncio.Task[None]] = set()
+        self._waiting: set[asyncio.Task[None]] = set()  # tasks that wait for the end of a match
 
     async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
         """Open a match. See ``routes.ArenaHandler``."""
@@ -68,15 +68,15 @@ class ArenaService:
             del self._open[match_id]
             raise
         self._open[match_id] = hosted
-        keeper = asyncio.create_task(self._keep(match_id, hosted))
-        self._keepers.add(keeper)
-        keeper.add_done_callback(self._keepers.discard)
+        task = asyncio.create_task(self._wait_for_end(match_id, hosted))
+        self._waiting.add(task)
+        task.add_done_callback(self._waiting.discard)
         return HostMatchResponse(
             match_id=match_id, seat_tokens=hosted.tokens, join_timeout=clock.join_timeout
         )
 
     async def _host(self, request: HostMatchRequest, clock: Clock) -> HostedMatch:
-        """Host the match that is asked for.
+        """Host the requested match.
 
         Raises:
             RefusalError: It cannot be played or recorded.
@@ -101,13 +101,13 @@ class ArenaService:
             message = one_line(error) if isinstance(error, ValidationError) else " ".join(str(error).split())
             raise RefusalError(grpc.StatusCode.INVALID_ARGUMENT, "SPEC_INVALID", message) from None
 
-    async def _keep(self, match_id: str, hosted: HostedMatch) -> None:
-        """Wait for a match's end and keep what came out of it."""
+    async def _wait_for_end(self, match_id: str, hosted: HostedMatch) -> None:
+        """Wait for a match's end, and keep its result."""
         try:
             response = await asyncio.to_thread(_finished, await hosted.finished(), hosted)
         except MatchCancelledError as error:
             response = GetMatchResponse(state=State.STATE_FAILED, error=str(error))
-        except Exception as error:  # noqa: BLE001 - an engine that fails is news for the organizer
+        except Exception as error:  # noqa: BLE001 - every failure is reported to the organizer
             response = GetMatchResponse(
                 state=State.STATE_FAILED, error=f"the platform failed: {type(error).__name__}: {error}"
             )
@@ -117,14 +117,14 @@ class ArenaService:
             self._closed.popitem(last=False)
 
     async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
-        """Tell how a match stands. See ``routes.ArenaHandler``."""
+        """Return the state of a match. See ``routes.ArenaHandler``."""
         match_id = request.match_id
         if match_id in self._closed:
             return self._closed[match_id]
         hosted = self._open.get(match_id)
         if hosted is None:
             raise RefusalError(
-                grpc.StatusCode.NOT_FOUND, "MATCH_UNKNOWN", f"there is no match {match_id!r}, or no more"
+                grpc.StatusCode.NOT_FOUND, "MATCH_UNKNOWN", f"there is no match {match_id!r}, or no longer"
             )
         state = State.STATE_PLAYING if hosted.playing else State.STATE_JOINING
         return GetMatchResponse(state=state, steps=hosted.match.step_number)

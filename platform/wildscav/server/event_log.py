@@ -1,4 +1,4 @@
-"""What a server writes into its log: one structured line an event."""
+"""The log of a server: one structured line per event."""
 
 import time
 from typing import TYPE_CHECKING
@@ -9,19 +9,21 @@ from wildscav.wire.errors import RefusalError
 if TYPE_CHECKING:
     from wildscav.server.hosting.hosted_match import HostedMatch
 
-PAUSE = 1.0  # s after a refusal in which others of its reason are only counted, so that no flood fills a disk
+PAUSE = 1.0  # s after a refusal in which others of its reason are only counted, so that floods fill no disk
 
 
 class EventLog:
     """Writes the events of a server into a log.
 
     Args:
-        log: Where to; nowhere if none.
+        log: The log; None writes nothing.
     """
 
     def __init__(self, log: Log | None) -> None:
         self._log = log
-        self._refusals: dict[str, tuple[float, int]] = {}  # by reason: when last written, how many since
+        self._refusals: dict[
+            str, tuple[float, int]
+        ] = {}  # by reason: time of the last line, count since then
 
     def match_opened(self, match: "HostedMatch") -> None:
         """Write that a match can be joined."""
@@ -30,10 +32,10 @@ class EventLog:
             self._log.info("match_opened", match=match.id, track=track, seats=len(match.seats))
 
     def match_ended(self, match: "HostedMatch", how: str) -> None:
-        """Write how a match ended, and each of its seats.
+        """Write how a match and each of its seats ended.
 
         Args:
-            match: Which one.
+            match: The match.
             how: "finished", "failed" or "cancelled".
         """
         if self._log is None:
@@ -65,12 +67,12 @@ class EventLog:
             )
 
     def stream_failed(self, address: str, error: Exception) -> None:
-        """Write that something of ours failed with a stream of which nobody knows yet whose it is."""
+        """Write that the server failed to serve a stream before its seat was known."""
         if self._log is not None:
             self._log.warning("stream_failed", address=address, fault="platform", error=repr(error))
 
     def stream_refused(self, refusal: RefusalError) -> None:
-        """Write that a stream was refused or put out."""
+        """Write that a stream was refused or ended by the server."""
         if self._log is None:
             return
         now = time.monotonic()

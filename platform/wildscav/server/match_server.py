@@ -1,4 +1,4 @@
-"""The match server: its addresses, its matches, and what it serves."""
+"""The match server: its addresses, its matches and its services."""
 
 import asyncio
 import contextlib
@@ -32,13 +32,13 @@ DEFAULT_SETTINGS = EndpointSettings()
 
 
 class MatchServer:
-    """Hosts many matches at once in one event loop. Make it inside the loop that it is to run in.
+    """Hosts many matches at once in one event loop. Construct it inside the loop that it is to run in.
 
     Args:
-        arena: Whether matches can be opened over the wire, too.
-        organizer_token: The secret that the arena asks for; needed on addresses that others can reach.
+        arena: Whether matches can also be opened over the network, by the Arena service.
+        organizer_token: The secret that the Arena service requires; needed on public addresses.
         endpoint_settings: Who may connect to each address, and how.
-        log: Where to write what happens; nowhere if none.
+        log: Where to write events; None writes nothing.
     """
 
     def __init__(
@@ -68,11 +68,11 @@ class MatchServer:
             arena: Whether the server's Arena service, if it has one, can be reached there.
 
         Returns:
-            The same, with the ports taken: what ``WILDSCAV_ADDRESS`` may be.
+            The same addresses with their actual ports, as values for ``WILDSCAV_ADDRESS``.
 
         Raises:
-            AddressInUseError: An address cannot be had.
-            UserError: An address is malformed, or an arena without a token would be open to others.
+            AddressInUseError: An address cannot be bound.
+            UserError: An address is malformed, or is public and has no TLS or no organizer token.
         """
         routes = self._arena_routes if arena else {}
         for address in addresses:
@@ -114,19 +114,19 @@ class MatchServer:
         Args:
             spec: The match.
             names: Display name of every seat.
-            sensors: For each seat, the sensors it wants with their options.
-            clock: The limits of the seats' time.
-            addresses: Of seats that can be joined over one address alone, which ``start`` returned; at any
-                other, their tokens are of no use.
-            starting: Whether agents are yet to be started, by whoever hosts the match: the time to join then
-                begins once each seat was ``launched``, and not now.
-            make: Makes the match from its spec, if it is to be of another kind than ``Match`` itself.
+            sensors: For each seat, its sensors with their options.
+            clock: The time limits of the seats.
+            addresses: For seats that can be joined at one address only, that address, as ``start`` returned
+                it; their tokens are invalid at any other.
+            starting: Whether the caller has yet to start the agents: the time to join then begins once each
+                seat is ``launched``, and not now.
+            make: Makes the match from its spec, if it is not to be a plain ``Match``.
 
         Raises:
             MatchSetupError: The spec cannot be played.
             SensorError: A sensor does not exist, or does not have an option.
-            ValueError: Another number of names than seats, sensors or an address for a seat that there is
-                not, or an address that nobody listens on.
+            ValueError: The number of names is not the number of seats, a seat with sensors or an address is
+                not a submission's, or the server does not listen at an address.
         """
         from wildscav_engine.specs.match_spec import SUBMISSION
 
@@ -153,7 +153,7 @@ class MatchServer:
         return hosted
 
     def _own_addresses(self, addresses: Mapping[int, str], numbers: Sequence[int]) -> Mapping[int, str]:
-        """Check that seats can be joined over the addresses that are to be theirs."""
+        """Check that seats can be joined at the addresses that are given for them."""
         if wrong := set(addresses) - set(numbers):
             raise ValueError(f"an address for seat {min(wrong)}, which no submission fills")
         if unknown := set(addresses.values()) - {endpoint.address for endpoint in self._endpoints}:
@@ -165,7 +165,7 @@ class MatchServer:
         self._event_log.stream_refused(refusal)
 
     def _stream_failed(self, address: str, error: Exception) -> None:
-        """Give up the matches that have a seat at an address where something of ours failed."""
+        """End the matches that have a seat at an address where the server failed."""
         self._event_log.stream_failed(address, error)
         for match in {
             reservation.match for reservation in self._reservations.values() if reservation.address == address
@@ -173,7 +173,7 @@ class MatchServer:
             match.fail(error)
 
     def _seat_flooded(self, address: str, reason: str) -> None:
-        """Put the seats out that are joined at an address which their agent has flooded."""
+        """Close the seats at an address that their agent has flooded."""
         self._stream_refused(ProtocolRefusalError("FLOOD", reason))
         for reservation in tuple(self._reservations.values()):
             if reservation.address == address:
@@ -203,7 +203,7 @@ class MatchServer:
 
 
 def allow_many_files() -> None:
-    """Raise the limit of open files as far as it goes: each connection is one."""
+    """Raise the limit of open files as far as allowed, because each connection is one."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != hard:
         with contextlib.suppress(OSError, ValueError):

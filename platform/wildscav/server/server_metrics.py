@@ -1,4 +1,4 @@
-"""What a server counts, as Prometheus metrics: read when somebody asks, so that a step costs no more."""
+"""The Prometheus metrics of a server. They are computed on request, so that they add nothing to a step."""
 
 from bisect import bisect_left
 from collections import Counter
@@ -38,17 +38,17 @@ class ServerMetrics(Collector):
         self._latencies = [0] * (len(BOUNDS) + 1)
         self._latency_sum = 0.0  # s
 
-    # What the server tells.
+    # The interface for the server.
 
     def refused(self, reason: str) -> None:
-        """Count a stream that was refused or put out."""
+        """Count a stream that was refused or ended by the server."""
         self._refusals[reason] += 1
 
     def ended(self, match: "HostedMatch", how: str) -> None:
         """Count a match that is over.
 
         Args:
-            match: Which one.
+            match: The match.
             how: "finished", "failed" or "cancelled".
         """
         self._ended[match.match.spec.track, how] += 1
@@ -64,22 +64,24 @@ class ServerMetrics(Collector):
             elif how == "failed":
                 self._seats["failed", "platform"] += 1
 
-    # What Prometheus asks.
+    # The interface for Prometheus.
 
     def collect(self) -> Iterator[Metric]:
-        """Yield every metric as it is now."""
+        """Yield the current value of every metric."""
         open_now = list(self._matches())
         yield from self._of_matches(open_now)
         yield from self._of_steps(open_now)
         refusals = CounterMetricFamily(
-            "wildscav_server_refusals", "Streams refused or put out, by the reason told.", labels=("reason",)
+            "wildscav_server_refusals",
+            "Streams refused or ended by the server, by reason.",
+            labels=("reason",),
         )
         for reason, count in self._refusals.items():
             refusals.add_metric((reason,), count)
         yield refusals
         yield GaugeMetricFamily(
             "wildscav_server_strangers",
-            "Streams that have not said which seat they are.",
+            "Streams that have not joined a seat yet.",
             self._pending_streams(),
         )
 
@@ -105,7 +107,7 @@ class ServerMetrics(Collector):
     def _of_steps(self, open_now: "list[HostedMatch]") -> Iterator[Metric]:
         running = sum(match.match.step_number for match in open_now)
         yield CounterMetricFamily(
-            "wildscav_server_steps", "Steps played; their rate is steps a second.", self._steps + running
+            "wildscav_server_steps", "Steps played; their rate is steps per second.", self._steps + running
         )
         late = sum(seat.conduct.late_steps for match in open_now for seat in match.seats.values())
         yield CounterMetricFamily(
@@ -117,7 +119,7 @@ class ServerMetrics(Collector):
             buckets.append((bound, total))
         latency = HistogramMetricFamily(
             "wildscav_server_step_latency_seconds",
-            "From an observation sent to its answer received, of matches that are over.",
+            "From sending an observation to receiving its answer, in matches that are over.",
         )
         latency.add_metric((), buckets, self._latency_sum)
         yield latency

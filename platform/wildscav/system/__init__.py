@@ -1,1 +1,1 @@
-"""What is needed of the operating system: worker processes, limited processes, temporary files, folders."""
+"""Operating system services: worker processes, limited processes, temporary files and folders."""

@@ -1,4 +1,4 @@
-"""Files that say what is to be played, suites and maps: they may be anybody's, and are read with limits."""
+"""Configuration files of suites and maps. They may be untrusted, so they are read with limits."""
 
 from pathlib import Path
 
@@ -7,25 +7,25 @@ from wildscav.system.limited_process import LimitExceededError, call_limited
 from wildscav_engine.storage.files import read_limited
 
 LARGEST = 1 << 20  # bytes
-SMALL = 4 << 10  # bytes of one that costs little, whatever is in it
-MEMORY = 96 << 20  # bytes that a larger one may take
+SMALL = 4 << 10  # bytes; reading a file of this size is cheap, whatever it contains
+MEMORY = 96 << 20  # bytes of memory that reading a larger file may take
 
 
 def read_config(path: Path, trial: str) -> bytes:
-    """Return the content of a file; a larger one is read on trial first, in a limited process.
+    """Return the content of a file; a larger one is first parsed on trial in a limited process.
 
     Args:
         path: The file.
-        trial: What reads it there as the caller will, "module:function"; it is given the path.
+        trial: The function that parses the file on trial, as "module:function"; its argument is the path.
 
     Raises:
-        UserError: To read it would cost too much, or it is not as it must be.
-        OSError: It cannot be read, is no plain file, or is too large.
+        UserError: Parsing the file would cost too much, or its content is invalid.
+        OSError: It cannot be read, is not a regular file, or is too large.
     """
     content = read_limited(path, LARGEST)
     if len(content) > SMALL:
         try:
             call_limited(trial, str(path), memory=MEMORY)
         except LimitExceededError as error:
-            raise UserError(f"{path}: to read it would cost too much: {error}", exit_code=2) from None
+            raise UserError(f"{path}: reading it would cost too much: {error}", exit_code=2) from None
     return content

@@ -1,13 +1,12 @@
-"""What a process makes that should not outlive it, and how the next one removes it if the process was killed.
+"""Temporary resources of a process, and their removal by a later process if their owner was killed.
 
-Each process that makes temporary things has one folder for them. In it is a file that the process keeps
-locked (flock) as long as it lives. The kernel gives the lock back however the process ends, and sees every
-process of the machine, whatever its user, container or process namespace. So an owner whose lock can be taken
-is dead, and a live one is never mistaken for a dead one, as could happen with process numbers, which are used
-again.
+Each process that needs temporary files has one folder for them. The folder holds a file that the process
+keeps locked (flock) for as long as it lives. The kernel releases the lock however the process ends, and
+locks work across users, containers and process namespaces. So an owner whose lock can be taken is dead.
+Unlike process ids, which are reused, a lock never makes a live owner look dead or a dead one alive.
 
-What lies elsewhere (control groups, containers) is entered in a list in that folder before it is made.
-Whoever finds the folder of a dead owner removes what is on the list, then the folder.
+Resources outside the folder (control groups, containers) are entered in a list in the folder before they are
+created. A process that finds the folder of a dead owner removes the resources on the list, then the folder.
 """
 
 import atexit
@@ -28,9 +27,9 @@ PREFIX = "wildscav-"  # of owners' folders
 NEW = ".wildscav-new-"  # of folders whose lock is not taken yet
 FOLDER = "folder"  # the kind of a temporary folder that lies elsewhere
 LOCK, LIST = "owner.lock", "list.jsonl"
-SHORT_PLACE = Path("/tmp")  # noqa: S108 - where temporary files are in a path too long for sockets
-LONGEST_PLACE = 40  # bytes of that path: systems allow 104 for a socket's
-GRACE = 60.0  # s in which a new folder gets its lock, unless its maker was killed
+SHORT_PLACE = Path("/tmp")  # noqa: S108 - used where the path of temporary files is too long for sockets
+LONGEST_PLACE = 40  # bytes of that path; some systems allow only 104 for the path of a socket
+GRACE = 60.0  # s after which a folder without its lock counts as abandoned
 
 Undo = Callable[[str], None]
 _undo: dict[str, Undo] = {}
@@ -38,18 +37,18 @@ _lock = threading.Lock()
 
 
 def register(kind: str, undo: Undo) -> None:
-    """Say how one kind of thing outside of owners' folders is removed.
+    """Register how one kind of resource outside the owners' folders is removed.
 
     Args:
-        kind: Its name in lists.
-        undo: Removes one that was entered, by the text that was entered; does nothing if it is gone already.
-            An ``OSError`` or ``RuntimeError`` means that it may still be there: it is tried again later.
+        kind: The kind's name in lists.
+        undo: Removes the resource with the entered name; does nothing if it is already gone. If it raises an
+            ``OSError`` or ``RuntimeError``, the resource may still exist, and removal is tried again later.
     """
     _undo[kind] = undo
 
 
 def own_folder() -> Path:
-    """Return this process's folder for temporary things, made when it is first asked for.
+    """Return this process's folder for temporary files, created on first use.
 
     It is removed when the process ends, or by ``sweep`` in another process if this one was killed.
     """
@@ -58,13 +57,13 @@ def own_folder() -> Path:
 
 
 def owner() -> str:
-    """Return the name of this process as an owner, which no other process has ever had."""
+    """Return the unique name of this process as an owner."""
     return own_folder().name.removeprefix(PREFIX)
 
 
 @contextlib.contextmanager
 def temporary_folder(prefix: str) -> Iterator[Path]:
-    """Make a folder in this process's own one, and remove it at the end."""
+    """Create a folder inside this process's own folder, and remove it when the block ends."""
     folder = Path(tempfile.mkdtemp(prefix=prefix, dir=own_folder()))
     try:
         yield folder
@@ -96,17 +95,17 @@ def _remove_folder(folder: str) -> None:
 
 
 def enter(kind: str, what: str) -> None:
-    """Enter in this process's list something that it is about to make outside of its folder.
+    """Enter in this process's list a resource that it is about to create outside its folder.
 
     Args:
         kind: As it was registered.
-        what: Which one, as its ``undo`` reads it.
+        what: The resource's name, as ``undo`` expects it.
     """
     _write(kind, what, there=True)
 
 
 def cross_out(kind: str, what: str) -> None:
-    """Note in this process's list that something entered there is gone."""
+    """Note in this process's list that an entered resource is gone."""
     _write(kind, what, there=False)
 
 
@@ -117,9 +116,10 @@ def _write(kind: str, what: str, *, there: bool) -> None:
 
 
 def sweep() -> None:
-    """Remove everything that dead owners of this user have left on this machine.
+    """Remove everything that this user's dead owners have left on this machine.
 
-    It takes a millisecond if there is nothing. What cannot be removed now stays for the next time.
+    It takes a millisecond if there is nothing to remove. What cannot be removed now is left for the next
+    sweep.
     """
     for place in _places():
         for folder in place.glob(f"{PREFIX}*/{LOCK}"):
@@ -132,7 +132,7 @@ def sweep() -> None:
 
 @functools.cache
 def _folder_of(process: int) -> Path:
-    """Make the folder of a process: one for every process, and another one after a fork."""
+    """Create the folder of a process. A forked process has another id, so it gets a folder of its own."""
     sweep()
     while True:
         new = Path(tempfile.mkdtemp(prefix=NEW, dir=_place()))
@@ -141,9 +141,9 @@ def _folder_of(process: int) -> Path:
         os.write(descriptor, f"{process}\n".encode())
         folder = new.with_name(PREFIX + new.name.removeprefix(NEW))
         try:
-            # Only now may others see it: a folder that they see has its lock.
+            # The folder gets its visible name only now, so every visible folder has its lock.
             new.rename(folder)
-        except OSError:  # this process was stopped for so long that it was taken for dead
+        except OSError:  # this process was stopped for so long that another one has swept its folder
             os.close(descriptor)
             continue
         atexit.register(_remove_at_exit, folder, process, descriptor)
@@ -158,7 +158,7 @@ def _remove_at_exit(folder: Path, process: int, descriptor: int) -> None:
 
 
 def _place() -> Path:
-    """Return where folders are made: where the system has temporary files, if sockets can be there."""
+    """Return where to create folders: the temporary folder, unless its path is too long for sockets."""
     place = Path(tempfile.gettempdir())
     return place if len(bytes(place)) <= LONGEST_PLACE or not SHORT_PLACE.is_dir() else SHORT_PLACE
 
@@ -168,7 +168,7 @@ def _places() -> list[Path]:
 
 
 def _is_own(path: Path) -> bool:
-    """Return whether a path is this user's: what others put there is not for us to follow."""
+    """Return whether a path belongs to this user and is not a symbolic link."""
     return path.lstat().st_uid == os.geteuid() and not path.is_symlink()
 
 
@@ -188,15 +188,15 @@ def _sweep_owner(folder: Path) -> None:
 
 
 def _remove(folder: Path) -> None:
-    """Remove what is on an owner's list, then its folder, the lock last.
+    """Remove the resources on an owner's list, then its folder, with the lock last.
 
     Raises:
-        OSError: Something could not be removed; the list still has it.
+        OSError: Something could not be removed; it is still on the list.
         RuntimeError: The same.
     """
     for kind, what in _entries(folder / LIST):
         if kind not in _undo:
-            raise RuntimeError(f"nobody here knows how to remove a {kind}")
+            raise RuntimeError(f"no function is registered that removes a {kind}")
         _undo[kind](what)
     for entry in list(folder.iterdir()):
         if entry.name == LOCK:
@@ -205,16 +205,16 @@ def _remove(folder: Path) -> None:
             shutil.rmtree(entry)
         else:
             entry.unlink()
-    # A name under which its remains are found even without the lock.
+    # Without the lock, the rest of the folder is found by this name.
     remains = folder.rename(folder.with_name(NEW + folder.name.removeprefix(PREFIX)))
     (remains / LOCK).unlink()
     remains.rmdir()
 
 
 def _entries(path: Path) -> list[tuple[str, str]]:
-    """Return what a list has that was not crossed out; lines that are damaged are passed over.
+    """Return the entries of a list that are not crossed out. Damaged lines are skipped.
 
-    A last line that was cut off was not acted upon.
+    If the last line is incomplete, the process was killed before it created the resource.
     """
     entries: dict[tuple[str, str], bool] = {}
     with contextlib.suppress(FileNotFoundError):

@@ -1,8 +1,10 @@
-"""Work on untrusted files in a process of its own, with limits on the time and memory that they cost.
+"""Processing of untrusted files in a separate process with limits on its time and memory.
+
+``call_limited`` runs
 
     python -m wildscav.system.limited_process module:function < arguments.json
 
-is what ``call_limited`` runs; arguments and result are values that JSON has.
+Arguments and results must be JSON values.
 """
 
 import contextlib
@@ -20,10 +22,10 @@ from typing import Any
 from wildscav.errors import UserError, describe
 from wildscav.system.worker_processes import end_with_parent
 
-MEMORY = 224 << 20  # bytes, beyond what Python takes with the function's module imported
-PROCESSOR = 6  # s of processor time
-PATIENCE = 120.0  # s by the clock: a busy machine gives a process only a part of its time
-TOO_LONG = f"it takes more than {PROCESSOR} s of processor time"
+MEMORY = 224 << 20  # bytes, beyond what Python uses once the function's module is imported
+PROCESSOR_TIME = 6  # s
+WALL_TIME = 120.0  # s; on a busy machine a process gets only a part of a core
+TOO_LONG = f"it takes more than {PROCESSOR_TIME} s of processor time"
 
 
 class LimitExceededError(UserError):
@@ -35,24 +37,24 @@ def call_limited(function: str, *arguments: Any, memory: int = MEMORY) -> Any:
 
     Args:
         function: As "module:function" or "module:Class.method".
-        arguments: Of the function.
-        memory: Bytes that it may take, beyond what Python does.
+        arguments: Arguments of the function.
+        memory: Bytes that it may take, beyond what Python uses.
 
     Raises:
-        LimitExceededError: It took more than it may; a few words that say what.
-        UserError: The function raised one, or anything else.
+        LimitExceededError: It exceeded a limit; the message says which.
+        UserError: The function raised this or any other exception.
     """
     command = [sys.executable, "-m", "wildscav.system.limited_process", function, str(memory)]
     try:
         done = subprocess.run(
-            command, input=json.dumps(arguments).encode(), capture_output=True, timeout=PATIENCE, check=False
+            command, input=json.dumps(arguments).encode(), capture_output=True, timeout=WALL_TIME, check=False
         )
     except subprocess.TimeoutExpired:
-        raise LimitExceededError(f"it takes more than {PATIENCE:g} s") from None
+        raise LimitExceededError(f"it takes more than {WALL_TIME:g} s") from None
     try:
         answer = json.loads(done.stdout)
     except ValueError:
-        # It was ended before it could answer: by the limit of its time, or by a system without memory.
+        # It was killed before it could answer: by the time limit, or by a system that ran out of memory.
         late = done.returncode == -signal.SIGXCPU
         raise LimitExceededError(TOO_LONG if late else _too_much(memory)) from None
     if "result" in answer:
@@ -66,7 +68,7 @@ def _too_much(memory: int) -> str:
 
 
 def main(function: str, memory: int) -> None:
-    """Call a function with the arguments on stdin, and write its result or what went wrong to stdout."""
+    """Call a function with the arguments from stdin, and write its result or error to stdout."""
     end_with_parent(os.getppid())
     module, _, name = function.partition(":")
     called = operator.attrgetter(name)(importlib.import_module(module))
@@ -82,17 +84,17 @@ def main(function: str, memory: int) -> None:
         answer = {"error": str(error), "limit": False, "exit_code": error.exit_code}
     except OSError as error:
         answer = {"error": describe(error), "limit": False}
-    except Exception as error:  # noqa: BLE001 - whatever a library makes of a damaged file
+    except Exception as error:  # noqa: BLE001 - libraries raise anything for a damaged file
         answer = {"error": " ".join(f"{type(error).__name__}: {error}".split())[:500], "limit": False}
     sys.stdout.write(json.dumps(answer))
     sys.stdout.flush()
-    os._exit(0)  # what the limits have broken need not be put in order
+    os._exit(0)  # without cleaning up, which could fail under the limits
 
 
 def _limit(memory: int) -> None:
-    """Set the limits of this process: what it has and used up already does not count."""
+    """Set the limits of this process, on top of the time and memory that it has used so far."""
     used = resource.getrusage(resource.RUSAGE_SELF)
-    seconds = int(used.ru_utime + used.ru_stime) + PROCESSOR
+    seconds = int(used.ru_utime + used.ru_stime) + PROCESSOR_TIME
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 2))
     with contextlib.suppress(OSError, ValueError):
         pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])

@@ -1,4 +1,4 @@
-"""Folders that commands write into, checked before anything is written."""
+"""Checks of the folders that commands write into, made before anything is written."""
 
 from pathlib import Path
 
@@ -6,14 +6,14 @@ from wildscav.errors import UserError
 
 
 def check_folder(option: str, path: Path) -> None:
-    """Refuse a path where no folder can be, because something else is there or above it.
+    """Refuse a path where no folder can be created because it, or one of its parents, is a file.
 
     Args:
-        option: The option that names it, for the error.
-        path: A folder, or where one is to be made.
+        option: The option that names the path, for the error.
+        path: A folder, or where one is to be created.
 
     Raises:
-        UserError: It is no folder and cannot become one.
+        UserError: It is not a folder, and a folder cannot be created there.
     """
     there = next((each for each in (path, *path.parents) if each.exists()), path)
     if there.exists() and not there.is_dir():

@@ -1,4 +1,4 @@
-"""Worker processes: Ctrl-C is not for them, and they never outlive who started them."""
+"""Worker processes: they ignore Ctrl-C, and they never outlive the process that started them."""
 
 import ctypes
 import os
@@ -11,16 +11,16 @@ from contextlib import contextmanager
 from multiprocessing import parent_process, resource_tracker
 
 PR_SET_PDEATHSIG = 1
-GRACE = 20.0  # s that an orphan has to end in good order
+GRACE = 20.0  # s that an orphaned worker has to end by itself
 
 
 @contextmanager
 def starting_workers() -> Iterator[None]:
-    """Keep Ctrl-C, which a terminal sends to all, from processes that are started in this block.
+    """Block Ctrl-C, which a terminal sends to all processes, in processes that are started in this block.
 
-    Each keeps it off until it calls ``become_worker``: a Ctrl-C during its imports would print a traceback.
+    It stays blocked in each of them until ``become_worker``: a Ctrl-C during imports would print a traceback.
     """
-    resource_tracker.ensure_running()  # which the first worker would start, and let Ctrl-C through again
+    resource_tracker.ensure_running()  # otherwise starting the first worker starts it and unblocks Ctrl-C
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -29,10 +29,10 @@ def starting_workers() -> Iterator[None]:
 
 
 def become_worker(parent: int) -> None:
-    """Leave Ctrl-C to the process that started this one, and end with it.
+    """Ignore Ctrl-C, and end when the parent process ends.
 
     Args:
-        parent: That process.
+        parent: Id of the process that started this one.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
@@ -40,17 +40,17 @@ def become_worker(parent: int) -> None:
 
 
 def end_with_parent(parent: int) -> None:
-    """Have this process end when its parent is gone, however that came about.
+    """Make this process end when its parent has ended, for whatever reason.
 
-    It gets a SIGTERM, and is killed if that did not end it. (A worker that waits for work hears nothing of a
-    killed parent by itself, since its siblings hold the pipe open.)
+    It gets a SIGTERM, and is killed if it does not end. (A worker that waits for work does not notice that
+    its parent was killed, because its siblings hold the pipe open.)
 
     Args:
-        parent: The process that started this one.
+        parent: Id of the process that started this one.
     """
-    if sys.platform == "linux":  # which tells at once, and needs no thread of ours for it
+    if sys.platform == "linux":  # where the kernel sends the signal at once
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() != parent:  # it was gone before anybody watched
+    if os.getppid() != parent:  # it ended before the line above
         raise SystemExit(128 + signal.SIGTERM)
     threading.Thread(target=_end_orphan, daemon=True).start()
 

@@ -1,1 +1,1 @@
-"""What commands show in a terminal: text that cannot steer it, tables that fit, suggestions, progress."""
+"""Output of commands: consoles that escape untrusted text, tables that fit, suggestions and progress."""

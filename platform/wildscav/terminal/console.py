@@ -1,8 +1,8 @@
-"""What every command prints with: the consoles, and how text and commands are shown.
+"""The consoles that all commands print with, and how text and commands are shown.
 
-Much of what is shown is untrusted text: versions and names of submissions, what agents print, what
-records say. ``printable`` makes any text plain, and every way to a terminal goes through it: the consoles
-here by themselves, log lines in ``wildscav.monitoring.logs``. JSON is written in ASCII by ``ascii_json``.
+Much of what is shown is untrusted: names and versions of submissions, output of agents, contents of records.
+``printable`` escapes any text, and all text for a terminal goes through it: the consoles here apply it
+themselves, and ``wildscav.monitoring.logs`` applies it to log lines. ``ascii_json`` does the same for JSON.
 """
 
 import json
@@ -17,14 +17,14 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.text import Text
 
-LAYOUT = "\n\t"  # what a console lays text out by
+LAYOUT = "\n\t"  # control characters that consoles keep, because they lay out text
 
 
 def printable(text: str, keep: str = "") -> str:
-    """Return a text that cannot steer a terminal: whatever is no plain character stands as its escape.
+    """Return a text that cannot control a terminal: characters that are not printable become escapes.
 
-    That goes for control characters, for marks that change the direction of text, for what has no width, and
-    for halves of characters (surrogates), which no stream could encode.
+    These are control characters, marks that change the direction of text, characters without width, and
+    surrogates, which no stream could encode.
 
     Args:
         text: Any text.
@@ -41,21 +41,21 @@ def printable(text: str, keep: str = "") -> str:
 
 
 class PlainConsole(Console):
-    """A console on which a string is just a string.
+    """A console that prints strings literally.
 
-    No string is read as markup, and no text reaches the terminal but through ``printable``. Style is what our
-    own code gives to a ``Text``.
+    Strings are not parsed as markup, and all text goes through ``printable`` on its way to the terminal.
+    Styles come only from ``Text`` objects, which our own code makes.
     """
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(markup=False, emoji=False, highlight=False, **settings)
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Return a string as it is laid out, with the width that it will have."""
+        """Return a string, escaped before it is measured and laid out."""
         return super().render_str(printable(text, LAYOUT), **options)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
-        """Yield what a renderable puts on the terminal."""
+        """Yield the segments of a renderable, escaped."""
         for segment in super().render(renderable, options):
             yield segment if segment.control else segment._replace(text=printable(segment.text, LAYOUT))
 
@@ -65,13 +65,13 @@ error_console = PlainConsole(stderr=True)
 
 
 def print_json(content: object) -> None:
-    """Print a value as a JSON document on stdout, in characters of ASCII alone."""
+    """Print a value as a JSON document on stdout, in ASCII."""
     sys.stdout.write(f"{ascii_json(json.dumps(content, indent=2))}\n")
 
 
 def ascii_json(document: str) -> str:
-    """Return a JSON document with escapes for all that is not printable ASCII; it says the same."""
-    # Outside of its strings JSON has nothing else, and json.dumps escapes a single character as JSON does.
+    """Return an equal JSON document in which all characters but printable ASCII are escaped."""
+    # Other characters occur only inside strings of JSON, where json.dumps escapes each of them.
     return re.sub(
         "[^\x00-\x7e]",
         lambda found: f"\\u{ord(found[0]):04x}" if found[0] == "\x7f" else json.dumps(found[0])[1:-1],
@@ -86,7 +86,7 @@ def counted(count: int, noun: str) -> str:
 
 
 def command(name: str) -> str:
-    """Return what to type to run a program that was installed with this one."""
+    """Return what to type in a shell to run a program that is installed beside this one."""
     beside = Path(sys.executable).parent / name
     found = shutil.which(name)
     if found is not None and Path(found).absolute() == beside.absolute():

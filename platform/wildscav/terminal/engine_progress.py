@@ -1,4 +1,4 @@
-"""What a command shows while the engine gets ready, which the first time means: while it is compiled."""
+"""Progress of the engine's preparation, which on first use includes compiling it."""
 
 import contextlib
 import os
@@ -15,13 +15,14 @@ COMPILING = "compiling the engine for this machine, once"
 
 @contextmanager
 def preparing(console: Console, *, is_said: bool = False) -> Iterator[None]:
-    """Show how the engine gets ready: in a terminal as it goes, elsewhere in a line if it takes a moment.
+    """Show the progress of preparing the engine: live in a terminal, else as a line if it takes a while.
 
-    Processes that are started meanwhile say nothing to a terminal: its last line is taken.
+    In a terminal, processes that are started meanwhile print no such line, because it would break the
+    display.
 
     Args:
         console: Where to show it.
-        is_said: Whether something else says it already, such as a log, so that nothing is left to show.
+        is_said: Whether something else, such as a log, reports it already; then no such line is printed.
     """
     with contextlib.ExitStack() as stack:
         if is_said or console.is_terminal:

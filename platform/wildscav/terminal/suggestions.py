@@ -1,17 +1,17 @@
-"""What somebody may have meant who typed a name that does not exist."""
+"""Suggestions for mistyped names."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """Return a question to put behind an error, such as " (did you mean 'battle'?)".
+    """Return a suggestion to append to an error, such as " (did you mean 'battle'?)".
 
-    It is empty if nothing is near.
+    It is empty if no word is similar.
 
     Args:
-        word: As it was typed.
-        words: What could have been meant.
+        word: The word that was typed.
+        words: The words that are allowed.
     """
     known = list(words)
     near = [known_word for known_word in known if word and known_word.startswith(word)]

@@ -1,4 +1,4 @@
-"""The tables of all commands, which lose no column however narrow the terminal is."""
+"""The tables of all commands. They keep all columns, however narrow the terminal is."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,15 +9,15 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
 
-COMFORTABLE, NARROWEST = 24, 12  # columns for text that may be broken, where there is room and where not
-UNBOUNDED = 10_000  # columns
+COMFORTABLE, NARROWEST = 24, 12  # characters for a column of text that may be wrapped: wanted, and the least
+UNBOUNDED = 10_000  # characters
 
 
 class FittingTable(Table):
-    """A table in the looks of all of ours: rows side by side, or one below the other where there is no room.
+    """A table in our common style. Where columns do not fit side by side, each row becomes a block of lines.
 
     Args:
-        title: Above the table.
+        title: Printed above the table.
     """
 
     def __init__(self, title: str | None = None) -> None:
@@ -31,16 +31,16 @@ class FittingTable(Table):
         )
 
     def add_column(self, *arguments: Any, **settings: Any) -> None:
-        """Add a column. A word too long for it is broken, not cut, unless the settings say otherwise."""
+        """Add a column. Words that are too long are broken, not truncated, unless ``settings`` differ."""
         super().add_column(*arguments, **{"overflow": "fold", **settings})
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """Yield the table as it fits."""
+        """Yield the table in the widest form that fits."""
         wide = options.update(max_width=UNBOUNDED)
-        # Columns move together before text is broken, and text is broken before rows are taken apart.
+        # First columns move closer together, then text is wrapped, and last rows become blocks.
         for padding, text in ((1, COMFORTABLE), (0, COMFORTABLE), (0, NARROWEST)):
             needed = sum(_needs(console, wide, column, text) for column in self.columns)
-            # Besides its padding, each column has a space between it and the next.
+            # In addition to the padding, there is one space between two columns.
             if needed + len(self.columns) * (padding + 1) - 1 <= options.max_width:
                 self.padding = (0, padding, 0, 0)
                 yield from super().__rich_console__(console, options)
@@ -48,7 +48,7 @@ class FittingTable(Table):
         yield from self._stacked()
 
     def _stacked(self) -> Iterator[RenderableType]:
-        """Yield every row as a small table of headings and cells."""
+        """Yield each row as a block with a line for each column: its heading and the cell."""
         headings = [" ".join(str(column.header).replace("-\n", "-").split()) for column in self.columns]
         cells = zip(*(column.cells for column in self.columns), strict=True)
         if self.title:
@@ -66,7 +66,7 @@ class FittingTable(Table):
 
 
 def _needs(console: Console, options: ConsoleOptions, column: Column, text: int) -> int:
-    """Return the width that a column needs, if text that may be broken gets so much of it."""
+    """Return the width that a column needs if text that may be wrapped gets ``text`` characters."""
     sizes = [Measurement.get(console, options, cell) for cell in (column.header, *column.cells)]
     if column.no_wrap:
         return max(size.maximum for size in sizes)

@@ -1,5 +1,5 @@
-"""Between protocol messages and plain Python and NumPy: one place for each message and direction.
+"""Encoding and decoding of protocol messages: one place for each message and direction.
 
-Nothing here knows the engine: the server hands over plain values, and what seats sense as bytes that a kernel
-of its own wrote; the SDK gets its classes.
+Nothing here imports the engine. The server passes plain values, and observations as bytes that its own kernel
+has written; the SDK gets its classes.
 """

@@ -31,21 +31,21 @@ def encode_action(step: int, action: Action) -> ClientMessage:
 
 
 class DecodedAction(NamedTuple):
-    """What a message asks for, checked."""
+    """A checked action."""
 
-    row: list[float] | None  # one number for each of ACTION_FIELDS; None: a number was out of its range
-    ignored: int  # fields set that the track does not have
+    row: list[float] | None  # a number for each of ACTION_FIELDS; None if a number was out of range
+    ignored: int  # number of fields that were set although the track does not have them
 
 
 INVALID = DecodedAction(None, 0)
 
 
 def decode_action(message: ActionMessage, outside: Sequence[int]) -> DecodedAction:
-    """Check a message and return the row in it.
+    """Check an action and return its row.
 
     Args:
-        message: What the agent sent.
-        outside: The columns that are not in the track's action set; they come back as zero.
+        message: The agent's message.
+        outside: The columns that are not in the track's action set; they are set to zero.
     """
     row = [
         message.walk_direction,
@@ -57,11 +57,11 @@ def decode_action(message: ActionMessage, outside: Sequence[int]) -> DecodedActi
         float(message.shoot),
         float(message.reload),
     ]
-    # Written so that NaN fails too. A number too large for 32 bits has become infinite on the way.
+    # Written so that NaN fails too. Protobuf has turned numbers too large for 32 bits into infinity.
     if not (0.0 <= row[1] <= MAX_WALK_SPEED and math.isfinite(row[0] + row[2] + row[3])):
         return INVALID
     if max(map(abs, row)) > FULL_TURN:
-        _tame(row)
+        _reduce_angles(row)
     ignored = 0
     for column in outside:
         if row[column]:
@@ -70,9 +70,9 @@ def decode_action(message: ActionMessage, outside: Sequence[int]) -> DecodedActi
     return DecodedAction(row, ignored)
 
 
-def _tame(row: list[float]) -> None:
-    """Replace huge angles by small ones that mean the same, exactly: also in 32 bits."""
+def _reduce_angles(row: list[float]) -> None:
+    """Replace large angles with equivalent small ones, exactly, also in 32 bits."""
     row[0] = math.fmod(row[0], FULL_TURN)
     row[2] = math.fmod(row[2], FULL_TURN)
-    # The pitch stays in [-90, 90]: half a turn takes it to its end from anywhere.
+    # The pitch is clamped to [-90, 90], so half a turn reaches its limit from anywhere.
     row[3] = max(-FULL_TURN, min(FULL_TURN, row[3]))

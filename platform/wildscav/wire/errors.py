@@ -1,4 +1,4 @@
-"""Refusals: a google.rpc.Status with an ErrorInfo in one direction, the SDK's exceptions in the other."""
+"""Refusals: encoded as a google.rpc.Status with an ErrorInfo, and decoded to the SDK's exceptions."""
 
 from typing import Any
 
@@ -14,12 +14,12 @@ DOMAIN = "wildscav"
 
 
 class RefusalError(WildscavError):
-    """What the server answers to a call that it does not serve.
+    """The server refuses a call.
 
     Args:
         code: The gRPC status code.
         reason: One of the reasons listed at the top of ``match.proto``.
-        message: One line for the person behind the client.
+        message: One line for the client's user.
     """
 
     def __init__(self, code: grpc.StatusCode, reason: str, message: str) -> None:
@@ -28,11 +28,11 @@ class RefusalError(WildscavError):
 
 
 class ProtocolRefusalError(RefusalError):
-    """What the server answers to a client that sends what no client may send; its seat is closed.
+    """The server refuses a client that violated the protocol; its seat is closed.
 
     Args:
         reason: One of the reasons listed at the top of ``match.proto``.
-        message: One line for the person behind the client.
+        message: One line for the client's user.
         code: The gRPC status code.
     """
 
@@ -52,8 +52,8 @@ def encode_refusal(refusal: RefusalError) -> grpc.Status:
 
 
 def decode_error(error: grpc.RpcError, address: str) -> WildscavError:
-    """Return the exception that a failed call means to a user of the SDK."""
-    call: Any = error  # what a call raises is the call itself, of a class that gRPC does not publish
+    """Return the exception with which the SDK reports a failed call."""
+    call: Any = error  # the error is also the call; gRPC does not publish its class
     reason = reason_of(error)
     if reason:
         return RefusedError(reason, call.details() or "the server refused")
@@ -63,10 +63,10 @@ def decode_error(error: grpc.RpcError, address: str) -> WildscavError:
 
 
 def reason_of(error: grpc.RpcError) -> str:
-    """Return the reason in a failed call's typed details, "" if it has none."""
+    """Return the reason in the typed details of a failed call, or ""."""
     try:
         status = rpc_status.from_call(error)
-    except ValueError:  # the details contradict the status: not written by our server
+    except ValueError:  # the details contradict the status, so they are not from our server
         return ""
     for detail in status.details if status else ():
         info = ErrorInfo()

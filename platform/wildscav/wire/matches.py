@@ -1,4 +1,4 @@
-"""What is said once a match: joining, the match info, results."""
+"""Messages that are sent once per match: joining, the match info, results."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -35,18 +35,18 @@ def encode_join(token: str, sdk_name: str, sdk_version: str) -> ClientMessage:
 
 
 def decode_sdk(join: Join) -> str:
-    """Return what a client calls itself, in a line that is safe to print."""
+    """Return the client's name and version in a line that is safe to print."""
     parts = (part[:SDK_LIMIT] for part in (join.sdk_name, join.sdk_version))
     return " ".join("".join(one if one.isprintable() else "?" for one in part) for part in parts).strip()
 
 
 def encode_ready() -> ClientMessage:
-    """Return the message that says that an agent is set up for its match."""
+    """Return the message that an agent is ready for its match."""
     return ClientMessage(ready=Ready())
 
 
 def encode_match_info(info: MatchInfo) -> ServerMessage:
-    """Return the message that tells a seat about its match."""
+    """Return the message that describes the match to a seat."""
     message = MatchInfoMessage(
         protocol_version=PROTOCOL_VERSION,
         start=_vector(info.start),
@@ -62,7 +62,7 @@ def encode_match_info(info: MatchInfo) -> ServerMessage:
     return ServerMessage(match_info=message)
 
 
-# Fields with one name and one meaning in the message and in the SDK.
+# Fields with the same name and meaning in the message and in the SDK.
 _SAME = (
     *("track", "seat", "seats", "team", "time_limit", "frames_per_action", "frames_per_second", "map_size"),
     *("seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight"),
@@ -100,7 +100,7 @@ def encode_seat_result(values: Mapping[str, Any], name: str) -> SeatResult:
 
 
 def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
-    """Return how a seat behaved as a message.
+    """Return a seat's conduct as a message.
 
     Args:
         values: The fields of the message by name.
@@ -109,9 +109,9 @@ def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
 
 
 def encode_seat_address(address: str) -> str:
-    """Return the address of a worker's seats as its server tells it: of a port the number alone.
+    """Return the address of a worker's seats in the form that is sent: for a port, only its number.
 
-    Who asked knows better than the server by what name its host is reached.
+    The client knows better than the server under which name it reaches the host.
     """
     return address if address.startswith("unix:") else f":{address.rpartition(':')[2]}"
 
@@ -121,9 +121,9 @@ def decode_seat_address(hosted: HostMatchResponse, called: str) -> str:
 
     Args:
         hosted: The server's answer.
-        called: The address that it was asked at.
+        called: The server's address that the client has called.
     """
-    told = hosted.seat_address
-    if told.startswith(":"):
-        return called.rpartition(":")[0] + told
-    return told or called
+    address = hosted.seat_address
+    if address.startswith(":"):
+        return called.rpartition(":")[0] + address
+    return address or called

@@ -1,4 +1,4 @@
-"""Observations: from what the server knows into the bytes of messages, and from messages into SDK classes."""
+"""Observations: encoded by the server to the bytes of messages, decoded by the SDK to its classes."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -17,7 +17,7 @@ from wildscav.proto.match_pb2 import Vector as VectorMessage
 from wildscav.proto.match_pb2 import VisibleAgent as VisibleAgentMessage
 from wildscav.wire.varint import encode_varint
 
-KEY = b"\x12"  # of ServerMessage.observation: field 2, and that its length follows
+KEY = b"\x12"  # of ServerMessage.observation: field 2, length-delimited
 
 
 def encode_observation(observation: bytes, tensors: Mapping[str, NDArray[Any]]) -> bytes:
@@ -29,7 +29,7 @@ def encode_observation(observation: bytes, tensors: Mapping[str, NDArray[Any]]) 
     """
     if tensors:
         readings = [encode_tensor(name, array) for name, array in tensors.items()]
-        # Messages one after the other are one message with the fields of both.
+        # The concatenation of two messages is a message with the fields of both.
         observation += ObservationMessage(tensors=readings).SerializeToString()
     return KEY + encode_varint(len(observation)) + observation
 
@@ -45,8 +45,8 @@ def encode_tensor(name: str, array: NDArray[Any]) -> Tensor:
 def decode_observation(message: ObservationMessage, frames_per_second: int) -> Observation:
     """Return an observation as the SDK shows it.
 
-    Its fields are decoded when they are asked for, but all at once if there are tensors: those are large, and
-    the message would keep them a second time.
+    Its fields are decoded when they are first read. If there are tensors, all fields are decoded at once:
+    tensors are large, and the message would keep a second copy of them in memory.
 
     Raises:
         ValueError: A tensor's type, shape and data do not fit together.
@@ -64,7 +64,7 @@ def _read_field(message: ObservationMessage, frames_per_second: int, name: str) 
     return getattr(message, name) if read is None else read(message)
 
 
-_READERS: dict[str, Callable[[ObservationMessage], Any]] = {  # of the fields that are not as in the message
+_READERS: dict[str, Callable[[ObservationMessage], Any]] = {  # of the fields that differ from the message's
     "position": lambda message: decode_vector(message.position),
     "velocity": lambda message: decode_vector(message.velocity),
     "alive": lambda message: message.health > 0,
@@ -82,7 +82,7 @@ def decode_vector(message: VectorMessage) -> Vector:
     return (message.x, message.y, message.z)
 
 
-# Positional arguments in the next two: there can be 48 of them in an observation, ten times a second.
+# The next two pass positional arguments, which is faster: an observation can have 48 of these items.
 
 
 def _decode_agent(message: VisibleAgentMessage) -> VisibleAgent:
@@ -108,6 +108,6 @@ def decode_tensor(message: Tensor) -> NDArray[Any]:
         raise ValueError(f"tensor {message.name!r} has the unknown type {message.dtype!r}") from None
     if dtype.hasobject or math.prod(shape) * dtype.itemsize != len(message.data):
         raise ValueError(
-            f"tensor {message.name!r} says {message.dtype} {shape} but holds {len(message.data)} bytes"
+            f"tensor {message.name!r} says {message.dtype} {shape} but has {len(message.data)} bytes"
         )
     return np.frombuffer(message.data, dtype).reshape(shape)

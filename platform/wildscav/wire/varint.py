@@ -1,8 +1,8 @@
-"""Whole numbers in protobuf's wire format."""
+"""Integers in protobuf's wire format."""
 
 
 def encode_varint(number: int) -> bytes:
-    """Return a number from 0 on as protobuf writes it: seven bits a byte, the lowest first."""
+    """Return a number, at least 0, as protobuf writes it: seven bits per byte, the lowest bits first."""
     parts = bytearray()
     while number > 127:
         parts.append(number & 127 | 128)

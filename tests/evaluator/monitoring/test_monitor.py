@@ -68,7 +68,7 @@ def test_a_port_that_is_taken_is_one_clear_line() -> None:
     with serving_metrics(EvaluationMetrics(tally), 0) as address:
         assert address is not None
         port = int(address.split(":")[2].split("/")[0])
-        with pytest.raises(UserError, match=f"--metrics-port {port} cannot be had: Address already in use"):
+        with pytest.raises(UserError, match=f"--metrics-port {port} cannot be used: Address already in use"):
             serving_metrics(EvaluationMetrics(tally), port).__enter__()
     with serving_metrics(EvaluationMetrics(tally), None) as none:
         assert none is None

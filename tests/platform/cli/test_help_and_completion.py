@@ -23,7 +23,7 @@ WILDSCAV = str(Path(sys.executable).parent / "wildscav")
 def everything(command: object, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """Every command, as it is typed."""
     yield path
-    for name in getattr(command, "commands", None) or (main.FIRST if not path else ()):
+    for name in getattr(command, "commands", None) or (main.HELP_ORDER if not path else ()):
         found = command.get_command(None, name)  # type: ignore[attr-defined]
         if found is not None:
             yield from everything(found, (*path, name))

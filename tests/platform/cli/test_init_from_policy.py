@@ -123,9 +123,12 @@ def test_several_observations_at_once_are_told_by_the_shape(tmp_path: Path) -> N
         (["--track", "chess"], "track is 'chess'; the tracks are navigation"),
         (
             ["--track", "navigation"],
-            "takes 31 numbers; the environment with these options gives body [3], depth",
+            "takes 31 numbers; the environment with these options returns body [3], depth",
         ),
-        (["--track", "battle"], "gives 25 numbers, which does not fit the track battle with action_mode mul"),
+        (
+            ["--track", "battle"],
+            "returns 25 numbers, which does not fit the track battle with action_mode mul",
+        ),
         (
             ["--track", "navigation", "--option", "speed=9"],
             "unexpected keyword argument 'speed'; the options are",
@@ -137,11 +140,11 @@ def test_several_observations_at_once_are_told_by_the_shape(tmp_path: Path) -> N
         ),
         (
             ["--track", "navigation", "--activation", "wave"],
-            "--activation is 'wave'; known are identity, tanh",
+            "--activation is 'wave', must be one of identity, tanh",
         ),
         (
             ["--option", "preset=paper-navigation"],
-            "takes 31 numbers; the environment with these options gives body [3], depth",
+            "takes 31 numbers; the environment with these options returns body [3], depth",
         ),
     ],
 )
@@ -157,7 +160,7 @@ def test_what_does_not_fit_is_said_and_nothing_is_written(
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("gone.npz", None, "is no file"),
+        ("gone.npz", None, "is not a file"),
         ("model.txt", b"", "ends in .txt; models end in .zip, .onnx, .npz"),
         ("model.npz", b"no arrays", "holds no layers"),
     ],

@@ -85,7 +85,7 @@ def test_a_rendered_replay_is_served_as_it_is(
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--port", "8000"], "--host and --port say where --web serves: add --web"),
+        (["--port", "8000"], "--host and --port are for --web: add --web"),
         (["--web", "--host", "no.such.host.invalid"], "cannot listen on no.such.host.invalid, port 0: "),
     ],
 )

@@ -81,7 +81,7 @@ def observed(
         elif len(told) < len(played.choices):
             told.append(environment.observe(seen))
             action = environment.action(next(choices), seen)
-            until = seen.frame + environment.held
+            until = seen.frame + environment.frames_per_action
         return action  # whoever is out of a royale is asked on, where the environment's episode has ended
 
     play_match(tmp_path, spec or played.spec, sensors, environment.begin, act)

@@ -15,7 +15,7 @@ from wildscav.legacy.request_messages import START
 def test_a_client_that_goes_while_nothing_is_asked_is_missed_if_it_is_watched(watched: bool) -> None:
     competitor, gone = Competitor(), threading.Event()
     client = Client(f"127.0.0.1:{competitor.port}")
-    client.when_gone(gone.set)
+    client.on_gone(gone.set)
 
     with client.watched() if watched else contextlib.nullcontext():
         competitor.die()

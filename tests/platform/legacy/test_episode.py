@@ -114,7 +114,7 @@ def test_supplies_and_targets_are_for_the_modes_that_have_them() -> None:
         ({"mode": 7}, "game_mode is 7, must be 0 to 2"),
         ({"num_agents": 0}, "num_agents is 0, must be 1 to 1000"),
         ({"agents": [setup(0), setup(1)], "num_agents": 1}, "num_agents is 1, must be 2 to 1000"),
-        ({"agents": [setup(2), setup(2)]}, "agent_setups has the ids [2, 2]: one comes twice"),
+        ({"agents": [setup(2), setup(2)]}, "agent_setups has the ids [2, 2]: they must differ"),
     ],
 )
 def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, Any], why: str) -> None:
@@ -127,7 +127,7 @@ def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, An
 @pytest.mark.parametrize(
     ("fields", "path", "played", "said"),
     [
-        ({"timeout": 0}, "time_limit", 1, "timeout is 0, must be 1 to 86400: 1 is played"),
+        ({"timeout": 0}, "time_limit", 1, "timeout is 0, must be 1 to 86400: 1 is used"),
         ({"trigger_range": 0}, "rules.target_distance", 0.01, "trigger_range is 0.0, must be 0.01 to 20.0"),
         ({"trigger_range": 50}, "rules.target_distance", 20.0, "trigger_range is 50.0"),
         ({"trigger_range": float("nan")}, "rules.target_distance", 1.0, "trigger_range is nan"),
@@ -146,7 +146,7 @@ def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, An
             {"supply_create_percent": 51},
             "supplies.waves.0.outdoor_richness",
             50,
-            "must be 0 to 50: 50 is played",
+            "must be 0 to 50: 50 is used",
         ),
         ({"supply_grid_length": 101}, "supplies.spacing", 100, "supply_grid_length is 101"),
         ({"supply_grid_length": 0}, "supplies.spacing", 1, "supply_grid_length is 0"),
@@ -154,13 +154,13 @@ def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, An
             {"supply_random_max": 1001},
             "supplies.outdoor_quantity",
             (1, 1000),
-            "supply_random_max is 1001, must be 1 to 1000: 1000 is played",
+            "supply_random_max is 1001, must be 1 to 1000: 1000 is used",
         ),
         (
             {"supply_random_min": 5, "supply_random_max": 1},
             "supplies.outdoor_quantity",
             (1, 5),
-            "supply_random_min is 5 and supply_random_max is 1: they are played the other way round",
+            "supply_random_min is 5 and supply_random_max is 1: they are swapped",
         ),
         ({"agents": [setup(3, hp=0)]}, "equipment.0.health", 1, "hp of agent 3 is 0, must be 1 to 10000"),
         (
@@ -185,7 +185,7 @@ def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, An
             {"agents": [setup(3, (0, float("nan"), 0))]},
             "starts.0",
             (0, 0, 0),
-            "start_location of agent 3 is (0.0, nan, 0.0), must be finite: (0.0, 0.0, 0.0) is played",
+            "start_location of agent 3 is (0.0, nan, 0.0), must be finite: (0.0, 0.0, 0.0) is used",
         ),
     ],
 )
@@ -211,4 +211,4 @@ def test_a_refresh_too_late_is_told_by_its_name(caplog: pytest.LogCaptureFixture
     supplies = read_episode(asked).spec.supplies
     assert supplies is not None
     assert supplies.waves[1].time == 86_400
-    assert "supply_refresh_time is 86401, must be 0 to 86400: 86400 is played" in caplog.text
+    assert "supply_refresh_time is 86401, must be 0 to 86400: 86400 is used" in caplog.text

@@ -37,9 +37,9 @@ def test_the_default_are_60_maps() -> None:
         ("a", "--maps has 'a'"),
         ("1-", "--maps has '1-'"),
         ("-5", "--maps has '-5'"),
-        ("5-3", "--maps has '5-3', must be of 1 to 999 and ascend"),
-        ("0", "--maps has '0', must be of 1 to 999"),
-        ("1000", "--maps has '1000', must be of 1 to 999"),
+        ("5-3", "--maps has '5-3', must be within 1 to 999 and ascending"),
+        ("0", "--maps has '0', must be within 1 to 999"),
+        ("1000", "--maps has '1000', must be within 1 to 999"),
     ],
 )
 def test_other_lists_are_refused(text: str, why: str) -> None:

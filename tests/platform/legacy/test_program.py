@@ -133,7 +133,7 @@ def test_what_is_played_otherwise_than_asked_is_told_to_the_user_once(
         competitor.begin(command(trigger_range=50, timeout=1))
     competitor.close()
     _, said = process.communicate(timeout=120)
-    line = "trigger_range is 50.0, must be 0.01 to 20.0: 20.0 is played"
+    line = "trigger_range is 50.0, must be 0.01 to 20.0: 20.0 is used"
     assert process.returncode == 0
     assert said.count(line) == 2, "the log has every episode's"
     assert capfd.readouterr().err.splitlines().count(f"wildscav: warning: {line}") == 1

@@ -68,7 +68,9 @@ def test_more_agents_than_the_client_has_room_for_are_told_as_such(tmp_path: Pat
     competitor = Competitor()
     client = Client(f"127.0.0.1:{competitor.port}")
     competitor.reply(GameState.RESET, gm_cmd=command(GameMode.SUP_BATTLE_MODE, num_agents=300))
-    with pytest.raises(TooLargeError, match=r"takes no message of \d+\.\d MB.*fewer agents or supplies"):
+    with pytest.raises(
+        TooLargeError, match=r"does not accept a message of \d+\.\d MB.*fewer agents or supplies"
+    ):
         Session(client, tmp_path).run()
     client.close()
     competitor.die()

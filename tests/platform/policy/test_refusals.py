@@ -86,18 +86,18 @@ def changed(**changes: Any) -> dict[str, Any]:
         (changed(format=2), "has format 2; this version reads 1"),
         (
             changed(observations=[BODY | {"columns": ["hungry"]}]),
-            "wants 'hungry' of 'body', which this version",
+            "needs 'hungry' of 'body', which this version",
         ),
-        (changed(observations=[BODY | {"name": "mood"}]), "wants 'alive' of 'mood'"),
+        (changed(observations=[BODY | {"name": "mood"}]), "needs 'alive' of 'mood'"),
         (
             changed(actions={"mode": "voice"}),
             "action mode 'voice'; those known here are dict, box, baseline, mul",
         ),
-        ({"format": 1}, "the environment's description is damaged: KeyError"),
-        (changed(stack={"count": 0, "axis": "last", "padding": "zero"}), "damaged: .*a stack of 0 along"),
-        (changed(stack={"count": 2, "axis": "up", "padding": "zero"}), "damaged: .*along axis 'up'"),
-        (changed(observations=["body"]), "damaged: TypeError"),
-        (changed(actions=["dict"]), "damaged: AttributeError"),
+        ({"format": 1}, "the environment's description is invalid: KeyError"),
+        (changed(stack={"count": 0, "axis": "last", "padding": "zero"}), "invalid: .*a stack of 0 along"),
+        (changed(stack={"count": 2, "axis": "up", "padding": "zero"}), "invalid: .*along axis 'up'"),
+        (changed(observations=["body"]), "invalid: TypeError"),
+        (changed(actions=["dict"]), "invalid: AttributeError"),
     ],
 )
 def test_a_description_that_cannot_be_read_is_refused(description: dict[str, Any], message: str) -> None:
@@ -111,7 +111,7 @@ def test_a_description_that_cannot_be_read_is_refused(description: dict[str, Any
         ({"track": "battle"}, "trained for the track navigation; this is battle"),
         (
             {"frames_per_action": 3},
-            "trained with 5 frames per action, which is no multiple of the 3 of this match",
+            "trained with 5 frames per action, which is not a multiple of the 3 of this match",
         ),
     ],
 )
@@ -123,7 +123,9 @@ def test_a_match_that_does_not_fit_is_refused(changes: dict[str, Any], message: 
 def test_a_sensor_that_arrives_otherwise_than_in_training_is_named() -> None:
     environment = Environment(DESCRIPTION)
     environment.begin(match())
-    with pytest.raises(PolicyError, match=r"the sensor depth gives float32 \(3, 2\).*mend \[sensors.depth\]"):
+    with pytest.raises(
+        PolicyError, match=r"the sensor depth returns float32 \(3, 2\).*fix \[sensors.depth\]"
+    ):
         environment.observe(with_depth(np.zeros((3, 2), np.float32)))
     row = environment.observe(with_depth(np.full((2, 2), 50.0, np.float32)))
     assert row.tolist() == [1, 1, 0, 0.5, 0.5, 0.5, 0.5]
@@ -140,7 +142,7 @@ def with_depth(depth: Any) -> Observation:
         (
             CHOICES,
             [0, 0, 2, 0, 0],
-            r"choice is \[0, 0, 2, 0, 0\], must be from 0 and below \[3, 1, 2, 1, 2\]",
+            r"choice is \[0, 0, 2, 0, 0\], must be at least 0 and below \[3, 1, 2, 1, 2\]",
         ),
         (CHOICES, [0.0] * 5, "must be 5 whole numbers"),
         (CHOICES, [0, 0, 0], "must be 5 whole numbers"),
@@ -182,8 +184,8 @@ def test_numbers_are_drawn_around_the_mean_and_stay_in_their_range() -> None:
 @pytest.mark.parametrize(
     ("head", "outputs", "message"),
     [
-        ("scores", np.zeros(8, np.float32), "needed are 9 finite numbers"),
-        ("scores", np.full(9, np.nan, np.float32), "needed are 9 finite numbers"),
+        ("scores", np.zeros(8, np.float32), "must be 9 finite numbers"),
+        ("scores", np.full(9, np.nan, np.float32), "must be 9 finite numbers"),
     ],
 )
 def test_outputs_that_are_no_scores_are_refused(head: str, outputs: Any, message: str) -> None:
@@ -200,10 +202,10 @@ def test_a_head_that_does_not_fit_the_action_mode_is_refused(head: str) -> None:
 def test_layers_have_to_fit_one_another() -> None:
     weights = [np.ones((4, 7), np.float32), np.ones((2, 3), np.float32)]
     with pytest.raises(
-        PolicyError, match=r"layer 1 of the network has weights \(2, 3\).*needed are \(outputs, 4\)"
+        PolicyError, match=r"layer 1 of the network has weights \(2, 3\).*they must be \(outputs, 4\)"
     ):
         Layers(weights, [np.zeros(4), np.zeros(2)], ["tanh", "identity"])
-    with pytest.raises(PolicyError, match="activation 'wave'; known here are identity, tanh, relu"):
+    with pytest.raises(PolicyError, match="activation 'wave', must be one of identity, tanh, relu"):
         Layers(weights[:1], [np.zeros(4)], ["wave"])
 
 

@@ -101,7 +101,7 @@ def test_a_rough_battle_in_which_every_column_takes_values(tmp_path: Path) -> No
 
 
 def test_an_environment_that_holds_actions_longer_than_the_match(tmp_path: Path) -> None:
-    """Trained with the paper's 15 frames an action, played with 5: an action is held for three steps."""
+    """TrainedModel with the paper's 15 frames an action, played with 5: an action is held for three steps."""
     env = SingleEnv(
         "gathering",
         **options("gathering", sensors={}, frames_per_action=15, action_mode="baseline", time_limit=6.0),

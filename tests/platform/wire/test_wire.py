@@ -80,9 +80,9 @@ def test_every_tensor_arrives(array: NDArray[Any]) -> None:
 @pytest.mark.parametrize(
     ("tensor", "message"),
     [
-        (Tensor(name="x", dtype="<f4", shape=[2, 2], data=b"\0" * 15), "holds 15 bytes"),
+        (Tensor(name="x", dtype="<f4", shape=[2, 2], data=b"\0" * 15), "has 15 bytes"),
         (Tensor(name="x", dtype="pickle", shape=[1], data=b"\0"), "unknown type"),
-        (Tensor(name="x", dtype="O", shape=[1], data=b"\0" * 8), "holds 8 bytes"),
+        (Tensor(name="x", dtype="O", shape=[1], data=b"\0" * 8), "has 8 bytes"),
     ],
 )
 def test_a_tensor_that_contradicts_itself_is_refused(tensor: Tensor, message: str) -> None:

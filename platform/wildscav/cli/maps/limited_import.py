@@ -1,6 +1,6 @@
-"""What ``wildscav map import`` does with a file, in a process with limits: the file is untrusted.
+"""The part of ``wildscav map import`` that reads an untrusted file, in a process with limits.
 
-All that it needs is imported here, before the limits are set.
+Everything that it needs is imported here, before the limits are set.
 """
 
 from collections import Counter
@@ -27,10 +27,10 @@ def import_file(
     name: str | None,
     in_place: bool,
 ) -> list[str]:
-    """Bring in a height map (if heights are given) or a mesh, and return the lines that tell of it.
+    """Import a height map (if heights are given) or a mesh, and return the lines to print.
 
     Raises:
-        UserError: It cannot be brought in.
+        UserError: It cannot be imported.
     """
     path = Path(file)
     try:
@@ -38,21 +38,21 @@ def import_file(
             imported = import_height_map(path, size, lowest or 0.0, highest, water_level=water, name=name)
         else:
             imported = import_mesh(path, size=size, water_level=water, name=name, centered=not in_place)
-        digest, kept = save_base(imported.base)
+        digest, saved = save_base(imported.base)
     except BaseError as error:
         raise UserError(str(error)) from None
     return [
-        f"{kept}: {kept.stat().st_size / 1e3:.0f} kB",
+        f"{saved}: {saved.stat().st_size / 1e3:.0f} kB",
         _describe(imported.base),
         *(f"note: {note}" for note in imported.notes),
-        "In the config of a map on it:",
+        "To use it, write into the config of a map:",
         f'  base = "{digest}"',
         f"  size = {imported.base.size}",
     ]
 
 
 def _describe(base: Base) -> str:
-    """Return one line on what a base holds."""
+    """Return one line that describes a base."""
     if base.heights is None:
         ground = "flat ground"
     else:

@@ -1,4 +1,4 @@
-"""``wildscav map``: look at maps, export them, bring in others."""
+"""``wildscav map``: draw, describe, export and import maps."""
 
 import time
 from collections.abc import Callable
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="map",
-    help="Look at maps, export them, and bring in others.",
+    help="Draw, describe, export and import maps.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -43,10 +43,10 @@ def show(
     ] = None,
     locations: Annotated[bool, typer.Option("--locations", help="Mark the valid locations.")] = False,
     center: Annotated[
-        tuple[float, float] | None, typer.Option(help="x and z in metres of the middle of the picture.")
+        tuple[float, float] | None, typer.Option(help="x and z of the picture's centre, in metres.")
     ] = None,
     span: Annotated[
-        float | None, typer.Option(help="Metres that the picture shows from west to east.")
+        float | None, typer.Option(help="Extent of the picture from west to east, in metres.")
     ] = None,
 ) -> None:
     """Draw a map from above: relief, water, vegetation, and houses by their storeys or cut open."""
@@ -55,7 +55,7 @@ def show(
     from wildscav_engine.maps.picture import draw_map
 
     choice = choose()
-    path = output or Path(f"{choice.slug}{_part(storey, locations, center, span)}.png")
+    path = output or Path(f"{choice.slug}{_suffix(storey, locations, center, span)}.png")
     format_of(path)
     try:
         with error_console.status("drawing"):
@@ -73,8 +73,10 @@ def show(
     console.print(save(picture, path), soft_wrap=True)
 
 
-def _part(storey: int | None, locations: bool, center: tuple[float, float] | None, span: float | None) -> str:
-    """Return what a picture shows of its map, as a part of a file's name."""
+def _suffix(
+    storey: int | None, locations: bool, center: tuple[float, float] | None, span: float | None
+) -> str:
+    """Return what a picture shows of its map, as a part of its file name."""
     parts = (
         "" if storey is None else f"-storey-{storey}",
         "-locations" if locations else "",
@@ -92,7 +94,7 @@ def export(
         Path | None, typer.Option("--output", "-o", help="Folder to write into. Default: map-NAME.")
     ] = None,
 ) -> None:
-    """Write a map's triangle mesh (OBJ and GLB), its valid locations and what it is made from (JSON)."""
+    """Write a map's triangle mesh (OBJ and GLB), its valid locations and its spec (JSON)."""
     from wildscav.terminal.console import console, error_console
     from wildscav_engine.maps.export.files import export_map
 
@@ -109,30 +111,30 @@ def export(
 @app.command(cls=MapCommand)
 @takes_a_map
 def info(choose: Callable[[], Choice], as_json: AsJson = False) -> None:
-    """Print a map's figures."""
+    """Print statistics of a map."""
     from wildscav.terminal.console import console, print_json
     from wildscav_engine.simulation.map_statistics import map_statistics
 
     choice = choose()
-    figures = map_statistics(choice.game_map) | {"made in": f"{_seconds_to_make(choice.game_map):.2f} s"}
-    console.print(_table(choice.title, figures))
+    statistics = map_statistics(choice.game_map) | {"made in": f"{_generation_time(choice.game_map):.2f} s"}
+    console.print(_table(choice.title, statistics))
     if as_json:
-        print_json({"map": choice.title, "figures": figures})
+        print_json({"map": choice.title, "figures": statistics})
 
 
-def _table(title: str, figures: dict[str, str]) -> "Table":
+def _table(title: str, statistics: dict[str, str]) -> "Table":
     from wildscav.terminal.tables import FittingTable
 
     table = FittingTable(title)
     table.add_column("", style="bold")
     table.add_column("")
-    for name, figure in figures.items():
-        table.add_row(name, figure)
+    for name, value in statistics.items():
+        table.add_row(name, value)
     return table
 
 
-def _seconds_to_make(game_map: "GameMap") -> float:
-    """Make a map once more, with all code loaded, and return how long that takes."""
+def _generation_time(game_map: "GameMap") -> float:
+    """Generate a map again, now that all code is loaded, and return how long that takes, s."""
     from wildscav_engine.maps import generate_map
 
     began = time.perf_counter()

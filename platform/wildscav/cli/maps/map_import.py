@@ -1,4 +1,4 @@
-"""``wildscav map import``: bring in a height map or a triangle mesh as a map of one's own."""
+"""``wildscav map import``: import a height map or a triangle mesh as the base of maps."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -10,7 +10,7 @@ from rich.markup import escape
 from wildscav.errors import UserError
 
 READER = "wildscav.cli.maps.limited_import:import_file"
-# What that needs. It is not imported here: this process waits, and need not be large meanwhile.
+# What the reader needs. This process does not import it, because it only waits for the reader.
 MODULES = ("numba", "PIL", "scipy", "trimesh")
 
 
@@ -33,17 +33,17 @@ def import_map(
     highest: Annotated[float | None, typer.Option(help="Height of white in metres.")] = None,
     water: Annotated[
         float | None,
-        typer.Option(help="Level of the lakes in metres. Default: that of a mesh's part called water."),
+        typer.Option(help="Level of the lakes in metres. Default: the level of the mesh's part named water."),
     ] = None,
-    name: Annotated[str | None, typer.Option(help="What to call it. Default: the file's name.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the base. Default: the file's name.")] = None,
     in_place: Annotated[
         bool, typer.Option("--in-place", help="Leave a mesh where it is instead of centring it.")
     ] = False,
 ) -> None:
-    """Bring in a height map or a mesh to make maps on, and print what to write into their config.
+    """Import a height map or a mesh as the base of maps, and print what to write into their config.
 
-    Parts of a mesh are what their names say: wall, floor, stair, roof, trunk, crown, rock, furniture or bush;
-    terrain or ground is the ground, water the level of the lakes.
+    The name of a mesh's part says what it is: wall, floor, stair, roof, trunk, crown, rock, furniture or
+    bush; terrain or ground is the ground, and water gives the level of the lakes.
     """
     from wildscav.system.limited_process import LimitExceededError, call_limited
     from wildscav.terminal.console import console, error_console, printable
@@ -61,5 +61,5 @@ def import_map(
         with error_console.status(f"reading {escape(file.name)}"):
             lines = call_limited(READER, str(file), *given)
     except LimitExceededError as error:
-        raise UserError(f"{file} cannot be brought in: {error}") from None
+        raise UserError(f"{file} cannot be imported: {error}") from None
     console.print(*map(printable, lines), sep="\n", soft_wrap=True)

@@ -1,4 +1,4 @@
-"""How commands name a map: by its number, or by a config and a seed."""
+"""Options with which commands name a map: its number, or a config and a seed."""
 
 import functools
 import inspect
@@ -22,7 +22,7 @@ MapId = Annotated[
     int | None,
     typer.Argument(help="Number of a map, 1 to 999, such as 014.", metavar="[ID]", show_default=False),
 ]
-Seed = Annotated[int | None, typer.Option(help="Make the map of a config and this seed instead.")]
+Seed = Annotated[int | None, typer.Option(help="Generate the map from a config and this seed instead.")]
 ConfigFile = Annotated[
     Path | None,
     typer.Option("--config", help="JSON or TOML file with the fields of a MapConfig or a MapSpec."),
@@ -31,29 +31,31 @@ Size = Annotated[int | None, typer.Option(help="Metres along each side, 40 to 20
 Relief = Annotated[float | None, typer.Option(help="0 flat, 1 hills, 2 mountains.")]
 Ruggedness = Annotated[float | None, typer.Option(help="0 downs and plains, 1 ridges and cliffs.")]
 Water = Annotated[float | None, typer.Option(help="Share of the area under lakes, 0 to 0.4.")]
-Houses = Annotated[int | None, typer.Option(help="How many, 0 to 200.")]
+Houses = Annotated[int | None, typer.Option(help="Number of houses, 0 to 200.")]
 Density = Annotated[str | None, typer.Option(help="low: houses scattered; high: close together.")]
-Storeys = Annotated[str | None, typer.Option(help="Of the houses: a number from 1 to 4, or two, as 1-3.")]
+Storeys = Annotated[
+    str | None, typer.Option(help="Storeys of the houses: a number from 1 to 4, or a range such as 1-3.")
+]
 Vegetation = Annotated[float | None, typer.Option(help="0 bare, 1 dense woods.")]
 
 Options = ParamSpec("Options")
 
 
 class Choice(NamedTuple):
-    """A map, and what to call it."""
+    """A map and its title."""
 
     game_map: "GameMap"
     title: str
-    details: str = ""  # what the options say of it, such as "-size-300-houses-20"
+    details: str = ""  # the options that it was made with, such as "-size-300-houses-20"
 
     @property
     def slug(self) -> str:
-        """What to call it in the names of files: another map has another name."""
+        """The map's name in file names; different maps have different names."""
         return self.title.lower().replace(" ", "-") + self.details
 
 
 class MapCommand(TyperCommand):
-    """A command that takes a map; a negative number is an ID out of range, and no unknown option."""
+    """A command that takes a map. A negative number is reported as an ID out of range, not as an option."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the command line.
@@ -65,7 +67,7 @@ class MapCommand(TyperCommand):
         try:
             return super().parse_args(ctx, args)
         except Exception as error:
-            option = getattr(error, "option_name", "")  # of "no such option", whose class is Typer's own
+            option = getattr(error, "option_name", "")  # of Typer's own error for an unknown option
             negative = [text for text in given if text.startswith(option) and text[1:].isdigit()]
             if option[1:].isdigit() and negative:
                 raise UserError(f"ID is {negative[0]}, must be 1 to {MOST_IDS}", exit_code=2) from None
@@ -75,9 +77,10 @@ class MapCommand(TyperCommand):
 def takes_a_map(
     command: Callable[Concatenate[Callable[[], Choice], Options], None],
 ) -> Callable[..., None]:
-    """Let a command name a map on its command line.
+    """Give a command the options that name a map.
 
-    Its first argument becomes a function that makes the map, so that it can check all else before.
+    The command's first argument is a function that makes the map, so that it can check its other options
+    first.
     """
     own = list(inspect.signature(command).parameters.values())[1:]
     shared = inspect.signature(_choose).parameters
@@ -111,7 +114,7 @@ def _choose(
     """Return the map that the command line names.
 
     Raises:
-        UserError: It names none, or none that can be.
+        UserError: It names no map, or one that cannot be made.
     """
     given = {
         "size": size,
@@ -132,11 +135,11 @@ def _choose(
         )
     if map_id is not None and not 1 <= map_id <= MOST_IDS:
         raise UserError(f"ID is {map_id}, must be 1 to {MOST_IDS}", exit_code=2)
-    return _made(map_id, seed, config, fields)
+    return _make(map_id, seed, config, fields)
 
 
-def _made(map_id: int | None, seed: int | None, file: Path | None, fields: dict[str, Any]) -> Choice:
-    """Return the map of a number, or else of a config and a seed."""
+def _make(map_id: int | None, seed: int | None, file: Path | None, fields: dict[str, Any]) -> Choice:
+    """Return the map with an ID, or else the map of a config and a seed."""
     from pydantic import ValidationError
 
     from wildscav.terminal.console import error_console
@@ -159,7 +162,7 @@ def _made(map_id: int | None, seed: int | None, file: Path | None, fields: dict[
 
 
 def _details(options: dict[str, Any]) -> str:
-    """Return options and their values as a part of a file's name."""
+    """Return options and their values as a part of a file name."""
     values = {name: value if isinstance(value, tuple) else (value,) for name, value in options.items()}
     return "".join(f"-{name}-{'-'.join(map(str, several))}" for name, several in values.items())
 
@@ -170,17 +173,17 @@ def _read_storeys(text: str) -> tuple[int, int]:
         return int(low), int(high or low)
     except ValueError:
         raise UserError(
-            f"storeys is {text!r}, must be a number from 1 to 4, or two, as 1-3", exit_code=2
+            f"storeys is {text!r}, must be a number from 1 to 4, or a range such as 1-3", exit_code=2
         ) from None
 
 
 def _without_config(message: str) -> str:
-    """Name fields as the options do, not as they stand in a spec."""
+    """Return an error with fields named like the options, without the prefix that they have in a spec."""
     return "; ".join(part.removeprefix("config.") for part in message.split("; "))
 
 
 def _spec_fields(seed: int | None, file: Path | None, fields: dict[str, Any]) -> dict[str, Any]:
-    """Return a MapSpec's fields: those of a file, and over them those of the options."""
+    """Return the fields of a MapSpec: those of the options take precedence over those of the file."""
     spec: dict[str, Any] = {} if file is None else _read_config(file)
     if not set(spec) <= {"config", "seed"}:
         spec = {"config": spec}
@@ -199,10 +202,10 @@ def _read_config(file: Path) -> dict[str, Any]:
 
 
 def try_config(file: str) -> None:
-    """Read a config in the process that calls it.
+    """Parse a config in the calling process, on trial.
 
     Raises:
-        UserError: It is not as it must be.
+        UserError: It is invalid.
         OSError: It cannot be read.
     """
     from wildscav.system.config_files import LARGEST

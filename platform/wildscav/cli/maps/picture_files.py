@@ -1,4 +1,4 @@
-"""How commands write pictures."""
+"""Writing pictures to files."""
 
 from io import BytesIO
 from pathlib import Path
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def format_of(path: Path) -> str:
-    """Return the picture format that a file's name asks for."""
+    """Return the picture format of a file by its name."""
     formats = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".webp": "WEBP"}
     if path.suffix.lower() not in formats:
         raise UserError(f"{path} must end in one of {', '.join(formats)}", exit_code=2)
@@ -19,12 +19,12 @@ def format_of(path: Path) -> str:
 
 
 def save(picture: "Image", path: Path) -> str:
-    """Write a picture as its file's name says; nothing is left half-written.
+    """Write a picture in the format of its file name; no partial file is left behind.
 
     Returns:
-        A line that says what was written, and whether it took the place of another file.
+        A line that says what was written, and whether it replaced another file.
     """
-    replaced = ", in place of the file that was there" if path.exists() else ""
+    replaced = ", replacing the file that was there" if path.exists() else ""
     from wildscav_engine.storage.files import write_whole
 
     content = BytesIO()

@@ -1,4 +1,4 @@
-"""An agent to start from. It plays the competition's three tracks: change `act` and see what comes of it."""
+"""An agent to start from. It plays the competition's three tracks: change `act` and see what happens."""
 
 import random
 
@@ -9,18 +9,18 @@ STUCK_SPEED = 1.0  # m/s: slower than this while walking means that something is
 
 
 class MyAgent(Agent):
-    """Walks to the target or to the nearest supplies; shoots at whom it sees on the way."""
+    """Walks to the target or to the nearest supplies, and shoots at agents that it sees on the way."""
 
     def reset(self, match: MatchInfo) -> None:
         """Get ready for a match: this runs once, before the first step."""
         self.match = match
-        self.random = random.Random(match.seed)  # the same match, the same choices
+        self.random = random.Random(match.seed)  # the same choices in every run of the same match
         self.detour = 0  # steps left of a way around an obstacle
         self.detour_direction = 0.0
         self.goal = match.start  # where to look for supplies
 
     def act(self, observation: Observation) -> Action:
-        """Return what to do in this step, after one look at what is known."""
+        """Return what to do in this step."""
         goal = self.choose_goal(observation)
         direction = self.walk_around(observation, direction_to(observation.position, goal))
         enemy = observation.agents[0] if observation.agents else None
@@ -31,14 +31,14 @@ class MyAgent(Agent):
             turn=turn,
             look=look,
             jump=self.detour > 0,
-            # These two are ignored in tracks that do not have them.
+            # Tracks without supplies or weapons ignore these.
             pick_up=observation.can_pick_up,
             shoot=enemy is not None and abs(turn) < 1.0 and abs(look) < 1.0,
             reload=observation.clip == 0,
         )
 
     def choose_goal(self, observation: Observation) -> Vector:
-        """The target if there is one; else the nearest supplies; else somewhere they may be."""
+        """Return the target if there is one, else the nearest supplies, else a place that may have some."""
         if observation.target is not None:
             return observation.target
         if observation.supply_boxes:
@@ -54,7 +54,7 @@ class MyAgent(Agent):
         return self.goal
 
     def walk_around(self, observation: Observation, direction: float) -> float:
-        """Turn aside for a second when something is in the way."""
+        """Return the direction to walk: sideways for a second if something is in the way."""
         speed = flat_distance((0.0, 0.0, 0.0), observation.velocity)
         if self.detour > 0:
             self.detour -= 1
@@ -67,12 +67,12 @@ class MyAgent(Agent):
     def aim(
         self, observation: Observation, direction: float, enemy: VisibleAgent | None
     ) -> tuple[float, float]:
-        """Return how far to turn and to look down in each frame: at the enemy, else straight ahead."""
+        """Return how far to turn and to look down in each frame, to face the enemy or the way ahead."""
         pitch = 0.0
         if enemy is not None:
             x, y, z = enemy.position
             direction = direction_to(observation.position, enemy.position)
             pitch = pitch_to(observation.position, (x, y + BODY_HEIGHT / 2, z))
-        # An action is held for some frames, and a turn is per frame.
+        # An action is held for several frames, and its turn is applied in each of them.
         frames = self.match.frames_per_action
         return turn_to(observation.yaw, direction) / frames, (pitch - observation.pitch) / frames

@@ -6,9 +6,9 @@ from wildscav.policy import PolicyAgent
 
 
 class TrainedAgent(PolicyAgent):
-    """Plays as `policy.json` says: its environment, its network, and how to choose by what that says.
+    """Plays the policy that `policy.json` describes.
 
-    To change what it does, override `act`: `self.policy.act(observation)` is the policy's own action, and
+    To change its behaviour, override `act`: `self.policy.act(observation)` is the policy's own action, and
     `self.policy.environment.observe(observation)` is what the training environment would have returned.
     """
 

@@ -1,1 +1,1 @@
-"""The addresses of a server: who may connect, with what certificate or token, and which calls are served."""
+"""The addresses of a server: who may connect, with which certificate or token, and which calls are served."""

@@ -14,11 +14,11 @@ PATH_LIMIT = 107  # bytes, of a unix socket's path on Linux
 
 
 def bind(address: str) -> list[socket.socket]:
-    """Return sockets that are bound to an address and do not listen yet: a name may have several addresses.
+    """Return sockets that are bound to an address but do not listen yet; a host name may need several.
 
     Raises:
-        AddressInUseError: Somebody listens there, or the address is not this machine's.
-        UserError: It is malformed.
+        AddressInUseError: Another process listens there, or the address is not this machine's.
+        UserError: The address is malformed.
     """
     if address.startswith(UNIX):
         return [_bind_path(address, Path(address.removeprefix(UNIX).removeprefix("//")))]
@@ -27,14 +27,14 @@ def bind(address: str) -> list[socket.socket]:
 
 def _bind_path(address: str, path: Path) -> socket.socket:
     if len(str(path).encode()) > PATH_LIMIT:
-        raise UserError(f"{address}: the path of a socket has {PATH_LIMIT} bytes at most", exit_code=2)
+        raise UserError(f"{address}: the path of a socket may have at most {PATH_LIMIT} bytes", exit_code=2)
     if not path.parent.is_dir():
         raise UserError(f"{address}: there is no folder {path.parent}", exit_code=2)
     if path.exists():
         with socket.socket(socket.AF_UNIX) as probe:
             if not path.is_socket() or probe.connect_ex(str(path)) == 0:
                 raise AddressInUseError(address)
-        path.unlink()  # whoever listened here has gone
+        path.unlink()  # left behind by a process that has ended
     bound = socket.socket(socket.AF_UNIX)
     try:
         bound.bind(str(path))
@@ -49,13 +49,13 @@ def _bind_port(address: str) -> list[socket.socket]:
     bound: list[socket.socket] = []
     try:
         places = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        for family, kind, protocol, _, where in dict.fromkeys(places):
+        for family, kind, protocol, _, name in dict.fromkeys(places):
             bound.append(socket.socket(family, kind, protocol))
             bound[-1].setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             if family == socket.AF_INET6 and len(places) > 1:
                 bound[-1].setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
-            bound[-1].bind((where[0], port, *where[2:]))
-            port = bound[-1].getsockname()[1]  # all the same one, whichever was free
+            bound[-1].bind((name[0], port, *name[2:]))
+            port = bound[-1].getsockname()[1]  # further sockets use the port that the first one got
     except OSError as error:
         for one in bound:
             one.close()
@@ -77,7 +77,7 @@ def split(address: str) -> tuple[str, int]:
 
 
 def with_port(address: str, port: int) -> str:
-    """Return an address with the port that was really taken."""
+    """Return an address with the port that was actually bound."""
     return address if address.startswith(UNIX) else f"{address.rpartition(':')[0]}:{port}"
 
 

@@ -1,6 +1,7 @@
-"""An endpoint of a match server: one address, with a listener of its own.
+"""An endpoint of a match server: one address with its own listener.
 
-A seat can thus be tied to one address, and whoever crowds one keeps nobody from joining at another.
+So a seat can be tied to one address, and a flood at one address does not keep clients from joining at
+another.
 """
 
 import contextlib
@@ -24,39 +25,39 @@ CONNECTIONS = 2000  # to one address at one time
 class EndpointSettings:
     """Who may connect to an address, and how."""
 
-    connections: int = CONNECTIONS  # open at one time: then one of an unknown client has to go
-    visits: int | None = None  # connections that may come in all; then the address is closed
-    tls: ssl.SSLContext | None = field(default=None, compare=False)  # of ports; unix sockets need none
-    insecure: bool = False  # whether other machines may come without TLS
+    connections: int = CONNECTIONS  # open at one time; beyond that, one of an unknown client is closed
+    visits: int | None = None  # connections accepted in all, after which the address is closed; None: any
+    tls: ssl.SSLContext | None = field(default=None, compare=False)  # for ports; unix sockets need none
+    insecure: bool = False  # whether other machines may connect without TLS
 
     def check_address(self, address: str) -> None:
-        """Let a server listen at an address.
+        """Check that a server may listen at an address.
 
         Raises:
-            UserError: What is said there could be read on the way.
+            UserError: Tokens would cross the network in clear.
         """
         if self.tls is None and not self.insecure and is_public(address):
             raise UserError(
                 f"{address} can be reached from other machines, and tokens would cross the network in clear: "
-                "name a certificate (--tls-cert, --tls-key), or say --insecure if you trust the network",
+                "give a certificate (--tls-cert, --tls-key), or --insecure if you trust the network",
                 exit_code=2,
             )
 
 
 class Endpoint:
-    """Listens on one address, once it is started.
+    """Listens on one address once it is started.
 
     Args:
-        address: Free to be taken; port 0 takes any.
+        address: The address; port 0 takes a free one.
         endpoint_settings: Who may connect, and how.
-        reservations: What each token stands for.
+        reservations: The seat of each token.
         on_refusal: Called with every refusal.
-        on_failure: Called with the address and an error of ours that came before the stream's seat was known.
-        on_flood: Called with the address of a seat that its agent flooded, and with what it did.
-        routes: What else is served there.
+        on_failure: Called with the address and an internal error before a stream's seat was known.
+        on_flood: Called with the address of a seat that its agent has flooded, and with what the agent did.
+        routes: Further methods that are served there.
 
     Raises:
-        AddressInUseError: The address cannot be had.
+        AddressInUseError: The address cannot be bound.
         UserError: It is malformed.
     """
 
@@ -88,16 +89,16 @@ class Endpoint:
 
     @property
     def pending_streams(self) -> int:
-        """How many streams have not said which seat they are."""
+        """How many streams have not joined a seat yet."""
         return len(self._service.pending_streams)
 
     def start(self) -> None:
-        """Let streams come in."""
+        """Accept connections."""
         self._listener.start()
         self._health.serving = True
 
     def announce_end(self) -> None:
-        """Tell whoever asks that the server is about to stop."""
+        """Report to health checks that the server is about to stop."""
         self._health.serving = False
 
     async def stop(self, grace: float) -> None:
@@ -109,5 +110,5 @@ class Endpoint:
         await self._listener.stop(grace)
         if self._path is not None:
             with contextlib.suppress(OSError):
-                if self._path.stat().st_ino == self._inode:  # and nobody else's by now
+                if self._path.stat().st_ino == self._inode:  # it has not been replaced by another process's
                     self._path.unlink()

@@ -1,6 +1,6 @@
 """The Match service: one call of ``Play`` is one seat's stream.
 
-It takes and gives bytes: what comes from outside is measured before it is parsed.
+Messages are passed as bytes, so that their size is checked before they are parsed.
 """
 
 import asyncio
@@ -20,8 +20,8 @@ from wildscav.server.http2.flow_control import StreamLostError
 from wildscav.server.http2.stream import Stream
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
-JOIN_TIME = 10.0  # s that a new stream has to say who it is
-REFUSAL_DELAY = 0.2  # s until a client hears that it may not join: repeated attempts are slow
+JOIN_TIMEOUT = 10.0  # s that a new stream has to send its Join
+REFUSAL_DELAY = 0.2  # s before a Join is refused, which slows down repeated attempts
 STREAM_ENDED = "its stream ended"
 STALE_LIMIT = 16  # old answers that a seat may send in one step
 
@@ -31,16 +31,16 @@ class Reservation(NamedTuple):
 
     match: HostedMatch
     seat: Seat
-    address: str | None = None  # the only one over which it can be taken; any if none
+    address: str | None = None  # the only address at which it can be joined; None: any
 
 
 class MatchService:
-    """Serves the seats of all matches of a server, for those who come in over one address.
+    """Serves the seats of all matches of a server to the clients of one address.
 
     Args:
-        reservations: What each token stands for; the server adds and removes.
+        reservations: The seat of each token; the server adds and removes entries.
         on_refusal: Called with every refusal.
-        on_failure: Called with the address and an error of ours that came before the stream's seat was known.
+        on_failure: Called with the address and an internal error before a stream's seat was known.
         address: The address.
     """
 
@@ -64,17 +64,17 @@ class MatchService:
             self._on_refusal(refusal)
             raise
         except asyncio.CancelledError:
-            if stream.refusal is not None:  # nobody is there to hear it, but it is to be known
+            if stream.refusal is not None:  # the client is gone, but the refusal is counted and logged
                 self._on_refusal(stream.refusal)
             raise
         except StreamLostError:
-            pass  # nobody is there to hear anything
+            pass  # the client is gone
         except Exception as error:
             self._on_failure(self._address, error)
             raise _platform_failed() from error
 
     async def _identify(self, stream: Stream) -> tuple[Reservation, Join]:
-        """Find out which seat a new stream is for; a refusal is delayed."""
+        """Read which seat a new stream is for. Refusals are delayed."""
         with self.pending_streams.counted(_this_task()):
             try:
                 join = await _read_join(stream)
@@ -117,7 +117,7 @@ def _platform_failed() -> RefusalError:
 
 
 async def _join_and_serve(reservation: Reservation, stream: Stream, join: Join) -> None:
-    """Take a seat for this stream, and speak the protocol with it."""
+    """Take the seat for this stream, and serve it."""
     try:
         reservation.match.join(reservation.seat, _this_task(), join)
         stream.trust()
@@ -130,7 +130,7 @@ async def _join_and_serve(reservation: Reservation, stream: Stream, join: Join) 
 
 
 async def _serve(reservation: Reservation, stream: Stream) -> None:
-    """Speak the protocol with a seat that has been taken."""
+    """Serve a seat that has been taken, from the match info to the end of the match."""
     match, seat = reservation.match, reservation.seat
     try:
         await stream.write(match.info_for(seat).SerializeToString())
@@ -157,17 +157,17 @@ async def _serve(reservation: Reservation, stream: Stream) -> None:
         match.fail(error)
         raise _platform_failed() from error
     finally:
-        # Whatever else ended the stream, cancellation by a lost connection included.
+        # Does nothing if the seat has left already; otherwise the connection was lost.
         match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
 
 
 async def _read_join(stream: Stream) -> Join:
     """Read the first message, which must be a Join."""
     try:
-        async with asyncio.timeout(JOIN_TIME):
+        async with asyncio.timeout(JOIN_TIMEOUT):
             message = await _read(stream)
     except TimeoutError:
-        raise ProtocolRefusalError("JOIN_TIMEOUT", f"said nothing for {JOIN_TIME:g} s") from None
+        raise ProtocolRefusalError("JOIN_TIMEOUT", f"sent nothing for {JOIN_TIMEOUT:g} s") from None
     if not message.HasField("join"):
         raise ProtocolRefusalError("PROTOCOL_ERROR", "the first message must be a Join")
     return message.join
@@ -175,7 +175,7 @@ async def _read_join(stream: Stream) -> Join:
 
 async def _read_ready(stream: Stream) -> None:
     if not (await _read(stream)).HasField("ready"):
-        raise ProtocolRefusalError("PROTOCOL_ERROR", "after a Join that says so, a Ready must come")
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "after a Join with gets_ready, a Ready must follow")
 
 
 async def _read_answer(seat: Seat, stream: Stream) -> Action:
@@ -198,10 +198,10 @@ async def _read(stream: Stream) -> ClientMessage:
     """Read a message.
 
     Raises:
-        ProtocolRefusalError: It is too large, or none.
+        ProtocolRefusalError: It is too large or invalid.
         StreamLostError: The stream has ended.
     """
     try:
         return ClientMessage.FromString(await stream.read())
     except DecodeError:
-        raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are no ClientMessage") from None
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are not a ClientMessage") from None

@@ -1,4 +1,4 @@
-"""Who may open matches on a shared server: whoever has its secret, or everyone where there is none."""
+"""Authentication of organizers: with the secret of the server, if it has one, to open matches."""
 
 import hmac
 
@@ -11,17 +11,17 @@ from wildscav.wire.errors import RefusalError
 
 
 class Organizer:
-    """Tells organizers from others.
+    """Authenticates organizers.
 
     Args:
-        token: The secret that every call must carry; None: nobody is asked.
+        token: The secret that every call must carry; None accepts all calls.
     """
 
     def __init__(self, token: str | None) -> None:
         self._token = token
 
     def admit(self, stream: Stream) -> None:
-        """Let an organizer's call pass.
+        """Check that a call is an organizer's, and mark its client as known.
 
         Raises:
             RefusalError: It does not carry the secret.
@@ -37,14 +37,14 @@ class Organizer:
         stream.trust()
 
     def check_address(self, address: str) -> None:
-        """Let a server listen for organizers at an address.
+        """Check that a server may listen for organizers at an address.
 
         Raises:
-            UserError: Others could open matches there.
+            UserError: Other machines could open matches there without a token.
         """
         if self._token is None and is_public(address):
             raise UserError(
-                f"{address} can be reached from other machines: name an organizer token "
+                f"{address} can be reached from other machines: give an organizer token "
                 "(--organizer-token-file), or listen on 127.0.0.1 or a unix socket",
                 exit_code=2,
             )

@@ -1,4 +1,4 @@
-"""Pending streams, which have not joined a seat yet: no more than a limit at one time."""
+"""Pending streams: streams that have not joined a seat yet. Their number is limited."""
 
 import asyncio
 from collections.abc import Iterator
@@ -14,12 +14,12 @@ PENDING_LIMIT = 256  # at one time
 class PendingStreams:
     """The pending streams of an endpoint. When there are too many, the oldest one is refused.
 
-    An agent joins at once, so streams that only wait make room for it.
+    Agents join at once, so the oldest streams are not those of agents.
     """
 
     def __init__(self, limit: int = PENDING_LIMIT) -> None:
         self._limit = limit
-        self._tasks: dict[asyncio.Task[None], None] = {}  # in the order in which they came
+        self._tasks: dict[asyncio.Task[None], None] = {}  # in the order of their arrival
         self._evicted: set[asyncio.Task[None]] = set()
 
     def __len__(self) -> int:
@@ -28,13 +28,13 @@ class PendingStreams:
 
     @contextmanager
     def counted(self, task: "asyncio.Task[None]") -> Iterator[None]:
-        """Count a stream as pending for as long as the block lasts.
+        """Count a stream as pending during the block.
 
         Args:
-            task: Serves it, and runs the block.
+            task: The task that serves the stream and runs the block.
 
         Raises:
-            RefusalError: It had to make room for another one.
+            RefusalError: It was evicted to make room for another one.
         """
         if len(self._tasks) >= self._limit:
             oldest = next(iter(self._tasks))
@@ -50,7 +50,7 @@ class PendingStreams:
             raise RefusalError(
                 grpc.StatusCode.RESOURCE_EXHAUSTED,
                 "SERVER_BUSY",
-                f"more than {self._limit} streams have not joined; say sooner who you are",
+                f"more than {self._limit} streams have not joined; send the Join sooner",
             ) from None
         finally:
             self._tasks.pop(task, None)

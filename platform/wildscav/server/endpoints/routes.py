@@ -1,4 +1,4 @@
-"""What is served by which method: gRPC's paths, and how a call with one answer is spoken."""
+"""The methods that are served: their gRPC paths and handlers."""
 
 from collections.abc import Awaitable, Callable
 from typing import Protocol, TypeVar
@@ -16,34 +16,34 @@ from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 PLAY = "/wildscav.match.v1.Match/Play"
 HOST_MATCH, GET_MATCH = (f"/wildscav.match.v1.Arena/{name}" for name in ("HostMatch", "GetMatch"))
 CHECK = "/grpc.health.v1.Health/Check"
-SERVICES = ("", "wildscav.match.v1.Match")  # whose health is known
-SPEC_LIMIT = 256 * 1024  # bytes of what an organizer sends
+SERVICES = ("", "wildscav.match.v1.Match")  # the services that health checks may name
+SPEC_LIMIT = 256 * 1024  # bytes of a HostMatchRequest
 
 Request = TypeVar("Request", bound=Message)
 
 
 class ArenaHandler(Protocol):
-    """What serves the Arena service: it opens matches for organizers, who have been let in already."""
+    """The interface of the Arena service's implementations. Their callers have been authenticated already."""
 
     async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
         """Open a match.
 
         Raises:
-            RefusalError: It is not opened.
+            RefusalError: It cannot be opened.
         """
         ...
 
     async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
-        """Tell how a match stands.
+        """Return the state of a match.
 
         Raises:
-            RefusalError: There is none.
+            RefusalError: There is no such match.
         """
         ...
 
 
 def arena_routes(arena: ArenaHandler, organizer: Organizer) -> dict[str, Route]:
-    """Return how an arena is reached."""
+    """Return the routes of an Arena service."""
     return {
         HOST_MATCH: Route(unary(HostMatchRequest, arena.host_match), SPEC_LIMIT, organizer.admit),
         GET_MATCH: Route(unary(GetMatchRequest, arena.get_match), admit=organizer.admit),
@@ -51,13 +51,13 @@ def arena_routes(arena: ArenaHandler, organizer: Organizer) -> dict[str, Route]:
 
 
 class Health:
-    """Answers whether the server serves (``grpc.health.v1``)."""
+    """The health check of a server (``grpc.health.v1``)."""
 
     def __init__(self) -> None:
         self.serving = False
 
     def routes(self) -> dict[str, Route]:
-        """Return how it is reached."""
+        """Return the routes of the health check."""
         return {CHECK: Route(unary(HealthCheckRequest, self._check))}
 
     async def _check(self, request: HealthCheckRequest) -> HealthCheckResponse:
@@ -70,18 +70,20 @@ class Health:
 def unary(
     kind: type[Request], call: Callable[[Request], Awaitable[Message]]
 ) -> Callable[[Stream], Awaitable[None]]:
-    """Return what serves a method that has one request and one answer.
+    """Return the handler of a method with one request and one response.
 
     Args:
-        kind: Of the request.
-        call: Answers it; may raise ``RefusalError``.
+        kind: The class of the request.
+        call: Returns the response; may raise ``RefusalError``.
     """
 
     async def serve(stream: Stream) -> None:
         try:
             request = kind.FromString(await stream.read())
         except DecodeError:
-            raise ProtocolRefusalError("PROTOCOL_ERROR", f"sent bytes that are no {kind.__name__}") from None
+            raise ProtocolRefusalError(
+                "PROTOCOL_ERROR", f"sent bytes that are not a {kind.__name__}"
+            ) from None
         await stream.write((await call(request)).SerializeToString())
 
     return serve

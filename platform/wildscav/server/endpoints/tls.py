@@ -1,4 +1,4 @@
-"""TLS at a server's addresses: its certificate, and whose clients' certificates it takes."""
+"""TLS of a server: its certificate, and the authority of its clients' certificates."""
 
 import ssl
 from pathlib import Path
@@ -8,19 +8,17 @@ from wildscav.errors import UserError, describe
 
 
 class Certificate(NamedTuple):
-    """What a server shows its clients, and may ask of them. Files of PEM."""
+    """The PEM files of a server's TLS."""
 
-    chain: str  # its own certificate first
+    chain: str  # the server's certificate, followed by those of its authorities
     key: str
-    client_ca: str | None = (
-        None  # who has to have signed each client's certificate; none is asked for if None
-    )
+    client_ca: str | None = None  # the authority of clients' certificates; None: clients need none
 
     def context(self) -> ssl.SSLContext:
         """Read the files.
 
         Raises:
-            UserError: One cannot be read, or they do not belong together.
+            UserError: A file cannot be read, or certificate and key do not belong together.
         """
         for path in filter(None, self):
             readable(path)
@@ -32,7 +30,8 @@ class Certificate(NamedTuple):
             context.load_cert_chain(self.chain, self.key, password=_no_password)
         except (ssl.SSLError, ValueError) as error:
             raise UserError(
-                f"{self.chain} and {self.key} are no certificate with its key: {_reason(error)}", exit_code=2
+                f"{self.chain} and {self.key} are not a certificate and its key: {_reason(error)}",
+                exit_code=2,
             ) from None
         if self.client_ca is not None:
             context.verify_mode = ssl.CERT_REQUIRED
@@ -40,16 +39,16 @@ class Certificate(NamedTuple):
                 context.load_verify_locations(self.client_ca)
             except ssl.SSLError as error:
                 raise UserError(
-                    f"{self.client_ca} holds no certificate: {_reason(error)}", exit_code=2
+                    f"{self.client_ca} contains no certificate: {_reason(error)}", exit_code=2
                 ) from None
         return context
 
 
 def readable(path: str) -> None:
-    """Find out whether a file can be read.
+    """Check that a file can be read.
 
     Raises:
-        UserError: It cannot; says why.
+        UserError: It cannot be read.
     """
     try:
         Path(path).read_bytes()
@@ -58,7 +57,7 @@ def readable(path: str) -> None:
 
 
 def _no_password() -> str:
-    raise ValueError("the key is encrypted, and nobody is there to type its password")
+    raise ValueError("the key is encrypted, and a server cannot ask for its password")
 
 
 def _reason(error: Exception) -> str:

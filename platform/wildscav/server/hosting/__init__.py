@@ -1,1 +1,1 @@
-"""One hosted match: its seats, its lockstep, their time limits, what they are sent and what is reported."""
+"""One hosted match: its seats and their time limits, the lockstep, the messages to seats, and the reports."""

@@ -1,4 +1,4 @@
-"""One hosted match, from the first seat that is taken to the last message."""
+"""One hosted match, from joining its seats to the final messages."""
 
 import asyncio
 import contextlib
@@ -23,7 +23,7 @@ from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_res
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
 
-CLOSING_TIME = 1.0  # s that seats have to take the match's last message
+CLOSING_TIME = 1.0  # s that seats have to receive the match's last message
 
 
 class MatchCancelledError(WildscavError):
@@ -34,12 +34,12 @@ class HostedMatch:
     """A match on a server. Make one with ``MatchServer.host``.
 
     Args:
-        match: At its start.
+        match: The match, at its start.
         names: Display name of every seat.
-        seats: Those that agent processes fill.
-        clock: The limits of their time.
-        seat_time: What it is measured by.
-        starting: Whether the time to join begins only once every seat was ``launched``.
+        seats: The seats that agent processes fill.
+        clock: The time limits of these seats.
+        seat_time: The clock that measures their time.
+        starting: Whether the time to join begins only once every seat is ``launched``.
     """
 
     def __init__(
@@ -62,12 +62,12 @@ class HostedMatch:
         self._all_launched = asyncio.Event()
         if len(self._launched) == len(self._seats):
             self._all_launched.set()
-        self._joined = asyncio.Event()  # nobody is waited for any more
+        self._joined = asyncio.Event()  # every seat is ready or gone
         self._playing = False
         self._final_messages: dict[int, ServerMessage] = {}
         self._task = asyncio.create_task(self._run(), name="match")
 
-    # What the host of the match sees.
+    # The interface for the match's host.
 
     @property
     def tokens(self) -> dict[int, str]:
@@ -91,17 +91,17 @@ class HostedMatch:
 
     @property
     def task(self) -> asyncio.Task[MatchOutcome]:
-        """Plays the match."""
+        """The task that plays the match."""
         return self._task
 
     def launched(self, seat: int) -> None:
-        """Say that a seat's agent has been started: from now on its time to start up runs."""
+        """Note that a seat's agent has been started. Its start-up time begins now."""
         self._launched[seat] = time.perf_counter()
         if len(self._launched) == len(self._seats):
             self._all_launched.set()
 
     def give_up(self, seat: int, reason: str, status: SeatStatus = SeatStatus.CRASHED) -> None:
-        """Play a seat with no action from now on: its launcher knows that nobody is there any more.
+        """Play a seat with no action from now on, because its host knows that its agent has ended.
 
         Does nothing if the seat is gone already or the match is over.
         """
@@ -113,7 +113,7 @@ class HostedMatch:
             )
 
     def cancel(self) -> None:
-        """End the match at once, without a result."""
+        """Cancel the match at once, without a result."""
         self._task.cancel()
 
     async def finished(self) -> MatchOutcome:
@@ -127,18 +127,18 @@ class HostedMatch:
             raise MatchCancelledError("the match was cancelled")
         return self._task.result()
 
-    # What the seats' streams do.
+    # The interface for the seats' streams.
 
     def join(self, seat: Seat, stream: asyncio.Task[None], join: Join) -> None:
         """Take a seat for a stream.
 
         Args:
-            seat: Which one.
-            stream: Serves its connection.
-            join: What it said.
+            seat: The seat.
+            stream: The task that serves the stream.
+            join: The stream's first message.
 
         Raises:
-            RefusalError: The seat is not to be had.
+            RefusalError: The seat is taken or closed.
         """
         if seat.gone:
             raise RefusalError(
@@ -156,20 +156,20 @@ class HostedMatch:
         return encode_match_info(match_info(self.match, seat.number, self._clock))
 
     def ready(self, seat: Seat) -> None:
-        """Wait no longer for a seat to get ready."""
+        """Note that a seat is ready."""
         now = time.perf_counter()
-        # Who is quick may be ready before its launcher says that it was started.
+        # A quick agent may be ready before its host calls ``launched``.
         seat.ready, seat.start_up = True, now - self._launched.get(seat.number, now)
         self._check_joined()
 
     def fail(self, error: Exception) -> None:
-        """Give the match up: the platform failed."""
+        """End the match with an error, because the platform failed."""
         self._lockstep.fail(error)
         self._all_launched.set()
         self._joined.set()
 
     async def next_observation(self, seat: Seat) -> bytes | None:
-        """Wait for what a seat that owes no answer is to be sent next; None: the match is over."""
+        """Wait for the next observation of a seat that owes no answer; None if the match is over."""
         while seat.number not in self._final_messages:
             observation = self._lockstep.observation_for(seat)
             if observation is not None:
@@ -178,11 +178,11 @@ class HostedMatch:
         return None
 
     def final_message(self, seat: Seat) -> ServerMessage:
-        """Return the last message to a seat, the match being over."""
+        """Return the last message to a seat, once the match is over."""
         return self._final_messages[seat.number]
 
     def receive(self, seat: Seat, message: Action) -> None:
-        """Take a seat's answer to its last observation."""
+        """Receive a seat's answer to its last observation."""
         self._lockstep.receive(seat, message)
 
     def leave(self, seat: Seat, status: SeatStatus, detail: str) -> None:
@@ -216,7 +216,7 @@ class HostedMatch:
 
     async def _wait_for_seats(self) -> None:
         self._check_joined()
-        # What a launcher takes to start them all is not the agents' time. Should it fail, it will cancel.
+        # The time that the host takes to start all agents is not theirs. If it fails, it cancels the match.
         await self._all_launched.wait()
         loop = asyncio.get_running_loop()
         due = loop.time() + self._clock.join_timeout
@@ -224,7 +224,7 @@ class HostedMatch:
             async with asyncio.timeout_at(due):
                 await self._joined.wait()
         if not self._joined.is_set() and loop.time() - due > LAG:
-            # The server was busy, and a Join may lie unread: the seats get that time back.
+            # The server was busy, and a Join may be unread, so the seats get that time back.
             await asyncio.sleep(loop.time() - due)
         self._playing = True
         for seat in self._seats.values():
@@ -243,7 +243,7 @@ class HostedMatch:
             self._joined.set()
 
     async def _play(self) -> MatchOutcome:
-        """Play all steps and say goodbye."""
+        """Play all steps and send the final messages."""
         started = time.perf_counter()
         await self._lockstep.play()
         seconds = time.perf_counter() - started
@@ -252,7 +252,7 @@ class HostedMatch:
         return MatchOutcome(self.match, reports, seconds)
 
     async def _send_final_messages(self) -> None:
-        """Tell every seat that is still there how the match ended, and wait until it has heard."""
+        """Send the result to every seat that is still present, and wait until it is received."""
         result = self.match.result()
         for number, seat in self._seats.items():
             if seat.present:

@@ -1,14 +1,14 @@
 """The lockstep between the engine and the seats' streams.
 
-A step opens with an observation to every seat that listens. It closes as soon as every seat in the match has
-answered, at the latest when the time of the last one is up. A seat that has not answered yet gets no further
-observation until it does; then it gets the one of the step that is open. So nothing piles up at a slow agent,
-and a stalled one holds up no buffer.
+A step opens with an observation to every seat that owes no answer. It closes as soon as every seat in the
+match has answered, or when the time of all seats that have not is up. A seat that has not answered gets no
+further observation until it does; then it gets that of the step that is open. So no messages pile up for a
+slow agent, and a stalled one blocks no buffer.
 
-Whoever brings the last answer closes the step: it is played and the next one opened right there, in that
-stream's task, because each turn of the event loop in between costs as much as the step itself. What all seats
-sense is taken at that moment; it is sent by their own streams, one after the other, and sensors are read only
-then, so that the first agents think while the others are served.
+The stream that receives the last answer closes the step: its task plays the step and opens the next one
+immediately, because another turn of the event loop would cost as much as the step itself. The observations
+of all seats are encoded at that moment. Each seat's stream then reads the seat's sensors and sends its
+message, one seat after another, so the first agents compute while the others are served.
 """
 
 import asyncio
@@ -30,18 +30,18 @@ from wildscav.wire.observations import encode_observation
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
 
-LONGEST_TURN = 0.005  # s of playing without waiting after which other matches get their turn
-LAG = 0.01  # s that the loop may be late with a deadline before the seats are given that time back
+LONGEST_TURN = 0.005  # s of playing without waiting, after which other matches get their turn
+LAG = 0.01  # s that the loop may be late for a deadline before the seats get that time back
 
 
 class Lockstep:
     """Plays the steps of a match.
 
     Args:
-        match: At its start.
-        seats: Those that agent processes fill.
-        clock: The limits of their time.
-        time: What it is measured by.
+        match: The match, at its start.
+        seats: The seats that agent processes fill.
+        clock: The time limits of these seats.
+        time: The clock that measures their time.
     """
 
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatClock) -> None:
@@ -50,16 +50,16 @@ class Lockstep:
         self._loop = asyncio.get_running_loop()
         columns = range(len(ACTION_FIELDS))
         self._outside = tuple(column for column in columns if column not in match.track.fields)
-        self._done: asyncio.Future[None] = self._loop.create_future()  # nobody is asked any more
+        self._done: asyncio.Future[None] = self._loop.create_future()  # done when no more seats are asked
         self._patience = clock.patience(match.spec)  # s that steps may still wait beyond their budgets
-        # The open step; times are those of seats:
+        # The open step; times are by the seats' clock:
         self._opened = 0.0
-        self._due = 0.0  # when to look at the clock again
-        self._lag_refunded = False  # whether the server's own delay has been made good
+        self._due = 0.0  # the next deadline
+        self._lag_refunded = False  # whether the seats have got the server's own delay back
         self._timer: asyncio.TimerHandle | None = None
         self._step: int | None = None  # its number; None: no step is open
         self._rows: NDArray[np.float32] = np.zeros((match.seats, len(ACTION_FIELDS)), np.float32)
-        self._pending: set[Seat] = set()  # who has not answered yet
+        self._pending: set[Seat] = set()  # the seats that have not answered yet
 
     async def play(self) -> None:
         """Play the match to its end."""
@@ -67,7 +67,7 @@ class Lockstep:
             self._open()
         await self._done
         for seat in self._seats:
-            self._note_slow_answer(seat)  # what is still owed took until now at least
+            self._note_slow_answer(seat)  # an answer that is still owed has taken at least until now
         yielded = self._loop.time()
         while not self._match.over:
             self._match.step(np.zeros_like(self._rows))
@@ -87,24 +87,24 @@ class Lockstep:
         self._pending.clear()
         self._disarm()
 
-    # What the seats' streams do.
+    # The interface for the seats' streams.
 
     def observation_for(self, seat: Seat) -> bytes | None:
-        """Return the bytes of the open step's message to a seat that has not had it; None: it must wait."""
+        """Return the open step's message to a seat as bytes; None if the seat must wait for the next step."""
         if self._step is None or seat not in self._pending or seat.asked == self._step:
             return None
         if seat.bank.used_up and seat.sensor_time > self._clock.step_budget:
-            return None  # it cannot answer in time any more, and all others would wait for its sensors
+            return None  # it could not answer in time, and all others would wait for its sensors
         message = encode_observation(self._observations.of(seat.number), self._read_sensors(seat))
         now = self._time.now()
         seat.asked, seat.asked_at = self._step, now - seat.sensor_time
         seat.answering_since = self._loop.time()
         if seat.notified:
-            seat.notified, self._opened = False, now  # nobody pays for what others' observations take
+            seat.notified, self._opened = False, now  # sending observations is not charged to other seats
         return message
 
     def _read_sensors(self, seat: Seat) -> dict[str, NDArray[Any]]:
-        """Read a seat's sensors: what that takes is the seat's own time, and nobody else's."""
+        """Read a seat's sensors, which is charged to this seat and to no other."""
         if not seat.sensors:
             return {}
         began = self._loop.time()
@@ -114,7 +114,7 @@ class Lockstep:
         return readings
 
     def receive(self, seat: Seat, message: Action) -> None:
-        """Take a seat's answer to its last observation."""
+        """Receive a seat's answer to its last observation."""
         self._note_slow_answer(seat)
         if self._step is None or seat not in self._pending or seat.asked != self._step:
             seat.conduct.dropped_actions += 1
@@ -130,7 +130,7 @@ class Lockstep:
         self._settle()
 
     def _charge(self, seat: Seat, now: float) -> bool:
-        """Charge a seat for the open step, and return whether it had the time."""
+        """Charge a seat for the open step, and return whether it had enough time."""
         elapsed = now - self._asked_at(seat)
         seat.times.append(max(0.0, elapsed - seat.sensor_time) if seat.asked == self._step else elapsed)
         return seat.bank.charge(elapsed)
@@ -142,14 +142,14 @@ class Lockstep:
             seat.late.append(self._step)
 
     def _note_slow_answer(self, seat: Seat) -> None:
-        """Note how long a seat has taken for the answer that it owed, if that was longer than its budget."""
+        """Record how long a seat took for the answer that it owed, if that was longer than its budget."""
         since, now = seat.answering_since, self._loop.time()
         if since is not None and now - since > self._clock.step_budget:
             seat.slow_answers.append(SlowAnswer(seat.asked, since, now))
         seat.answering_since = None
 
     def _asked_at(self, seat: Seat) -> float:
-        """Return from when a seat's time for the open step counts: it may still owe an older answer."""
+        """Return when a seat's time for the open step began; the seat may still owe an older answer."""
         return seat.asked_at if seat.asked == self._step else self._opened
 
     def _accept(self, seat: Seat, message: Action) -> None:
@@ -162,7 +162,7 @@ class Lockstep:
             self._rows[seat.number] = action.row
 
     def stop_waiting_for(self, seat: Seat) -> None:
-        """Wait for a seat no longer: it has gone."""
+        """Stop waiting for a seat that has gone."""
         self._note_slow_answer(seat)
         self._pending.discard(seat)
         if self._step is not None:
@@ -171,7 +171,7 @@ class Lockstep:
     # One step.
 
     def _open(self) -> None:
-        """Ask everyone for the next step, if there is one and anyone to be asked."""
+        """Open the next step, or finish if the match is over or no seat is present."""
         present = [seat for seat in self._seats if seat.present]
         if self._match.over or not present:
             self._disarm()
@@ -185,11 +185,11 @@ class Lockstep:
         for seat in present:
             seat.notify()
         self._lag_refunded = False
-        # Until the budget is used up, nobody's time is.
+        # No seat's time can be up before the budget is.
         self._arm(self._opened + self._clock.step_budget)
 
     def _settle(self) -> None:
-        """After one seat less is waited for: close the step if nobody else has time left."""
+        """Close the step if no other seat is pending, or none of them has time left."""
         now = self._time.now()
         if not self._pending:
             self._close(now)
@@ -197,7 +197,7 @@ class Lockstep:
             self._close_or_wait(now)
 
     def _close_or_wait(self, now: float) -> None:
-        """Close the step if the time of all is up; else wait for the one with most of it."""
+        """Close the step if the time of all pending seats is up; else wait for the one with the most time."""
         free = self._opened + self._clock.step_budget
         asked = max((self._asked_at(seat) + seat.bank.allowed for seat in self._pending), default=now)
         deadline = min(asked, free + self._patience)
@@ -210,7 +210,7 @@ class Lockstep:
         self._close(now)
 
     def _close(self, now: float) -> None:
-        """Play the step that is open, and open the next."""
+        """Play the open step, and open the next."""
         over = now - self._opened - self._clock.step_budget
         if over > 0.0:
             self._patience = max(0.0, self._patience - over)
@@ -219,16 +219,17 @@ class Lockstep:
         try:
             self._match.step(self._rows)
             self._open()
-        except Exception as error:  # noqa: BLE001 - it is not the fault of the stream that runs this
+        except Exception as error:  # noqa: BLE001 - the match failed, not the stream whose task runs this
             self.fail(error)
 
-    # Its time.
+    # Its deadline.
 
     def _arm(self, when: float) -> None:
-        """Look at the clock again at some time.
+        """Set the deadline at which ``_time_is_up`` is called.
 
-        A timer that comes too early sets itself anew: most steps are over long before their time, and to set
-        and cancel one for each costs more than to be woken for nothing ten times a second.
+        A timer that is already set for an earlier time is kept; it sets itself again when it fires. Most
+        steps end long before their deadline, and setting and cancelling a timer for each of them costs more
+        than a few needless wake-ups per second.
         """
         self._due = when
         if self._timer is None or self._timer.when() > self._time.on_loop(when):
@@ -243,12 +244,12 @@ class Lockstep:
         self._timer = None
         if self._step is None:
             return
-        if self._time.now() < self._due:  # it was moved, or the clock has stood still
+        if self._time.now() < self._due:  # the deadline was moved, or the clock was stopped
             self._set_timer()
             return
         try:
             self._time_is_up()
-        except Exception as error:  # noqa: BLE001 - nobody else would hear of it, and wait for ever
+        except Exception as error:  # noqa: BLE001 - otherwise the match would wait forever
             self.fail(error)
 
     def _disarm(self) -> None:
@@ -262,9 +263,9 @@ class Lockstep:
         self._close_or_wait(now)
 
     def _refund_lag(self, now: float) -> None:
-        """Give the agents back, once a step, what the server is late with looking at the clock.
+        """Give the seats back, once per step, the time by which the server is late for the deadline.
 
-        It was busy then, and answers may lie unread. Nobody gets more than has passed since it was asked.
+        The server was busy, and answers may be unread. No seat gets more than the time since it was asked.
         """
         lag = now - self._due
         if lag > LAG and not self._lag_refunded:

@@ -1,12 +1,13 @@
-"""What the engine knows as the bytes of an ``Observation``: what protobuf's own classes would write.
+"""Encoding of the engine's state as ``Observation`` messages, with the same bytes as protobuf's own classes.
 
-For ten seats those classes take 300 µs a step, several times what the step itself does; this takes 9.
+For ten seats those classes take 300 µs per step, several times as long as the step itself; this takes 9 µs.
 
-Source of the format: "Encoding", Protocol Buffers documentation. A field is a key, its number and the type of
-what follows, then that; a field that is zero is left out. The numbers are those of ``match.proto``.
+Source of the format: "Encoding", Protocol Buffers documentation. A field is a key, made of the field's
+number and the type of its value, followed by the value; fields that are zero are omitted. The numbers are
+those of ``match.proto``.
 
-Each kernel here writes at a cursor, which therefore comes first: ``out`` are the bytes of one observation,
-``at`` is where the next one goes. It returns where the next one goes then.
+Each kernel here writes at a cursor, so its output arguments come first: ``out`` is the buffer of one
+observation, and ``at`` is the position of the next byte. Each kernel returns the new position.
 """
 
 from enum import IntEnum
@@ -23,9 +24,11 @@ from wildscav_engine.simulation.systems.supplies import team_supplies
 from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.rules import FRAME
 
-ROOM = 4096  # bytes for one observation; 16 agents, 32 boxes and the largest numbers need fewer than 3,100
-VARINT, DOUBLE, MESSAGE = 0, 1, 2  # what follows a key
-LOW, MORE = 127, 128  # of a byte of a varint: its bits, and that another one follows
+BUFFER_SIZE = (
+    4096  # bytes of one observation; 16 agents, 32 boxes and the largest numbers need less than 3,100
+)
+VARINT, DOUBLE, MESSAGE = 0, 1, 2  # wire types: the type of the value after a key
+LOW, MORE = 127, 128  # masks of a varint's byte: the bits of the number, and whether another byte follows
 
 
 class Own(IntEnum):
@@ -102,7 +105,7 @@ def _put_key(out: NDArray[np.uint8], at: int, field: int, kind: int) -> int:
 
 @kernel
 def put_number(out: NDArray[np.uint8], at: int, field: int, number: int) -> int:
-    """Write a whole number, or a flag; nothing if it is 0.
+    """Write an integer or a flag; nothing if it is 0.
 
     Raises:
         ValueError: It is below 0.
@@ -116,7 +119,7 @@ def put_number(out: NDArray[np.uint8], at: int, field: int, number: int) -> int:
 
 @kernel
 def put_double(out: NDArray[np.uint8], at: int, field: int, number: float) -> int:
-    """Write a number; nothing if all of its bits are zero."""
+    """Write a floating-point number; nothing if all of its bits are zero."""
     bits = _bits(number)
     if bits == 0:
         return at
@@ -165,14 +168,14 @@ def put_box(out: NDArray[np.uint8], at: int, supplies: Supplies, slot: int) -> i
 
 @kernel
 def put_weapon(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> int:
-    """Write a seat's health, its weapon, and what it did with it."""
+    """Write a seat's health, its weapon, and the hits of the last step."""
     at = put_number(out, at, Own.HEALTH, max(0, agents.health[seat]))
     at = put_number(out, at, Own.CLIP, agents.clip[seat])
     at = put_number(out, at, Own.SPARE_AMMO, agents.spare_ammo[seat])
     at = put_number(out, at, Own.RELOADING, agents.reload_left[seat] > 0)
     at = put_number(out, at, Own.FIRED, agents.fired[seat])
     for field, other in ((Own.HIT_SEAT, agents.hit_seat[seat]), (Own.HIT_BY_SEAT, agents.hit_by_seat[seat])):
-        if other >= 0:  # seat 0 is written, too
+        if other >= 0:  # these fields are optional, so seat 0 is written as well
             at = _put_varint(out, _put_key(out, at, field, VARINT), other)
     at = put_number(out, at, Own.INVINCIBLE, agents.invincible_left[seat] > 0)
     return put_double(out, at, Own.RESPAWN_IN, agents.respawn_left[seat] * FRAME)
@@ -180,7 +183,7 @@ def put_weapon(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> in
 
 @kernel
 def put_self(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> int:
-    """Write what a seat knows of its own body."""
+    """Write a seat's own body."""
     place, velocity = agents.position[seat], agents.velocity[seat]
     at = put_vector(out, at, Own.POSITION, place[0], place[1], place[2])
     at = put_vector(out, at, Own.VELOCITY, velocity[0], velocity[1], velocity[2])
@@ -202,7 +205,7 @@ def put_observation(
     seat: int,
     time_bank: float,
 ) -> int:
-    """Write one seat's ``Observation``, without tensors, from its first byte on; return its length."""
+    """Write one seat's ``Observation`` without tensors at the start of the buffer; return its length."""
     at = put_number(out, 0, Own.STEP, matches.step[match])
     at = put_number(out, at, Own.FRAME, matches.frame[match])
     at = put_double(out, at, Own.TIME_BANK, time_bank)
@@ -238,16 +241,16 @@ def put_observations(
 
     Args:
         agents: Table of the batch's ``Agents``.
-        supplies: Of its ``Supplies``.
-        every: Of its ``Matches``.
-        seen: Of its ``Seen``.
-        numbers: (N,) of the seats.
-        time_banks: (N,) s, what they have left.
-        out: (N, ROOM) gets the observations.
-        lengths: (N,) gets their lengths, bytes.
+        supplies: Table of its ``Supplies``.
+        every: Table of its ``Matches``.
+        seen: Table of its ``Seen``.
+        numbers: (N,) numbers of the seats.
+        time_banks: (N,) s, the seats' remaining time banks.
+        out: (N, BUFFER_SIZE) receives the observations.
+        lengths: (N,) receives their lengths, bytes.
 
     Raises:
-        ValueError: A number in the arrays is out of its range.
+        ValueError: A number in the arrays is out of range.
     """
     matches = matches_at(every)
     seats = matches.seats[0]

@@ -1,4 +1,4 @@
-"""What a match tells its seats: at its start, and at every step."""
+"""The match info and the observations that a match sends to its seats."""
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
@@ -13,42 +13,42 @@ if TYPE_CHECKING:
 
 
 class SeatObservations:
-    """What some seats of a match observe: encoded for all at once, handed out one by one.
+    """The observations of some seats of a match, encoded for all seats at once.
 
     Args:
-        match: At any moment.
-        seats: Their numbers.
+        match: The match.
+        seats: The numbers of the seats.
     """
 
     def __init__(self, match: "Match", seats: Sequence[int]) -> None:
-        from wildscav.server.hosting.observation_encoding import ROOM, put_observations
+        from wildscav.server.hosting.observation_encoding import BUFFER_SIZE, put_observations
 
         self._match, self._put = match, put_observations
         self._numbers = np.array(seats, np.int64)
-        self._place = {seat: place for place, seat in enumerate(seats)}
-        self._out = np.zeros((len(seats), ROOM), np.uint8)
+        self._row = {seat: row for row, seat in enumerate(seats)}
+        self._out = np.zeros((len(seats), BUFFER_SIZE), np.uint8)
         self._lengths = np.zeros(len(seats), np.int64)
 
     def encode(self, time_banks: Iterable[float]) -> None:
-        """Encode what the seats observe in the match's present state.
+        """Encode the seats' observations of the match's current state.
 
         Args:
-            time_banks: What each of the seats has left, s.
+            time_banks: The remaining time bank of each seat, s.
 
         Raises:
-            ValueError: A number in the state is out of its range.
+            ValueError: A number in the state is out of range.
         """
         left = np.array([*time_banks], np.float64)
         self._put(*self._match.tables, self._numbers, left, self._out, self._lengths)
 
     def of(self, seat: int) -> bytes:
-        """Return what a seat observed then, as the bytes of an ``Observation`` without tensors."""
-        place = self._place[seat]
-        return self._out[place, : self._lengths[place]].tobytes()
+        """Return a seat's encoded observation: the bytes of an ``Observation`` without tensors."""
+        row = self._row[seat]
+        return self._out[row, : self._lengths[row]].tobytes()
 
 
 def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
-    """Return what a seat is told before the first step. The map's id and seed are not in it."""
+    """Return the match info of a seat. It does not reveal the map's id and seed."""
     from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
     spec, start = match.spec, match.start_info(seat)

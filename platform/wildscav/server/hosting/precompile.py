@@ -1,4 +1,4 @@
-"""Compiling all that a match runs, or loading what was compiled, before anybody waits for it."""
+"""Compile everything that a match runs, or load it from the cache, before it is needed."""
 
 import functools
 import threading
@@ -17,13 +17,14 @@ _read: set["Sensor"] = set()
 
 
 def precompile(sensors: "Iterable[Sensor] | None" = None) -> None:
-    """Play a tiny match of every track, once a process, and read sensors in one of them, each once.
+    """Play a tiny match of every track, once per process, and read each sensor once.
 
-    Kernels compile (or load from their cache) when they first run. In the event loop that would hold up every
-    other match, and its agents would pay for it from their time.
+    Kernels are compiled (or loaded from their cache) when they first run. In the event loop that would delay
+    every other match, and would be charged to its agents.
 
     Args:
-        sensors: Which ones; by default every kind with every choice that it offers.
+        sensors: The sensors to read; by default, sensors of every kind with every choice that the kind
+            offers.
     """
     with _lock:
         match = _tiny_match()
@@ -34,14 +35,18 @@ def precompile(sensors: "Iterable[Sensor] | None" = None) -> None:
 
 
 def precompile_for(wanted: "Iterable[Mapping[str, Any]]") -> None:
-    """Do what ``precompile`` does, with the sensors that submissions ask for: by name, with their options."""
+    """Precompile for the sensors of submissions.
+
+    Args:
+        wanted: For each submission, the options of each sensor by the sensor's name.
+    """
     from wildscav_engine.sensors import parse_sensors
 
     precompile([sensor for sensors in wanted for sensor in parse_sensors(sensors).values()])
 
 
 def every_sensor() -> "list[Sensor]":
-    """Return sensors that between them run all kernels of all kinds."""
+    """Return sensors that together run all kernels of all kinds of sensors."""
     from wildscav_engine.sensors import SENSORS
 
     return [sensor for kind in SENSORS.values() for sensor in kind.warmers()]
@@ -49,7 +54,7 @@ def every_sensor() -> "list[Sensor]":
 
 @functools.cache
 def _tiny_match() -> "Match":
-    """Return a match that was played to its end, after one of each track."""
+    """Play a match of each track, and return the last one."""
     import numpy as np
 
     from wildscav_engine.simulation.match import Match
@@ -57,7 +62,7 @@ def _tiny_match() -> "Match":
     from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
     from wildscav_engine.tracks import TRACKS
 
-    # Made anew: a map that was kept on disk would compile nothing.
+    # Loading a cached map would not compile the generator.
     game_map = small_map()
     for name, track in TRACKS.items():
         seats = (SUBMISSION, "fighter") if Field.SHOOT in track.fields else (SUBMISSION,)
@@ -71,7 +76,7 @@ def _tiny_match() -> "Match":
 
 
 def small_map() -> "GameMap":
-    """Return a small map with a little of everything, made anew."""
+    """Generate a small map with all kinds of objects."""
     from wildscav_engine.maps import generate_map
     from wildscav_engine.specs.map_spec import MapConfig
 

@@ -1,4 +1,4 @@
-"""What the server reports of a match: how each seat's process behaved."""
+"""The server's reports on a match: how each seat's process behaved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Fault(StrEnum):
-    """Whose fault it is if a match did not go as it should."""
+    """Whose fault it is that a match did not run as it should."""
 
     AGENT = "agent"
     PLATFORM = "platform"
@@ -24,14 +24,14 @@ class SeatStatus(StrEnum):
     FINISHED = "finished"
     TIMED_OUT = "timed_out"  # its time bank was used up; late steps were played with no action
     CRASHED = "crashed"  # its process or its stream ended before the match did
-    OUT_OF_MEMORY = "out_of_memory"  # its host ended it for the memory that it took
-    PROTOCOL_ERROR = "protocol_error"  # it sent what no agent may send
-    DISQUALIFIED = "disqualified"  # its host ended it for another limit that it broke
-    NEVER_JOINED = "never_joined"  # its time to start up was over, and it had not taken its seat
+    OUT_OF_MEMORY = "out_of_memory"  # its host ended it because it used too much memory
+    PROTOCOL_ERROR = "protocol_error"  # it violated the protocol
+    DISQUALIFIED = "disqualified"  # its host ended it because it exceeded another limit
+    NEVER_JOINED = "never_joined"  # it was not ready before the end of its start-up time
 
     @property
     def fault(self) -> Fault | None:
-        """Whose fault it is, if any. What the platform breaks is no seat's outcome: the match fails."""
+        """Whose fault it is, if any. Failures of the platform are not outcomes of seats: the match fails."""
         return None if self == SeatStatus.FINISHED else Fault.AGENT
 
 
@@ -45,7 +45,7 @@ class ThinkTime(NamedTuple):
 
     @classmethod
     def of(cls, times: Sequence[float]) -> "ThinkTime":
-        """Sum up the times of all steps."""
+        """Return the statistics of the times of all steps, s."""
         if not times:
             return cls()
         p50, p99 = np.percentile(np.asarray(times), (50, 99)).tolist()
@@ -56,16 +56,16 @@ NO_TIME = ThinkTime()
 
 
 class SlowAnswer(NamedTuple):
-    """One answer that took longer than the budget; late steps may lie within it."""
+    """One answer that took longer than the budget. Late steps may fall into that time."""
 
-    step: int  # that was to be answered
-    asked: float  # by the monotonic clock, s
-    answered: float  # of an answer that never came, when the last step was played
+    step: int  # the step of the observation
+    asked: float  # when the observation was sent, by the monotonic clock, s
+    answered: float  # when the answer came; if it never did, when the last step was played
 
 
 @dataclass(slots=True)
 class Conduct:
-    """What is counted of a seat's behaviour while it plays."""
+    """A seat's outcome and the counts of its answers."""
 
     status: SeatStatus = SeatStatus.FINISHED
     detail: str = ""
@@ -82,19 +82,19 @@ class SeatReport:
 
     seat: int
     status: SeatStatus
-    detail: str = ""  # why, in a line
-    exit_code: int | None = None  # of a process that ended early, where its host knows it
+    detail: str = ""  # the reason for the status, in a line
+    exit_code: int | None = None  # of a process that ended early, if its host knows it
     killed_by: str = ""  # the signal that ended it, such as SIGKILL
-    last_lines: tuple[str, ...] = ()  # of what such a process printed
-    steps_played: int = 0  # with an answer in time
-    late_steps: int = 0  # without one, while the seat was still in the match
+    last_lines: tuple[str, ...] = ()  # the last lines that such a process printed
+    steps_played: int = 0  # steps with an answer in time
+    late_steps: int = 0  # steps without one, while the seat was still in the match
     dropped_actions: int = 0  # answers to steps that were over
-    invalid_actions: int = 0  # with a number out of its range, played as no action
-    ignored_fields: int = 0  # set outside the track's action set, in all actions together
+    invalid_actions: int = 0  # answers with a number out of range, played as no action
+    ignored_fields: int = 0  # fields set outside the track's action set, in all actions together
     think_time: ThinkTime = NO_TIME
-    time_bank: float = 0.0  # s left of it
-    start_up: float | None = None  # s from its start until it was ready; none if it never was
-    late: tuple[int, ...] = ()  # numbers of the late steps
+    time_bank: float = 0.0  # remaining time bank, s
+    start_up: float | None = None  # s from its start until it was ready; None if it never was
+    late: tuple[int, ...] = ()  # the numbers of the late steps
     slow_answers: tuple[SlowAnswer, ...] = ()  # the answers that took longer than the budget, in order
 
 

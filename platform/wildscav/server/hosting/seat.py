@@ -24,10 +24,10 @@ class Seat:
     """A seat that an agent process fills.
 
     Args:
-        number: Of the seat in its match.
-        token: The secret that takes it.
-        bank: Its time.
-        sensors: What its observations carry besides, by name.
+        number: The seat's number in its match.
+        token: The secret with which it is joined.
+        bank: The seat's time bank.
+        sensors: The sensors of its observations, by name.
     """
 
     def __init__(self, number: int, token: str, bank: TimeBank, sensors: dict[str, "Sensor"]) -> None:
@@ -35,31 +35,31 @@ class Seat:
         self.token = token
         self.bank = bank
         self.sensors = sensors
-        self.stream: asyncio.Task[Any] | None = None  # serves its connection
+        self.stream: asyncio.Task[Any] | None = None  # the task that serves its stream
         self.refusal: RefusalError | None = None  # why its stream was ended
-        self.sdk = ""  # what its client calls itself
-        self.gets_ready = False  # whether its client will say when its agent is set up
+        self.sdk = ""  # its client's name and version
+        self.gets_ready = False  # whether its client will send a Ready
         self.ready = False  # whether its agent is set up
-        self.start_up: float | None = None  # s until it was
-        self.gone = False  # plays no action for the rest of the match
-        self.asked = -1  # step of the last observation that it was handed
-        self.asked_at = 0.0  # when its time for that step began: when it was sent, less what its sensors took
+        self.start_up: float | None = None  # s from its start until it was ready
+        self.gone = False  # whether it is played with no action for the rest of the match
+        self.asked = -1  # step of the last observation that was sent to it
+        self.asked_at = 0.0  # when its time for that step began: the time of sending minus ``sensor_time``
         self.sensor_time = 0.0  # s that reading its sensors took for that step
         self.conduct = Conduct()
         self.late: list[int] = []  # the steps that were played without its answer
         self.slow_answers: list[SlowAnswer] = []  # the answers that took longer than the budget
-        self.answering_since: float | None = None  # by the loop's clock; none if it owes no answer
-        self.times = array("d")  # s, of each step
+        self.answering_since: float | None = None  # by the loop's clock; None if it owes no answer
+        self.times = array("d")  # s, for each step
         self.notified = False  # whether its stream is about to fetch an observation
         self._waiter: asyncio.Future[None] | None = None  # done when it is notified
 
     @property
     def present(self) -> bool:
-        """Whether it has joined and not gone."""
+        """Whether it has joined and is not gone."""
         return self.stream is not None and not self.gone
 
     async def wait_for_message(self) -> None:
-        """Wait until there is something to be sent to it."""
+        """Wait until there is a message for it."""
         self._waiter = asyncio.get_running_loop().create_future()
         try:
             await self._waiter
@@ -67,13 +67,13 @@ class Seat:
             self._waiter = None
 
     def notify(self) -> None:
-        """Say that there is something to be sent to it; does nothing if it owes an answer."""
+        """Wake its stream because there is a message for it; does nothing if it owes an answer."""
         if self._waiter is not None and not self._waiter.done():
             self.notified = True
             self._waiter.set_result(None)
 
     def dismiss(self, refusal: RefusalError) -> None:
-        """End the seat's stream, if it has one, whatever it is doing."""
+        """End the seat's stream, if it has one, with a refusal."""
         if self.stream is not None and self.refusal is None:
             self.refusal = refusal
             self.stream.cancel()
@@ -83,12 +83,12 @@ class Seat:
         return {name: sensor.read(match, [self.number])[0] for name, sensor in self.sensors.items()}
 
     def set_outcome(self, status: SeatStatus, detail: str) -> None:
-        """Say how the seat's part in the match ended, and why."""
+        """Set how the seat's part in the match ended, and why."""
         self.conduct.status = status
         self.conduct.detail = detail
 
     def conduct_message(self) -> SeatConduct:
-        """Return its conduct so far as a message."""
+        """Return its conduct so far as a protocol message."""
         time = ThinkTime.of(self.times)
         return encode_conduct(
             {
@@ -103,7 +103,7 @@ class Seat:
         )
 
     def report(self) -> SeatReport:
-        """Return its conduct so far."""
+        """Return a report of its conduct so far."""
         return SeatReport(
             seat=self.number,
             think_time=ThinkTime.of(self.times),
@@ -119,10 +119,10 @@ def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, "Sensor"
     """Check the sensors that a seat asks for.
 
     Args:
-        wanted: The options of each sensor by its name.
+        wanted: The options of each sensor, by the sensor's name.
 
     Raises:
-        SensorError: There is no such sensor, or it has no such option.
+        SensorError: There is no such sensor, or it does not have such an option.
     """
     from wildscav_engine.sensors import parse_sensors
 

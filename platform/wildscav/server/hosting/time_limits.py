@@ -1,12 +1,12 @@
-"""The clock of a match: how long its seats may take.
+"""The time limits of a match's seats.
 
-A seat has a budget for each step, and a bank for the whole match that pays for time beyond the budget. Once
-the bank is used up, an answer that is not there within the budget is late: the step is played without it.
+A seat has a budget for each step, and a bank for the whole match that pays for time beyond the budgets. Once
+the bank is used up, an answer that does not arrive within the budget is late: the step is played without it.
 
-What one seat may take never costs another its actions. But a match must end: in all, its steps wait no longer
-than ``game_time_factor`` times its game time. So the budget and the bank are cut to what a match of that
-length has room for, and when all seats together have used up its patience beyond the budgets, every further
-step waits for its budget alone.
+One seat's time never costs another seat its actions. But a match must end: its steps wait no longer in all
+than ``game_time_factor`` times its game time. So budget and bank are reduced to what fits into a match of
+that length. When all seats together have used up the match's patience, the time that its steps may wait
+beyond their budgets, every further step waits for its budget only.
 """
 
 from dataclasses import dataclass, replace
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 class Clock:
     """The limits, s."""
 
-    step_budget: float = 0.1  # to answer an observation, at no cost
-    time_bank: float = 30.0  # for answers beyond the budget, a seat and match
+    step_budget: float = 0.1  # to answer an observation without spending the bank
+    time_bank: float = 30.0  # for answers beyond the budget, per seat and match
     join_timeout: float = 30.0  # for all seats to join
-    game_time_factor: float = 2.0  # of the game time limit: the longest that the steps may take in all
+    game_time_factor: float = 2.0  # limit of the time for all steps, as a multiple of the game time limit
 
     def __post_init__(self) -> None:
         for name in ("step_budget", "join_timeout", "game_time_factor"):
@@ -33,7 +33,7 @@ class Clock:
             raise ValueError(f"clock: time_bank is {self.time_bank}, must not be below 0")
 
     def fitted(self, spec: "MatchSpec") -> "Clock":
-        """Return the clock of one match: no budget and no bank beyond what the match has room for."""
+        """Return the clock of one match, with budget and bank reduced to what fits into its length."""
         longest = self.game_time_factor * spec.time_limit
         budget = min(self.step_budget, longest / spec.step_limit)
         fitted = replace(self, step_budget=budget)
@@ -45,7 +45,7 @@ class Clock:
 
 
 class TimeBank:
-    """What is left of one seat's time."""
+    """The time bank of one seat."""
 
     __slots__ = ("_budget", "_used_up", "left")
 
@@ -61,11 +61,11 @@ class TimeBank:
 
     @property
     def used_up(self) -> bool:
-        """Whether an answer has been late: the bank could not pay for it."""
+        """Whether an answer has been late because the bank could not pay for it."""
         return self._used_up
 
     def charge(self, elapsed: float) -> bool:
-        """Pay for an answer, and return whether it came in time. A late one takes all that is left.
+        """Pay for an answer, and return whether it was in time. A late answer empties the bank.
 
         Args:
             elapsed: s from sending the observation to receiving the answer.

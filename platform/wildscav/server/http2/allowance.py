@@ -1,94 +1,97 @@
-"""What clients may cost: an allowance for each connection, and a share of the time for unknown clients."""
+"""Limits of clients: an allowance of frames for each connection, and a share of time for unknown clients."""
 
 import time
 from collections.abc import Callable
 
 from wildscav.server.http2.frames import Code, FrameError
 
-# Of one connection, in frames that carry no whole message; reading has its cost, too:
-UNKNOWN = 400.0  # while its client is unknown
-MOST = 1000.0
-A_SECOND = 20.0  # that come back; honest clients send a ping now and then
-A_MESSAGE = 4.0  # that come back for every message that the server sends: each may be acknowledged
-BYTES = 2048  # sent, for which one more comes back: clients open their windows again as they read
-HEADERS_COST = 5.0  # of a stream's beginning
-HEAVY = 256  # bytes of a payload that cost as much as another frame
-READ_COST = 0.25  # of a piece, however small, that had to be read by itself
+# The allowance of one connection, in frames that complete no message:
+UNKNOWN_ALLOWANCE = 400.0  # while its client is unknown
+KNOWN_ALLOWANCE = 1000.0
+REFILL_PER_SECOND = 20.0  # well-behaved clients send a ping now and then
+REFILL_PER_MESSAGE = 4.0  # for each message that the server sends, which the client may acknowledge
+BYTES_PER_FRAME = 2048  # sent bytes that refill one frame, because clients update their windows as they read
+HEADERS_COST = 5.0  # of opening a stream
+PAYLOAD_PER_FRAME = 256  # bytes of payload that cost as much as another frame
+READ_COST = 0.25  # of each read, however few bytes it returns
 
 
 class FloodError(FrameError):
-    """A peer has gone beyond its allowance."""
+    """A client has exceeded its limits."""
 
     def __init__(self, message: str) -> None:
         super().__init__(Code.ENHANCE_YOUR_CALM, message)
 
 
 class Allowance:
-    """How many frames without a message a connection may still send.
+    """How many frames that complete no message a connection may still send: a token bucket.
 
-    An honest client sends such frames to acknowledge what it receives, and a few besides. So the allowance
-    grows with what the client is sent, and slowly with time.
+    A well-behaved client sends such frames to acknowledge what it receives, and a few others. So the
+    allowance is refilled by what the client is sent, and slowly with time.
 
     Args:
-        clock: Tells the time, s.
+        clock: Returns the time, s.
     """
 
-    __slots__ = ("_clock", "_left", "_most", "_since")
+    __slots__ = ("_clock", "_left", "_limit", "_since")
 
     def __init__(self, clock: Callable[[], float]) -> None:
-        self._clock, self._most, self._left, self._since = clock, UNKNOWN, UNKNOWN, clock()
+        self._clock, self._since = clock, clock()
+        self._limit = self._left = UNKNOWN_ALLOWANCE
 
     def spend(self, cost: float, kind: str = "") -> None:
-        """Pay for a frame, or for having read something.
+        """Pay for a frame or for a read.
 
         Args:
-            cost: In frames.
-            kind: Of the frame; empty if something was read.
+            cost: The cost in frames.
+            kind: The kind of the frame; empty for a read.
 
         Raises:
-            FloodError: There is nothing left to pay with.
+            FloodError: The allowance is used up.
         """
         self._left -= cost
         if self._left < 0.0:
             now = self._clock()
-            self._left = min(self._most, self._left + (now - self._since) * A_SECOND)
+            self._left = min(self._limit, self._left + (now - self._since) * REFILL_PER_SECOND)
             self._since = now
             if self._left < 0.0:
-                which = f"say nothing ({kind} the last of them)" if kind else "say nothing or come in scraps"
+                which = (
+                    f"carry no message (the last was {kind})" if kind else "carry no message, or in pieces"
+                )
                 raise FloodError(f"flooded its connection with frames that {which}")
 
-    def earn(self, sent: int) -> None:
-        """Give back what a message of the server's is worth.
+    def refill(self, sent: int) -> None:
+        """Refill the allowance for a message that the server sends.
 
         Args:
-            sent: Its size, bytes.
+            sent: The message's size, bytes.
         """
-        self._left = min(self._most, self._left + A_MESSAGE + sent / BYTES)
+        self._left = min(self._limit, self._left + REFILL_PER_MESSAGE + sent / BYTES_PER_FRAME)
 
-    def widen(self) -> None:
-        """Give a connection what it may spend from the time on that its client is known."""
-        self._left += MOST - self._most
-        self._most = MOST
+    def raise_limit(self) -> None:
+        """Raise the allowance to that of a known client."""
+        self._left += KNOWN_ALLOWANCE - self._limit
+        self._limit = KNOWN_ALLOWANCE
 
 
 SHARE = 0.25  # of a processor core, for all unknown clients at one address
 BURST = 0.05  # s that they may take at once
-# s that a connection is taken to cost before it has sent anything, and one that is gone at once:
+# Estimated processor time of accepting a connection, and of one that is closed already, s:
 CONNECTION_COST, GONE_COST = 300e-6, 20e-6
 
 
-class Share:
-    """The time that unknown clients may take of the loop: those who are neither in a seat nor organizers.
+class TimeShare:
+    """The share of the loop's time for unknown clients, which are neither in a seat nor organizers.
 
     Args:
-        clock: Tells the time, s.
+        clock: Returns the time, s.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock, self._left, self._since = clock, BURST, clock()
 
     def spend(self, cost: float) -> None:
-        """Pay for something.
+        """Charge processor time to the share.
 
         Args:
             cost: Processor time, s.
@@ -97,7 +100,7 @@ class Share:
         self._left -= cost
 
     def wait(self) -> float:
-        """Return for how long nothing more is to be done for unknown clients, s; 0: not at all."""
+        """Return how long unknown clients must wait, s; 0 if they need not."""
         self._refill()
         return max(0.0, -self._left / SHARE)
 
@@ -107,4 +110,4 @@ class Share:
         self._since = now
 
 
-processor_time = time.thread_time  # s of this thread's
+processor_time = time.thread_time  # of this thread, s

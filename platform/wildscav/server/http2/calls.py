@@ -1,4 +1,4 @@
-"""The calls of one connection: how they begin, what serves them, and how they end."""
+"""The calls of one connection: how they begin, how they are served, and how they end."""
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
@@ -17,57 +17,59 @@ from wildscav.server.http2.stream import Stream, StreamConnection
 from wildscav.wire.errors import RefusalError
 
 STREAMS = 128  # at one time
-UNIMPLEMENTED, UNAVAILABLE = 12, 14  # statuses of gRPC
+UNIMPLEMENTED, UNAVAILABLE = 12, 14  # gRPC status codes
 
 
 class Route(NamedTuple):
-    """What a method is served by."""
+    """The handler of a method, and its limits."""
 
     handle: Callable[[Stream], Awaitable[None]]
     limit: int = 4096  # bytes of a message
-    admit: Callable[[Stream], None] | None = None  # raises RefusalError for whom it is not
+    admit: Callable[[Stream], None] | None = (
+        None  # raises RefusalError for clients that may not call the method
+    )
 
 
 class Calls:
-    """The calls of one connection that have not ended.
+    """The open calls of one connection.
 
     Args:
-        connection: Which one.
-        routes: What each method is served by.
+        connection: The connection.
+        routes: The route of each method.
     """
 
     def __init__(self, connection: StreamConnection, routes: Mapping[str, Route]) -> None:
         self._connection, self._routes = connection, routes
         self._loop = asyncio.get_running_loop()
         self._streams: dict[int, Stream] = {}
-        self._window = FIRST_WINDOW  # bytes that the client takes of a new stream
-        self.last = 0  # number of the last stream that was begun
-        self.served = self._loop.time()  # when a call was last open, as far as that was noted
+        self._window = FIRST_WINDOW  # bytes that the client accepts on a new stream
+        self.last = 0  # number of the last stream that was opened
+        self.last_open = self._loop.time()  # when a call was last known to be open
 
     def __len__(self) -> int:
-        """Return how many there are."""
+        """Return the number of open calls."""
         return len(self._streams)
 
     def of(self, number: int) -> Stream | None:
-        """Return the call of a stream, if it has not ended."""
+        """Return the open call with a stream's number, or None."""
         return self._streams.get(number)
 
     def has_begun(self, number: int) -> bool:
-        """Return whether the client has begun a stream with a number, or passed it over."""
+        """Return whether the client has opened or skipped the stream with a number."""
         return 0 < number <= self.last
 
     @property
     def tasks(self) -> list[asyncio.Task[None]]:
-        """What serves the calls."""
+        """The tasks that serve the calls."""
         return [stream.task for stream in self._streams.values() if stream.task is not None]
 
     def begin(self, number: int, headers: Mapping[str, str], *, ends: bool) -> None:
         """Serve a new call.
 
         Args:
-            number: Of its stream.
-            headers: Of the request.
-            ends: Whether its client says no more.
+            number: The stream's number.
+            headers: The request's headers.
+            ends: Whether the client sends nothing more on the stream.
         """
         self.last = number
         if len(self._streams) >= STREAMS:
@@ -90,38 +92,38 @@ class Calls:
         stream.task = self._loop.create_task(_serve(route, stream), name="stream")
 
     def reset(self, number: int) -> None:
-        """End a call because its client has ended it."""
+        """End a call because its client has reset the stream."""
         stream = self._streams.get(number)
         if stream is not None:
             self.forget(stream)
-            stream.break_off()
+            stream.abort()
             self._connection.flow.wake()
 
     def forget(self, stream: Stream) -> None:
-        """Let go of a call that has ended."""
-        self.served = self._loop.time()
+        """Remove a call that has ended."""
+        self.last_open = self._loop.time()
         if self._streams.pop(stream.number, None) is not None and stream.unread:
-            self._connection.flow.make_room(stream.unread, 0)
+            self._connection.flow.reopen(stream.unread, 0)
 
-    def break_off(self, refusal: RefusalError | None = None) -> None:
-        """End all calls, their client being gone or put out.
+    def abort(self, refusal: RefusalError | None = None) -> None:
+        """End all calls because their client is gone or was refused.
 
         Args:
-            refusal: What the client did, if it is to blame for more than to have gone.
+            refusal: What the client did, if it has violated the protocol.
         """
         streams, self._streams = tuple(self._streams.values()), {}
         for stream in streams:
-            stream.break_off(refusal)
+            stream.abort(refusal)
         self._connection.flow.wake()
 
     def change_window(self, size: int) -> None:
-        """Hear how much the client takes of each stream.
+        """Change the client's initial window of streams.
 
         Args:
-            size: Bytes.
+            size: The window, bytes.
 
         Raises:
-            FrameError: That is more than a window can be.
+            FrameError: It is larger than allowed.
         """
         if size > LARGEST_WINDOW:
             raise FrameError(Code.FLOW_CONTROL_ERROR, f"asked for a window of {size:,} bytes")
@@ -134,7 +136,7 @@ class Calls:
 
 
 async def _serve(route: Route, stream: Stream) -> None:
-    """Run the handler of a call; whatever it does, the call ends."""
+    """Run the handler of a call, and end the call in any case."""
     try:
         await route.handle(stream)
         stream.finish()

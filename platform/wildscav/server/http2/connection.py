@@ -1,11 +1,17 @@
-"""One client's connection: when it is read and written, how long it may last, and how it ends."""
+"""One client's connection: reading and writing, timeouts, and closing."""
 
 import asyncio
 import ssl
 from collections.abc import Mapping
 from typing import Protocol, cast
 
-from wildscav.server.http2.allowance import HEAVY, Allowance, FloodError, Share, processor_time
+from wildscav.server.http2.allowance import (
+    PAYLOAD_PER_FRAME,
+    Allowance,
+    FloodError,
+    TimeShare,
+    processor_time,
+)
 from wildscav.server.http2.calls import STREAMS, Calls, Route
 from wildscav.server.http2.encryption import Encryption
 from wildscav.server.http2.flow_control import WINDOW, FlowControl
@@ -13,12 +19,12 @@ from wildscav.server.http2.frames import Code, FrameError, Kind, Setting, write_
 from wildscav.server.http2.inbound import HEADER_LIMIT, Inbound
 from wildscav.wire.errors import ProtocolRefusalError
 
-GREETING_TIME = 10.0  # s until a new connection must have spoken HTTP/2
-IDLE_TIME = 60.0  # s that a connection may be without a call
-SILENCE = 30.0  # s without a word after which a client is asked whether it is there
-SIGN_TIME = 10.0  # s that it has to answer
-LOOK = 5.0  # s between two looks at a connection's times
-SIP = 4096  # bytes read at a time of an unknown client
+HANDSHAKE_TIMEOUT = 10.0  # s that a new client has to begin HTTP/2
+IDLE_TIMEOUT = 60.0  # s that a connection may have no call
+PING_AFTER = 30.0  # s without data after which a client is pinged
+REPLY_TIMEOUT = 10.0  # s that a client has to answer a ping, or to read the last data before it is closed
+CHECK_INTERVAL = 5.0  # s between two checks of a connection's timeouts
+UNKNOWN_READ_SIZE = 4096  # bytes read at a time from an unknown client
 GREETING = write_settings(
     {
         Setting.MAX_CONCURRENT_STREAMS: STREAMS,
@@ -29,26 +35,26 @@ GREETING = write_settings(
 
 
 class Host(Protocol):
-    """What a connection belongs to."""
+    """The interface of the listener that a connection belongs to."""
 
     routes: Mapping[str, Route]
-    share: Share  # of all unknown clients together
-    buffer: memoryview  # what is read goes through it; nothing is in it between two reads
+    share: TimeShare  # of all unknown clients together
+    buffer: memoryview  # shared buffer for reading; unused between two reads
 
     def wait(self, connection: "Connection") -> None:
-        """Have an unknown client wait, unread, until unknown clients have time again."""
+        """Leave an unknown client's data unread until unknown clients have time again."""
         ...
 
     def flooded(self, error: FloodError) -> None:
-        """Hear that a client has gone beyond what it may cost."""
+        """Note that a client has exceeded its limits."""
         ...
 
     def known(self, connection: "Connection") -> None:
-        """Count a connection no longer among the unknown clients'."""
+        """Remove a connection from those of unknown clients."""
         ...
 
     def closed(self, connection: "Connection") -> None:
-        """Forget a connection."""
+        """Remove a connection that is closed."""
         ...
 
 
@@ -56,68 +62,68 @@ class Connection(asyncio.BufferedProtocol):
     """One client's connection.
 
     Args:
-        host: What it belongs to.
-        peer: Where it comes from, as far as that is known.
-        tls: How it is encrypted; it is not if none.
+        host: The listener.
+        peer: The client's host, "" if it is not known.
+        tls: TLS settings; None if the connection is not encrypted.
     """
 
     def __init__(self, host: Host, peer: str, tls: ssl.SSLContext | None = None) -> None:
         self._host, self.peer, self._tls = host, peer, tls
-        self._encryption: Encryption | None = None  # from the first bytes on
+        self._encryption: Encryption | None = None  # created when the first bytes arrive
         self._loop = asyncio.get_running_loop()
         self.allowance = Allowance(self._loop.time)
         self.known = False  # whether the client is in a seat, or an organizer
         self.flow = FlowControl(self.send)
         self.calls = Calls(self, host.routes)
         self._inbound = Inbound(self)
-        self._kept = b""  # what was read and not looked at
+        self._deferred = b""  # data that was read but not processed yet
         self._closing = False
         self._transport: asyncio.Transport | None = None
-        self._heard = self._loop.time()  # when anything came
-        self._asked = 0.0  # when the client was asked whether it is there; 0: it need not answer
+        self._last_data = self._loop.time()  # when data last arrived
+        self._pinged = 0.0  # when the client was pinged; 0 if no answer is due
         self._timer: asyncio.TimerHandle | None = None
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing that comes matters any more."""
+        """Whether the connection is closing or closed, so that further data is ignored."""
         return self._closing or self._transport is None
 
-    # What the transport calls.
+    # The interface for the transport.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Greet the client; where the connection is to be encrypted, this waits for the handshake."""
+        """Send the server's settings; with TLS, they are sent after the handshake."""
         self._transport = cast(asyncio.Transport, transport)
-        if self._closing:  # it had to make room meanwhile
+        if self._closing:  # it was evicted while it was set up
             self._transport.abort()
             return
         if self._tls is None:
             self.send(GREETING)
-        self._timer = self._loop.call_later(GREETING_TIME, self._look)
+        self._timer = self._loop.call_later(HANDSHAKE_TIMEOUT, self._check_timeouts)
 
     def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - as asyncio calls it
-        """Return where to put what is read."""
-        return self._host.buffer if self.known else self._host.buffer[:SIP]
+        """Return the buffer to read into."""
+        return self._host.buffer if self.known else self._host.buffer[:UNKNOWN_READ_SIZE]
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Take what was read, or keep it until unknown clients have time."""
+        """Process the data that was read, or defer it until unknown clients have time."""
         content = bytes(self._host.buffer[:nbytes])
         if self.known:
             self._take(content)
         elif self._host.share.wait() > 0.0:
-            self._kept += content
+            self._deferred += content
             self._pause()
         else:
             self._take_from_unknown(content)
 
     def eof_received(self) -> None:
-        """Close: who says no more on a connection hears no more."""
+        """Close the connection, because asyncio closes it if this returns None."""
 
     def pause_writing(self) -> None:
-        """Write no more for now: the client does not read."""
+        """Stop writing, because the client does not read."""
         self.flow.full = True
 
     def resume_writing(self) -> None:
-        """Write again."""
+        """Continue writing."""
         self.flow.full = False
         self.flow.wake()
 
@@ -126,15 +132,15 @@ class Connection(asyncio.BufferedProtocol):
         self._closing, self._transport = True, None
         if self._timer is not None:
             self._timer.cancel()
-        self.calls.break_off()
+        self.calls.abort()
         self._host.closed(self)
 
-    # What the client sends.
+    # Data from the client.
 
     def _take(self, content: bytes) -> None:
         if self.is_over:
             return
-        self._heard, self._asked = self._loop.time(), 0.0
+        self._last_data, self._pinged = self._loop.time(), 0.0
         try:
             self._inbound.take(content if self._tls is None else self._decrypted(content, self._tls))
             if self._encryption is not None and self._encryption.has_ended:
@@ -145,21 +151,21 @@ class Connection(asyncio.BufferedProtocol):
             self.abort()
 
     def _decrypted(self, content: bytes, tls: ssl.SSLContext) -> bytes:
-        """Return what is in TLS's records; what they add to it is paid for like frames without a message.
+        """Return the content of TLS records; their overhead is charged like frames without a message.
 
         Raises:
-            ssl.SSLError: It is not TLS, or not from a client that may come in.
-            FloodError: There is too little in the records.
+            ssl.SSLError: The data is not valid TLS, or the client's certificate is not accepted.
+            FloodError: The records have too much overhead.
         """
         encryption = self._encryption = self._encryption or Encryption(tls)
         was_ready = encryption.is_ready
         try:
             plain = encryption.decrypt(content)
         finally:
-            if self._transport is not None and (own := encryption.own_words()):
-                self._transport.write(own)
+            if self._transport is not None and (pending := encryption.pending_output()):
+                self._transport.write(pending)
         if was_ready:
-            self.allowance.spend((len(content) - len(plain)) / HEAVY)
+            self.allowance.spend((len(content) - len(plain)) / PAYLOAD_PER_FRAME)
         elif encryption.is_ready:
             self.send(GREETING)
         return plain
@@ -175,24 +181,24 @@ class Connection(asyncio.BufferedProtocol):
             self._host.wait(self)
 
     def resume(self) -> None:
-        """Take what was kept, and read again."""
-        kept, self._kept = self._kept, b""
-        self._take_from_unknown(kept)
+        """Process deferred data, and continue reading."""
+        deferred, self._deferred = self._deferred, b""
+        self._take_from_unknown(deferred)
         if self._transport is not None and not self._transport.is_closing():
             self._transport.resume_reading()
 
     def _refuse(self, error: FrameError) -> None:
-        """Close the connection: of what is on it, the client is to blame for all."""
+        """Close the connection because of a protocol violation, and refuse all its calls."""
         reason = "FLOOD" if isinstance(error, FloodError) else "PROTOCOL_ERROR"
-        self.calls.break_off(ProtocolRefusalError(reason, str(error)))
+        self.calls.abort(ProtocolRefusalError(reason, str(error)))
         self.close(error.code, str(error))
         if isinstance(error, FloodError):
             self._host.flooded(error)
 
-    # What calls do.
+    # The interface for calls.
 
     def send(self, content: bytes) -> None:
-        """Write something, if anybody is there."""
+        """Write data, unless the connection is closed."""
         if self._transport is None or self._transport.is_closing():
             return
         if self._tls is None:
@@ -201,49 +207,49 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.write(self._encryption.encrypt(content))
 
     def trust(self) -> None:
-        """Count the connection as known: it no longer shares the time of unknown clients."""
+        """Mark the client as known: it no longer uses the time of unknown clients."""
         if not self.known:
             self.known = True
-            self.allowance.widen()
+            self.allowance.raise_limit()
             self._host.known(self)
 
-    # Its times.
+    # Its timeouts.
 
-    def _look(self) -> None:
-        """Close the connection if it is of no use any more; else look again."""
+    def _check_timeouts(self) -> None:
+        """Close the connection if a timeout has passed; else ping a silent client, and check again later."""
         now = self._loop.time()
         if self.calls:
-            self.calls.served = now
-        if not self._inbound.greeted or (self._asked and now - self._asked > SIGN_TIME):
+            self.calls.last_open = now
+        if not self._inbound.has_settings or (self._pinged and now - self._pinged > REPLY_TIMEOUT):
             self.abort()
             return
-        if now - self.calls.served > IDLE_TIME:
+        if now - self.calls.last_open > IDLE_TIMEOUT:
             self.say_goodbye()
             return
-        if now - self._heard > SILENCE and not self._asked:
-            self._asked = now
+        if now - self._last_data > PING_AFTER and not self._pinged:
+            self._pinged = now
             self.send(write_frame(Kind.PING, 0, 0, b"wildscav"))
-        self._timer = self._loop.call_later(LOOK, self._look)
+        self._timer = self._loop.call_later(CHECK_INTERVAL, self._check_timeouts)
 
     # Its end.
 
     def announce_end(self) -> None:
-        """Say that no new call is served."""
+        """Tell the client that new calls are not served."""
         self.send(_goaway(self.calls.last, Code.NO_ERROR))
 
     def say_goodbye(self) -> None:
-        """Close the connection, nothing being wrong with it."""
+        """Close the connection without an error."""
         self.close(Code.NO_ERROR)
 
     def close(self, code: Code, reason: str = "") -> None:
-        """Say goodbye and close, as soon as what was written has gone."""
+        """Send GOAWAY, and close the connection once everything is written."""
         self._closing = True
         if self._transport is not None:
             self.send(_goaway(self.calls.last, code, reason))
             if self._encryption is not None and self._encryption.is_ready:
                 self._transport.write(self._encryption.end())
             self._transport.close()
-            self._loop.call_later(SIGN_TIME, self.abort)  # who does not read, does not keep it open
+            self._loop.call_later(REPLY_TIMEOUT, self.abort)  # in case the client does not read
 
     def abort(self) -> None:
         """Close at once."""

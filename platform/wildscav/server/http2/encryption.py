@@ -1,4 +1,4 @@
-"""TLS on one connection: bytes in, bytes out. Whoever reads and writes them decides when."""
+"""TLS of one connection, without input and output: it converts bytes between encrypted and plain."""
 
 import ssl
 from contextlib import suppress
@@ -7,32 +7,32 @@ CHUNK = 65_536  # bytes decrypted at a time
 
 
 class Encryption:
-    """The server's end of TLS on one connection.
+    """The server's side of TLS on one connection.
 
-    What a client sends is decrypted by whoever read it, so that this counts as time taken for that client;
-    asyncio's own TLS would do it before anybody could ask whose it is.
+    The connection itself decrypts its data, so that the time is charged to its client; asyncio's own TLS
+    would decrypt it before the connection is called.
 
     Args:
-        context: With the server's certificate.
+        context: TLS settings with the server's certificate.
     """
 
     def __init__(self, context: ssl.SSLContext) -> None:
         self._incoming, self._outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
         self._object = context.wrap_bio(self._incoming, self._outgoing, server_side=True)
         self.is_ready = False  # whether the handshake is done
-        self.has_ended = False  # whether the client has said that it sends no more
+        self.has_ended = False  # whether the client has announced that it sends no more
 
     def decrypt(self, content: bytes) -> bytes:
-        """Take what the client sent, and return what of it is not TLS's own.
+        """Process data from the client, and return the decrypted content.
 
         Args:
-            content: As it was read.
+            content: The data as it was read.
 
         Returns:
-            Decrypted bytes; none while the handshake lasts, or if a record is not complete.
+            Decrypted bytes; none during the handshake, or while a record is incomplete.
 
         Raises:
-            ssl.SSLError: It is not TLS, or not from a client that may come in.
+            ssl.SSLError: The data is not valid TLS, or the client's certificate is not accepted.
         """
         self._incoming.write(content)
         pieces = []
@@ -50,18 +50,18 @@ class Encryption:
         return b"".join(pieces)
 
     def encrypt(self, content: bytes) -> bytes:
-        """Return what to send, so that the client reads a content; the handshake must be done."""
+        """Return content as encrypted bytes to send; the handshake must be done."""
         rest = memoryview(content)
         while rest:
             rest = rest[self._object.write(rest) :]  # a record at a time
         return self._outgoing.read()
 
-    def own_words(self) -> bytes:
-        """Return what TLS itself has to send: of a handshake, or of an error."""
+    def pending_output(self) -> bytes:
+        """Return the bytes that TLS itself has to send, for a handshake or an error."""
         return self._outgoing.read()
 
     def end(self) -> bytes:
-        """Return what to send last."""
-        with suppress(ssl.SSLError):  # the client need not say goodbye, too
+        """Return the bytes that end TLS."""
+        with suppress(ssl.SSLError):  # the client need not answer
             self._object.unwrap()
         return self._outgoing.read()

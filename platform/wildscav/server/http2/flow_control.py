@@ -1,4 +1,4 @@
-"""The flow control of one connection (RFC 9113, 5.2): how much the client takes, and how much it may send."""
+"""The flow control of one connection (RFC 9113, 5.2): how much may still be sent in each direction."""
 
 import asyncio
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from typing import Protocol
 
 from wildscav.server.http2.frames import FIRST_WINDOW, LARGEST_WINDOW, Code, FrameError, Kind, write_frame
 
-WINDOW = 16_384  # bytes that a client may have sent of a stream and that nobody has read
+WINDOW = 16_384  # bytes that a client may send on a stream before they are read
 
 
 class StreamLostError(Exception):
@@ -14,14 +14,14 @@ class StreamLostError(Exception):
 
 
 class StreamWindow(Protocol):
-    """What flow control needs of a stream."""
+    """The part of a stream that flow control needs."""
 
-    window: int  # bytes that the client takes of it
-    finished: bool  # whether nothing more is sent of it
+    window: int  # bytes that the client still accepts on it
+    finished: bool  # whether nothing more is sent on it
 
 
 class FlowControl:
-    """What may still be sent on a connection, either way.
+    """How much may still be sent on a connection, in both directions.
 
     Args:
         send: Sends frames to the client.
@@ -30,15 +30,15 @@ class FlowControl:
     def __init__(self, send: Callable[[bytes], None]) -> None:
         self._send = send
         self._loop = asyncio.get_running_loop()
-        self.window = FIRST_WINDOW  # bytes that the client takes
-        self.full = False  # whether nothing more is to be written until some has gone
-        self._waiters: set[asyncio.Future[None]] = set()  # of those who wait for room
-        self._arrived = self._room = 0  # bytes: unread of the connection, and to be made room for
+        self.window = FIRST_WINDOW  # bytes that the client still accepts
+        self.full = False  # whether the transport's write buffer is full
+        self._waiters: set[asyncio.Future[None]] = set()  # of streams that wait to write
+        self._unread = self._to_reopen = 0  # bytes: received and unread; read, but not yet reported as such
 
-    # What the client takes.
+    # From server to client.
 
-    async def room_for(self, stream: StreamWindow) -> None:
-        """Wait until there is room for some of a stream.
+    async def wait_for_window(self, stream: StreamWindow) -> None:
+        """Wait until some bytes may be sent on a stream.
 
         Raises:
             StreamLostError: The stream has ended, or its connection is gone.
@@ -54,20 +54,20 @@ class FlowControl:
                 self._waiters.discard(waiter)
 
     def wake(self) -> None:
-        """Have those who wait for room look again."""
+        """Make waiting streams check again whether they may write."""
         for waiter in self._waiters:
             if not waiter.done():
                 waiter.set_result(None)
 
     def widen(self, more: int, stream: StreamWindow | None) -> None:
-        """Hear that the client takes more.
+        """Enlarge a window because the client accepts more.
 
         Args:
             more: Bytes.
-            stream: Of this stream; none: of the connection.
+            stream: The window's stream; None for the connection's window.
 
         Raises:
-            FrameError: That is more than a window can be.
+            FrameError: The window becomes larger than allowed.
         """
         if stream is None:
             self.window += more
@@ -79,33 +79,33 @@ class FlowControl:
             raise FrameError(Code.FLOW_CONTROL_ERROR, "opened a window too far")
         self.wake()
 
-    # What it may send.
+    # From client to server.
 
-    def arrive(self, size: int) -> None:
-        """Count what the client has sent.
+    def receive(self, size: int) -> None:
+        """Count data that the client has sent.
 
         Args:
             size: Bytes.
 
         Raises:
-            FrameError: There was no room for it.
+            FrameError: It exceeds the connection's window.
         """
-        self._arrived += size
-        if self._arrived > FIRST_WINDOW + WINDOW:
-            raise FrameError(Code.FLOW_CONTROL_ERROR, "sent more than there was room for")
+        self._unread += size
+        if self._unread > FIRST_WINDOW + WINDOW:
+            raise FrameError(Code.FLOW_CONTROL_ERROR, "sent more than the connection's window")
 
-    def make_room(self, size: int, stream: int) -> None:
-        """Let the client send more.
+    def reopen(self, size: int, stream: int) -> None:
+        """Let the client send as much again as has been read.
 
         Args:
-            size: Bytes that need no more place.
-            stream: Of this stream, too; 0: of the connection alone.
+            size: Bytes.
+            stream: The stream whose window is reopened with the connection's; 0: only the connection's.
         """
-        self._arrived -= size
-        self._room += size
+        self._unread -= size
+        self._to_reopen += size
         frames = write_frame(Kind.WINDOW_UPDATE, 0, stream, size.to_bytes(4, "big")) if stream else b""
-        if self._room >= WINDOW:
-            frames += write_frame(Kind.WINDOW_UPDATE, 0, 0, self._room.to_bytes(4, "big"))
-            self._room = 0
+        if self._to_reopen >= WINDOW:
+            frames += write_frame(Kind.WINDOW_UPDATE, 0, 0, self._to_reopen.to_bytes(4, "big"))
+            self._to_reopen = 0
         if frames:
             self._send(frames)

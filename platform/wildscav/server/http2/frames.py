@@ -1,4 +1,4 @@
-"""The frames of HTTP/2 (RFC 9113, chapters 4 and 6): their numbers, and how they are written and read."""
+"""The frames of HTTP/2 (RFC 9113, sections 4 and 6): constants, writing and reading."""
 
 from collections.abc import Iterator
 from enum import IntEnum, IntFlag
@@ -6,10 +6,8 @@ from typing import NamedTuple
 
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
 HEADER = 9  # bytes of a frame before its payload
-LARGEST = 16_384  # bytes of a payload, either way: what every peer takes
-FIRST_WINDOW = (
-    65_535  # bytes that either side may send of a connection, or of a stream, before it is told more
-)
+LARGEST = 16_384  # bytes of a payload, in both directions; every peer accepts that much
+FIRST_WINDOW = 65_535  # bytes: the initial window of connections and streams, in both directions
 LARGEST_WINDOW = 2**31 - 1
 
 
@@ -29,7 +27,7 @@ class Kind(IntEnum):
 
 
 class Flag(IntFlag):
-    """What a frame's flags mean; some mean different things in different kinds."""
+    """The flags of frames; the meaning of some depends on the kind."""
 
     END_STREAM = 0x1
     ACK = 0x1
@@ -54,7 +52,7 @@ class Code(IntEnum):
 
 
 class Setting(IntEnum):
-    """What a peer can be told by SETTINGS, as far as it matters here."""
+    """The parameters of SETTINGS that matter here."""
 
     HEADER_TABLE_SIZE = 1
     ENABLE_PUSH = 2
@@ -65,11 +63,11 @@ class Setting(IntEnum):
 
 
 class FrameError(Exception):
-    """A peer does not speak HTTP/2 as it should.
+    """A peer has violated HTTP/2.
 
     Args:
-        code: Which kind of error.
-        message: What it did, in a line that begins with a verb: "sent …".
+        code: The error code.
+        message: What the peer did, in a line that begins with a verb: "sent …".
     """
 
     def __init__(self, code: Code, message: str) -> None:
@@ -98,10 +96,10 @@ def write_settings(values: dict[Setting, int]) -> bytes:
 
 
 def read_settings(payload: bytes) -> Iterator[tuple[int, int]]:
-    """Yield the names and values of a SETTINGS frame.
+    """Yield the parameters and values of a SETTINGS frame.
 
     Raises:
-        FrameError: It holds no whole number of them.
+        FrameError: The frame's length is wrong.
     """
     if len(payload) % 6:
         raise FrameError(Code.FRAME_SIZE_ERROR, "sent a SETTINGS frame of a wrong length")
@@ -110,10 +108,10 @@ def read_settings(payload: bytes) -> Iterator[tuple[int, int]]:
 
 
 def without_padding(frame: Frame) -> bytes:
-    """Return what a DATA or HEADERS frame carries besides padding and priority.
+    """Return the content of a DATA or HEADERS frame without padding and priority.
 
     Raises:
-        FrameError: There is more padding than there are bytes.
+        FrameError: The frame is too short for its padding or priority.
     """
     payload, padding = frame.payload, 0
     if frame.flags & Flag.PADDED:
@@ -132,27 +130,27 @@ def without_padding(frame: Frame) -> bytes:
 
 
 class FrameReader:
-    """Takes what a client sends apart into frames, as it arrives. It keeps less than one frame."""
+    """Splits a client's data into frames as it arrives. It buffers less than one frame."""
 
     def __init__(self) -> None:
-        self._rest = b""  # of what arrived: the beginning of a frame, or of the preface
-        self.greeted = False  # whether the preface was read
+        self._rest = b""  # the incomplete frame or preface at the end of the data
+        self.has_preface = False  # whether the preface was read
 
     def feed(self, content: bytes) -> Iterator[Frame]:
-        """Yield the frames that are complete now.
+        """Yield the frames that are now complete.
 
         Raises:
-            FrameError: These are no frames, or one is too large.
+            FrameError: The data is not HTTP/2, or a frame is too large.
         """
         content, at = (self._rest + content if self._rest else content), 0
         self._rest = b""
-        if not self.greeted:
+        if not self.has_preface:
             if not content.startswith(PREFACE[: len(content)]):
                 raise FrameError(Code.PROTOCOL_ERROR, "sent something else than HTTP/2")
             if len(content) < len(PREFACE):
                 self._rest = content
                 return
-            self.greeted, at = True, len(PREFACE)
+            self.has_preface, at = True, len(PREFACE)
         while (body := at + HEADER) <= len(content):
             end = body + int.from_bytes(content[at : at + 3], "big")
             if end - body > LARGEST:

@@ -1,11 +1,17 @@
-"""What a client sends: it is taken apart here, frame by frame, counted, and handed to the calls."""
+"""Processing of a client's data: it is split into frames, charged to the client, and passed to the calls."""
 
 from collections.abc import Callable
 from typing import Protocol
 
 from hpack import Decoder, HPACKError
 
-from wildscav.server.http2.allowance import HEADERS_COST, HEAVY, READ_COST, Allowance, FloodError
+from wildscav.server.http2.allowance import (
+    HEADERS_COST,
+    PAYLOAD_PER_FRAME,
+    READ_COST,
+    Allowance,
+    FloodError,
+)
 from wildscav.server.http2.calls import Calls
 from wildscav.server.http2.flow_control import WINDOW, FlowControl
 from wildscav.server.http2.frames import (
@@ -24,60 +30,60 @@ from wildscav.server.http2.frames import (
 )
 from wildscav.server.http2.stream import Stream
 
-HEADER_LIMIT = 16_384  # bytes of the headers of a call, packed and unpacked
+HEADER_LIMIT = 16_384  # bytes of the headers of a call, compressed and decompressed
 UNKNOWN_LIMIT = 32_768  # bytes of messages that a client may send before it is known
 
 
 class ReadConnection(Protocol):
-    """What is needed of a connection to take in what its client sends."""
+    """The part of a connection that the processing of its data needs."""
 
     known: bool  # whether the client is in a seat, or an organizer
 
     @property
     def allowance(self) -> Allowance:
-        """What the client may still cost."""
+        """The client's allowance of frames."""
         ...
 
     @property
     def flow(self) -> FlowControl:
-        """How much may be sent, either way."""
+        """The connection's flow control."""
         ...
 
     @property
     def calls(self) -> Calls:
-        """The calls that have not ended."""
+        """The open calls."""
         ...
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing that comes matters any more."""
+        """Whether the connection is closing or closed."""
         ...
 
     def send(self, content: bytes) -> None:
-        """Write something to the client."""
+        """Write data to the client."""
         ...
 
 
 class Inbound:
-    """Takes what one client sends.
+    """Processes one client's data.
 
     Args:
-        connection: The client's.
+        connection: The client's connection.
     """
 
     def __init__(self, connection: ReadConnection) -> None:
         self._connection = connection
         self._reader, self._decoder = FrameReader(), Decoder(HEADER_LIMIT)
-        self._headers: bytearray | None = None  # of a call that is not all there
+        self._headers: bytearray | None = None  # the headers of a call that are not complete yet
         self._headers_of = Frame(0, 0, 0, b"")  # the frame that they began with
-        self._said = 0  # bytes of messages
-        self.greeted = False  # whether the client's SETTINGS came
+        self._data_size = 0  # bytes of all DATA frames
+        self.has_settings = False  # whether the client's SETTINGS were received
 
     def take(self, content: bytes) -> None:
-        """Take what was read.
+        """Process data that was read.
 
         Raises:
-            FrameError: The client does not speak HTTP/2 as it should; a FloodError: it sends too much.
+            FrameError: The client has violated HTTP/2; a FloodError if it has exceeded its limits.
         """
         self._connection.allowance.spend(READ_COST)
         try:
@@ -86,23 +92,23 @@ class Inbound:
                 if self._connection.is_over:
                     return
         except HPACKError:
-            raise FrameError(Code.COMPRESSION_ERROR, "sent headers that cannot be unpacked") from None
+            raise FrameError(Code.COMPRESSION_ERROR, "sent headers that cannot be decompressed") from None
 
     def _take_frame(self, frame: Frame) -> None:
         kind = frame.kind
         if self._headers is not None and (
             kind != Kind.CONTINUATION or frame.stream != self._headers_of.stream
         ):
-            raise FrameError(Code.PROTOCOL_ERROR, "sent something else in the middle of headers")
-        if not self.greeted and kind != Kind.SETTINGS:
+            raise FrameError(Code.PROTOCOL_ERROR, "sent another frame in the middle of headers")
+        if not self.has_settings and kind != Kind.SETTINGS:
             raise FrameError(Code.PROTOCOL_ERROR, "did not begin with SETTINGS")
         if kind == Kind.DATA:
             self._data(frame)
             return
         cost = HEADERS_COST if kind == Kind.HEADERS else 1.0
-        self._connection.allowance.spend(cost + len(frame.payload) // HEAVY, _name(kind))
+        self._connection.allowance.spend(cost + len(frame.payload) // PAYLOAD_PER_FRAME, _name(kind))
         take = _TAKE.get(kind)
-        if take is not None:  # what is not known is ignored
+        if take is not None:  # unknown kinds are ignored
             take(self, frame)
 
     # Messages.
@@ -110,20 +116,20 @@ class Inbound:
     def _data(self, frame: Frame) -> None:
         connection = self._connection
         if not connection.calls.has_begun(frame.stream):
-            raise FrameError(Code.PROTOCOL_ERROR, "sent data of no call")
-        taken = len(frame.payload)
-        self._said += taken
-        connection.flow.arrive(taken)
-        if not connection.known and self._said > UNKNOWN_LIMIT:
-            raise FloodError(f"sent {self._said:,} bytes without saying who it is")
+            raise FrameError(Code.PROTOCOL_ERROR, "sent data on a stream that it had not opened")
+        size = len(frame.payload)
+        self._data_size += size
+        connection.flow.receive(size)
+        if not connection.known and self._data_size > UNKNOWN_LIMIT:
+            raise FloodError(f"sent {self._data_size:,} bytes without identifying itself")
         content, stream = without_padding(frame), connection.calls.of(frame.stream)
         complete = False
         if stream is None:
-            connection.flow.make_room(taken, 0)
+            connection.flow.reopen(size, 0)
         else:
-            complete = stream.feed(content, taken)
+            complete = stream.feed(content, size)
             if stream.unread > 2 * WINDOW:
-                raise FrameError(Code.FLOW_CONTROL_ERROR, "sent more of a call than there was room for")
+                raise FrameError(Code.FLOW_CONTROL_ERROR, "sent more than a stream's window")
             if frame.flags & Flag.END_STREAM:
                 _half_close(stream)
         if not complete:
@@ -133,7 +139,7 @@ class Inbound:
 
     def _begin_headers(self, frame: Frame) -> None:
         if frame.stream % 2 == 0:
-            raise FrameError(Code.PROTOCOL_ERROR, "began a call with a number that is not a client's")
+            raise FrameError(Code.PROTOCOL_ERROR, "opened a stream with a number that is not a client's")
         self._headers, self._headers_of = bytearray(without_padding(frame)), frame
         if frame.flags & Flag.END_HEADERS:
             self._end_headers()
@@ -148,11 +154,11 @@ class Inbound:
             self._end_headers()
 
     def _end_headers(self) -> None:
-        """Begin a call, or end one: what its client says after it began it is its end."""
+        """Begin a call, or half-close one: headers on an open stream can only be its end."""
         number, ends = self._headers_of.stream, bool(self._headers_of.flags & Flag.END_STREAM)
-        packed, self._headers = bytes(self._headers or b""), None
-        # All are unpacked, or later ones could not be.
-        headers = {str(name): str(value) for name, value in self._decoder.decode(packed)}
+        compressed, self._headers = bytes(self._headers or b""), None
+        # All headers are decompressed, because later ones depend on the decoder's state.
+        headers = {str(name): str(value) for name, value in self._decoder.decode(compressed)}
         calls = self._connection.calls
         stream = calls.of(number)
         if stream is not None:
@@ -165,18 +171,18 @@ class Inbound:
     def _reset(self, frame: Frame) -> None:
         _check_length(frame, 4)
         if not self._connection.calls.has_begun(frame.stream):
-            raise FrameError(Code.PROTOCOL_ERROR, "ended a call that it had not begun")
+            raise FrameError(Code.PROTOCOL_ERROR, "reset a stream that it had not opened")
         self._connection.calls.reset(frame.stream)
 
     def _push(self, _: Frame) -> None:
-        raise FrameError(Code.PROTOCOL_ERROR, "sent PUSH_PROMISE, which only servers may")
+        raise FrameError(Code.PROTOCOL_ERROR, "sent PUSH_PROMISE, which only servers may send")
 
     # The connection itself.
 
     def _settings(self, frame: Frame) -> None:
         if frame.flags & Flag.ACK:
             return
-        self.greeted = True
+        self.has_settings = True
         for name, value in read_settings(frame.payload):
             if name == Setting.INITIAL_WINDOW_SIZE:
                 self._connection.calls.change_window(value)
@@ -189,9 +195,9 @@ class Inbound:
         more = int.from_bytes(frame.payload, "big") & LARGEST_WINDOW
         calls = self._connection.calls
         if more == 0 or frame.stream > calls.last:
-            raise FrameError(Code.PROTOCOL_ERROR, "sent a WINDOW_UPDATE that makes no sense")
+            raise FrameError(Code.PROTOCOL_ERROR, "sent an invalid WINDOW_UPDATE")
         stream = calls.of(frame.stream)
-        if stream is not None or frame.stream == 0:  # else it is of a call that has ended
+        if stream is not None or frame.stream == 0:  # else the call has ended
             self._connection.flow.widen(more, stream)
 
     def _ping(self, frame: Frame) -> None:

@@ -1,4 +1,4 @@
-"""The listener at one address: who is let in, how many, and how fast."""
+"""The listener at one address: which connections are accepted, how many, and how fast."""
 
 import asyncio
 import contextlib
@@ -6,30 +6,31 @@ import socket
 import ssl
 from collections.abc import Callable, Mapping, Sequence
 
-from wildscav.server.http2.allowance import CONNECTION_COST, GONE_COST, FloodError, Share
+from wildscav.server.http2.allowance import CONNECTION_COST, GONE_COST, FloodError, TimeShare
 from wildscav.server.http2.calls import Route
 from wildscav.server.http2.connection import Connection
 
-BACKLOG = 1024  # connections that wait to be let in
-AT_ONCE = 16  # connections let in before others get their turn
-OUT_OF_FILES = 1.0  # s to wait when the system has no room for a connection
+BACKLOG = 1024  # connections that wait to be accepted
+AT_ONCE = 16  # connections accepted before other work gets its turn
+OUT_OF_FILES = 1.0  # s to wait when the system has no resources for a connection
 
 
 class Listener:
-    """Lets connections in, and keeps count of them.
+    """Accepts and counts connections.
 
-    A client is unknown until a call on its connection has named a seat or an organizer. When there are too
-    many connections, the peer with the most unknown clients loses its oldest one. All unknown clients
-    together have a share of the loop's time; when they have used it up, none of them is accepted or read for
-    a while.
+    A client is unknown until a call on its connection has joined a seat or authenticated an organizer. When
+    there are too many connections, the oldest one of the peer with the most unknown clients is closed. All
+    unknown clients together have a share of the loop's time; when it is used up, none of them is accepted or
+    read for a while.
 
     Args:
-        sockets: Bound; they are closed with the listener.
-        routes: What each method is served by.
-        connections: How many may be open at one time.
-        visits: How many may ever come; any number if none. If it is given, all who come are one agent.
-        on_flood: Called with what that agent did when no more connections of it are accepted.
-        tls: How connections are encrypted; they are not if none.
+        sockets: Bound sockets; they are closed with the listener.
+        routes: The route of each method.
+        connections: How many connections may be open at one time.
+        visits: How many connections are accepted in all; None for any number. A number means that all of them
+            come from one agent.
+        on_flood: Called with what that agent did when no more connections are accepted from it.
+        tls: TLS settings; None if connections are not encrypted.
     """
 
     def __init__(
@@ -46,16 +47,16 @@ class Listener:
         self._limit, self._visit_limit, self._on_flood = connections, visits, on_flood
         self._visits = 0
         self._loop = asyncio.get_running_loop()
-        self.share = Share(self._loop.time)
+        self.share = TimeShare(self._loop.time)
         self.buffer = memoryview(bytearray(65_536))
         self._waiting: dict[Connection, None] = {}  # unknown clients, until there is time for them
-        self._open: dict[Connection, asyncio.Task[None]] = {}  # each with what sets it up
-        self._unknown: dict[str, dict[Connection, None]] = {}  # by peer, in the order in which they came
+        self._open: dict[Connection, asyncio.Task[None]] = {}  # each with the task that sets it up
+        self._unknown: dict[str, dict[Connection, None]] = {}  # by peer, in the order of their arrival
         self._paused: asyncio.TimerHandle | None = None  # ends a pause for unknown clients
-        self._accepts_next = False  # whether the last turn was that of new connections
+        self._accepted_last = False  # whether the last turn was that of new connections
 
     def start(self) -> None:
-        """Let connections in."""
+        """Accept connections."""
         for one in self._sockets:
             one.setblocking(False)
             one.listen(BACKLOG)
@@ -71,7 +72,7 @@ class Listener:
 
     # New connections.
 
-    def _accept(self, at: socket.socket, most: int = AT_ONCE) -> None:
+    def _accept(self, listening: socket.socket, most: int = AT_ONCE) -> None:
         for _ in range(most):
             if not self._sockets:
                 return
@@ -79,19 +80,19 @@ class Listener:
                 self._pause(seconds)
                 return
             try:
-                come, address = at.accept()
+                accepted, address = listening.accept()
             except (BlockingIOError, InterruptedError, ConnectionAbortedError):
                 return
-            except OSError:  # no more files, or no memory
+            except OSError:  # too many open files, or no memory
                 self._pause(OUT_OF_FILES)
                 return
             if not self._count_visit():
-                come.close()
+                accepted.close()
                 return
-            self._welcome(come, str(address[0]) if isinstance(address, tuple) else "")
+            self._add(accepted, str(address[0]) if isinstance(address, tuple) else "")
 
     def _count_visit(self) -> bool:
-        """Count who comes; return whether it is not one too many for this address."""
+        """Count a new connection, and return whether it is within the limit of this address."""
         if self._visit_limit is None:
             return True
         self._visits += 1
@@ -104,40 +105,40 @@ class Listener:
         self._on_flood(reason)
 
     def flooded(self, error: FloodError) -> None:
-        """Let nobody in any more, if all who come are one agent."""
+        """Accept no more connections, if all of them come from one agent."""
         if self._visit_limit is not None and self._sockets:
             self._stop_accepting(str(error))
 
-    def _welcome(self, come: socket.socket, peer: str) -> None:
-        """Set a connection up, unless whoever came has gone already."""
-        come.setblocking(False)
-        if _is_gone(come):
+    def _add(self, accepted: socket.socket, peer: str) -> None:
+        """Set up a connection, unless its client has closed it already."""
+        accepted.setblocking(False)
+        if _is_gone(accepted):
             self.share.spend(GONE_COST)
-            come.close()
+            accepted.close()
             return
         self.share.spend(CONNECTION_COST)
         if len(self._open) >= self._limit and not self._evict_unknown():
-            come.close()
+            accepted.close()
             return
-        if come.family != socket.AF_UNIX:
-            come.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if accepted.family != socket.AF_UNIX:
+            accepted.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection = Connection(self, peer, self._tls)
         self._unknown.setdefault(peer, {})[connection] = None
-        task = self._loop.create_task(self._set_up(connection, come), name="connection")
-        # One that was cancelled before it began has closed nothing.
-        task.add_done_callback(lambda done: come.close() if done.cancelled() else None)
+        task = self._loop.create_task(self._set_up(connection, accepted), name="connection")
+        # A task that is cancelled before it has begun closes nothing itself.
+        task.add_done_callback(lambda done: accepted.close() if done.cancelled() else None)
         self._open[connection] = task
 
-    async def _set_up(self, connection: Connection, come: socket.socket) -> None:
-        """Connect a socket to what serves it."""
+    async def _set_up(self, connection: Connection, accepted: socket.socket) -> None:
+        """Create the transport of a connection."""
         try:
-            await self._loop.connect_accepted_socket(lambda: connection, come)
+            await self._loop.connect_accepted_socket(lambda: connection, accepted)
         except OSError:
-            come.close()
+            accepted.close()
             self.closed(connection)
 
     def _evict_unknown(self) -> bool:
-        """Close an unknown client's connection; return whether there was one."""
+        """Close the connection of an unknown client, and return whether there was one."""
         if not self._unknown:
             return False
         of_peer = max(self._unknown.values(), key=len)
@@ -147,23 +148,23 @@ class Listener:
         self.closed(one)
         return True
 
-    # What connections tell.
+    # The interface for connections.
 
     def known(self, connection: Connection) -> None:
-        """Count a connection no longer among the unknown clients'."""
+        """Remove a connection from those of unknown clients."""
         of_peer = self._unknown.get(connection.peer, {})
         of_peer.pop(connection, None)
         if not of_peer:
             self._unknown.pop(connection.peer, None)
 
     def closed(self, connection: Connection) -> None:
-        """Forget a connection."""
+        """Remove a connection that is closed."""
         self._open.pop(connection, None)
         self._waiting.pop(connection, None)
         self.known(connection)
 
     def wait(self, connection: Connection) -> None:
-        """Have an unknown client wait until unknown clients have time again."""
+        """Make an unknown client wait until unknown clients have time again."""
         self._waiting[connection] = None
         self._pause(self.share.wait())
 
@@ -174,20 +175,20 @@ class Listener:
             self._paused = self._loop.call_later(seconds, self._go_on)
 
     def _go_on(self) -> None:
-        """Take turns between what unknown clients have sent, oldest first, and new connections.
+        """Alternate between the data of waiting clients, oldest first, and new connections.
 
-        So neither keeps the other waiting for ever, even if there is time for one of them only.
+        So neither starves the other, even if there is time for only one of them.
         """
         self._paused = None
         while self._waiting and self.share.wait() == 0.0:
-            self._accepts_next = not self._accepts_next
-            if self._accepts_next:
-                for at in tuple(self._sockets):
-                    self._accept(at, most=1)
+            self._accepted_last = not self._accepted_last
+            if self._accepted_last:
+                for one in tuple(self._sockets):
+                    self._accept(one, most=1)
             else:
-                one = next(iter(self._waiting))
-                del self._waiting[one]
-                one.resume()
+                oldest = next(iter(self._waiting))
+                del self._waiting[oldest]
+                oldest.resume()
         if (seconds := self.share.wait()) > 0.0:
             self._pause(seconds)
         elif self._paused is None:
@@ -196,7 +197,7 @@ class Listener:
     # Its end.
 
     def close(self) -> None:
-        """Let nobody in any more; who is in, stays."""
+        """Accept no more connections; open ones stay open."""
         self._stop_listening()
         for one in self._sockets:
             one.close()
@@ -226,13 +227,13 @@ class Listener:
             await asyncio.sleep(0)
         if self._paused is not None:
             self._paused.cancel()
-        await asyncio.sleep(0)  # transports tell one turn later that they are closed
+        await asyncio.sleep(0)  # transports report one turn later that they are closed
 
 
-def _is_gone(come: socket.socket) -> bool:
-    """Return whether the other end of a new connection is closed, with nothing said before."""
+def _is_gone(accepted: socket.socket) -> bool:
+    """Return whether the client has closed a new connection without sending anything."""
     try:
-        return come.recv(1, socket.MSG_PEEK) == b""
+        return accepted.recv(1, socket.MSG_PEEK) == b""
     except BlockingIOError:
         return False
     except OSError:

@@ -1,4 +1,4 @@
-"""One call on a connection: messages in, messages out, and the status that ends it."""
+"""One call on a connection: its messages in both directions, and the status that ends it."""
 
 import asyncio
 import base64
@@ -16,28 +16,28 @@ from wildscav.server.http2.frames import LARGEST, Code, Flag, Kind, write_frame
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError, encode_refusal
 
 PREFIX = 5  # bytes before a message: whether it is compressed, and its length
-WAITING = 64  # messages of a stream that nobody has read
+UNREAD_LIMIT = 64  # messages of a stream that wait to be read
 
 
 class OpenStreams(Protocol):
-    """What a stream needs of the list of a connection's streams."""
+    """The part of a connection's calls that a stream needs."""
 
     def forget(self, stream: "Stream") -> None:
-        """Take a stream that has ended off the list."""
+        """Remove a stream that has ended."""
         ...
 
 
 class StreamConnection(Protocol):
-    """What a stream needs of the connection that it is on."""
+    """The part of a connection that a stream needs."""
 
     @property
     def allowance(self) -> Allowance:
-        """What the client may still cost."""
+        """The client's allowance of frames."""
         ...
 
     @property
     def flow(self) -> FlowControl:
-        """How much may be sent, either way."""
+        """The connection's flow control."""
         ...
 
     @property
@@ -46,35 +46,35 @@ class StreamConnection(Protocol):
         ...
 
     def send(self, content: bytes) -> None:
-        """Write something to the client."""
+        """Write data to the client."""
         ...
 
     def trust(self) -> None:
-        """Count the client as known."""
+        """Mark the client as known."""
         ...
 
 
 class Stream:
-    """A call, as its handler sees it. Its client can end it at any time: the handler is cancelled then.
+    """A call, as its handler sees it. If the client ends it, the handler is cancelled.
 
     Args:
-        connection: That it is on.
-        number: Of the stream.
-        headers: Of the request.
-        window: Bytes that the client takes of it.
-        limit: Bytes of a message.
+        connection: Its connection.
+        number: The stream's number.
+        headers: The request's headers.
+        window: Bytes that the client accepts on the stream.
+        limit: The largest message that the client may send, bytes.
     """
 
     __slots__ = (
-        "_arrived",
         "_begun",
         "_connection",
-        "_given",
         "_limit",
         "_messages",
         "_part",
         "_queued",
         "_reader",
+        "_received",
+        "_reopened",
         "ended_by_client",
         "finished",
         "headers",
@@ -90,32 +90,32 @@ class Stream:
         self._connection, self.number, self.headers, self.window = connection, number, headers, window
         self.task: asyncio.Task[None] | None = None  # runs the handler
         self._limit = limit
-        self.refusal: RefusalError | None = None  # why the handler was cancelled, if by what the client did
-        self.ended_by_client = False
-        self.finished = False  # whether the status was sent, or nobody is there to hear it
+        self.refusal: RefusalError | None = None  # the client's protocol violation, if there was one
+        self.ended_by_client = False  # whether the client sends nothing more
+        self.finished = False  # whether the status was sent or the client is gone
         self._begun = False  # whether the response's headers were sent
-        self._part = bytearray()  # of a message that is not all there
+        self._part = bytearray()  # an incomplete message
         self._messages: deque[bytes] = deque()
-        self._reader: asyncio.Future[None] | None = None  # done when there is something to be read
-        self._arrived = self._given = 0  # bytes that arrived, and those that room was made for again
+        self._reader: asyncio.Future[None] | None = None  # done when there is something to read
+        self._received = self._reopened = 0  # bytes received, and those by which the window was reopened
         self._queued = 0  # bytes of the messages that wait to be read
 
-    # What the handler calls.
+    # The interface for the handler.
 
     @property
     def path(self) -> str:
-        """The method that is called."""
+        """The path of the called method."""
         return self.headers.get(":path", "")
 
     def trust(self) -> None:
-        """Say that the client is known: it is in a seat, or an organizer."""
+        """Mark the client as known: it is in a seat, or an organizer."""
         self._connection.trust()
 
     async def read(self) -> bytes:
         """Return the next message.
 
         Raises:
-            StreamLostError: The client says no more.
+            StreamLostError: The client sends no more.
             ProtocolRefusalError: A message is too large, or compressed.
         """
         while not self._messages or self.refusal is not None:
@@ -130,31 +130,31 @@ class Stream:
                 self._reader = None
         message = self._messages.popleft()
         self._queued -= PREFIX + len(message)
-        self._make_room()
+        self._reopen_window()
         return message
 
-    def _make_room(self) -> None:
-        """Let the client send as much again as was taken in and is not waiting to be read."""
-        room = self._arrived - self._queued - self._given
-        if room >= WINDOW // 2:
-            self._given += room
-            self._connection.flow.make_room(room, 0 if self.ended_by_client else self.number)
+    def _reopen_window(self) -> None:
+        """Let the client send as much again as was received and is not queued."""
+        size = self._received - self._queued - self._reopened
+        if size >= WINDOW // 2:
+            self._reopened += size
+            self._connection.flow.reopen(size, 0 if self.ended_by_client else self.number)
 
     async def write(self, message: bytes) -> None:
-        """Send a message; returns when all of it is on its way.
+        """Send a message; returns when all of it is passed to the transport.
 
         Raises:
-            StreamLostError: Nobody is there any more.
+            StreamLostError: The client is gone.
         """
         content = b"\0" + len(message).to_bytes(4, "big") + message
-        self._connection.allowance.earn(len(content))
+        self._connection.allowance.refill(len(content))
         flow = self._connection.flow
         if len(content) <= min(LARGEST, self.window, flow.window) and not flow.full:
             self._send(content)
             return
         at = 0
         while at < len(content):
-            await flow.room_for(self)
+            await flow.wait_for_window(self)
             size = min(LARGEST, self.window, flow.window)
             self._send(content[at : at + size])
             at += size
@@ -167,7 +167,7 @@ class Stream:
         self._connection.send(self._head() + write_frame(Kind.DATA, 0, self.number, content))
 
     def _head(self) -> bytes:
-        """Return the frame of the response's headers, if it was not sent yet."""
+        """Return the frame of the response's headers if it was not sent yet, else nothing."""
         if self._begun:
             return b""
         self._begun = True
@@ -177,9 +177,9 @@ class Stream:
         """End the call; does nothing if it has ended.
 
         Args:
-            refusal: Why it is not served; none if it was.
-            code: The status of gRPC, if there is no refusal.
-            details: Of that status.
+            refusal: Why the call is refused; None if it is not.
+            code: The gRPC status code, if there is no refusal.
+            details: The details of that status.
         """
         if self.finished:
             return
@@ -199,31 +199,31 @@ class Stream:
         self._connection.send(frames)
         self._connection.calls.forget(self)
 
-    # What the connection calls.
+    # The interface for the connection.
 
-    def feed(self, content: bytes, taken: int) -> bool:
-        """Take a piece of what the client sends; return whether it completed a message.
+    def feed(self, content: bytes, size: int) -> bool:
+        """Process data from the client, and return whether it completed a message.
 
         Args:
-            content: The piece.
-            taken: Bytes that it takes of the windows, padding included.
+            content: The data.
+            size: Bytes that it uses of the windows, padding included.
         """
-        self._arrived += taken
+        self._received += size
         complete = False
         if self.refusal is None and not self.finished:
             self._part += content
-            complete = self._complete()
-            self._make_room()
+            complete = self._queue_complete()
+            self._reopen_window()
         self.wake()
         return complete
 
     @property
     def unread(self) -> int:
-        """Bytes that have arrived and for which no room was made again."""
-        return self._arrived - self._given
+        """Bytes that were received and by which the window was not reopened yet."""
+        return self._received - self._reopened
 
-    def _complete(self) -> bool:
-        """Take the messages out of what has arrived that are all there."""
+    def _queue_complete(self) -> bool:
+        """Queue the messages that are complete, and return whether there were any."""
         part, complete = self._part, False
         while len(part) >= PREFIX:
             length = int.from_bytes(part[1:PREFIX], "big")
@@ -236,8 +236,8 @@ class Stream:
             self._queued += PREFIX + length
             del part[: PREFIX + length]
             complete = True
-        if len(self._messages) > WAITING:
-            self.refusal = ProtocolRefusalError("FLOOD", f"sent {WAITING} messages ahead")
+        if len(self._messages) > UNREAD_LIMIT:
+            self.refusal = ProtocolRefusalError("FLOOD", f"sent {UNREAD_LIMIT} messages ahead")
         if self.refusal is not None:
             part.clear()
         return complete
@@ -253,15 +253,15 @@ class Stream:
         )
 
     def wake(self) -> None:
-        """Have the handler look again."""
+        """Wake the handler if it waits for a message."""
         if self._reader is not None and not self._reader.done():
             self._reader.set_result(None)
 
-    def break_off(self, refusal: RefusalError | None = None) -> None:
-        """End the call from the client's side: nobody hears what it is told now.
+    def abort(self, refusal: RefusalError | None = None) -> None:
+        """End the call without a status, because the client is gone.
 
         Args:
-            refusal: What the client did, if it is to blame for more than to have gone.
+            refusal: What the client did, if it has violated the protocol.
         """
         self.finished = True
         self.refusal = self.refusal or refusal
@@ -270,7 +270,7 @@ class Stream:
 
 
 def header_block(headers: "list[tuple[str, str]]") -> bytes:
-    """Return headers as HPACK writes them, without any use of its table: so they need no state."""
+    """Return headers encoded by HPACK without its dynamic table, so that the encoding needs no state."""
     return Encoder().encode([NeverIndexedHeaderTuple(*header) for header in headers], huffman=False)
 
 

@@ -1,1 +1,1 @@
-"""A server of several processes: a dispatcher for organizers, and supervised workers that play matches."""
+"""A server with several processes: a dispatcher for organizers, and supervised workers that play matches."""

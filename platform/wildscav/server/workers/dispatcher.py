@@ -1,4 +1,4 @@
-"""The dispatcher of a shared server: it opens matches at the workers and asks them how they stand."""
+"""The dispatcher of a shared server: it forwards organizers' calls to the workers."""
 
 from collections.abc import Awaitable, Sequence
 from itertools import count
@@ -16,13 +16,13 @@ State = GetMatchResponse.State
 
 
 class Dispatcher:
-    """Serves the Arena service at one address of a shared server, by means of its workers.
+    """Implements the Arena service at one address of a shared server by forwarding calls to its workers.
 
-    A match's id is ``WORKER.GENERATION-ID``: it says who plays it, and whether that process is there yet.
+    A match's id is ``WORKER.GENERATION-ID``: it identifies the worker, and the process of that worker.
 
     Args:
-        workers: Take turns.
-        place: Which one of a worker's addresses goes with this one.
+        workers: The workers, which take turns.
+        place: Index of the address among those of the server, and of its seats' address among a worker's.
     """
 
     def __init__(self, workers: Sequence[WorkerSupervisor], place: int) -> None:
@@ -30,12 +30,12 @@ class Dispatcher:
         self._turns = count()
 
     async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
-        """Open a match at the worker whose turn it is, or at the next one that has room."""
-        return await _refused(self._host(request))
+        """Open a match at the next worker in turn that has room."""
+        return await _forward_refusal(self._host(request))
 
     async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
-        """Tell how a match stands. See ``routes.ArenaHandler``."""
-        return await _refused(self._get(request.match_id))
+        """Return the state of a match. See ``routes.ArenaHandler``."""
+        return await _forward_refusal(self._get(request.match_id))
 
     async def _host(self, request: HostMatchRequest) -> HostMatchResponse:
         full: Exception | None = None
@@ -44,7 +44,7 @@ class Dispatcher:
             try:
                 hosted: HostMatchResponse = await worker.arena.HostMatch(request)
             except (WorkerLostError, grpc.aio.AioRpcError) as error:
-                if not _is_elsewhere_possible(error):
+                if not _may_succeed_elsewhere(error):
                     raise
                 full = error
                 continue
@@ -59,10 +59,10 @@ class Dispatcher:
 
     async def _get(self, match_id: str) -> GetMatchResponse:
         unknown = RefusalError(
-            grpc.StatusCode.NOT_FOUND, "MATCH_UNKNOWN", f"there is no match {match_id!r}, or no more"
+            grpc.StatusCode.NOT_FOUND, "MATCH_UNKNOWN", f"there is no match {match_id!r}, or no longer"
         )
-        who, _, own = match_id.partition("-")
-        number, _, generation = who.partition(".")
+        process, _, own = match_id.partition("-")
+        number, _, generation = process.partition(".")
         workers = {str(worker.number): worker for worker in self._workers}
         worker = workers.get(number)
         if worker is None or not generation.isdecimal() or int(generation) > worker.generation:
@@ -77,20 +77,20 @@ class Dispatcher:
             if error.code() != grpc.StatusCode.UNAVAILABLE:
                 raise
         return GetMatchResponse(
-            state=State.STATE_FAILED, error=f"the platform failed: worker {number} ended in the middle of it"
+            state=State.STATE_FAILED, error=f"the platform failed: worker {number} ended during the match"
         )
 
 
-async def _refused(call: Awaitable[Answer]) -> Answer:
-    """Wait for a worker's answer; what it refuses is refused in its words."""
+async def _forward_refusal(call: Awaitable[Answer]) -> Answer:
+    """Wait for a worker's answer, and forward a refusal."""
     try:
         return await call
     except grpc.aio.AioRpcError as error:
         raise RefusalError(error.code(), reason_of(error), error.details() or "the worker refused") from error
 
 
-def _is_elsewhere_possible(error: Exception) -> bool:
-    """Return whether another worker might take a match that one did not."""
+def _may_succeed_elsewhere(error: Exception) -> bool:
+    """Return whether another worker may accept a match that one did not."""
     if isinstance(error, grpc.aio.AioRpcError):
         return error.code() == grpc.StatusCode.UNAVAILABLE or reason_of(error) == "ARENA_FULL"
     return True

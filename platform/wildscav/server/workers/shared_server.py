@@ -1,7 +1,7 @@
-"""A server that many share: a dispatcher for organizers, and worker processes that play the matches.
+"""A shared server: a dispatcher for organizers, and worker processes that play the matches.
 
-One event loop keeps one processor core busy, so there is a worker a core. A match is one worker's from its
-start to its end; its seats are joined there, at an address of the worker's own.
+One event loop uses one processor core, so there is one worker per core. A match stays at one worker from
+start to end; its seats are joined at that worker's own address.
 """
 
 import asyncio
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
 
 class SharedServer:
-    """Hosts matches in several processes. Make it inside an event loop.
+    """Hosts matches in several processes. Construct it inside an event loop.
 
     Args:
-        workers: How many processes, at least 1.
-        organizer_token: The secret that opening a match asks for; needed on addresses that others can reach.
-        certificate: How its ports are encrypted; they are not if none.
-        insecure: Whether other machines may come without that.
-        log_format: Of the lines on stderr for what happens; none if None.
-        metrics_port: Of the first worker's metrics, on this machine alone; the others' follow. 0 takes free
-            ones; None: none are served.
+        workers: Number of processes, at least 1.
+        organizer_token: The secret that is needed to open a match; required on public addresses.
+        certificate: The certificate for TLS on its ports; None for no encryption.
+        insecure: Whether other machines may connect without TLS.
+        log_format: Format of the log lines on stderr; None writes no log.
+        metrics_port: Local port of the first worker's metrics; the other workers use the ports after it. 0
+            takes free ports, and None serves no metrics.
     """
 
     def __init__(
@@ -70,11 +70,11 @@ class SharedServer:
                 listens for seats at ``unix:/path.n`` or at ``port + n``.
 
         Returns:
-            The same, with the ports taken.
+            The same addresses with their actual ports.
 
         Raises:
-            AddressInUseError: An address cannot be had.
-            UserError: An address is malformed or open to others without a token, or a worker cannot start.
+            AddressInUseError: An address cannot be bound.
+            UserError: An address is malformed, or public without TLS or a token, or a worker cannot start.
         """
         try:
             for address in addresses:
@@ -95,13 +95,13 @@ class SharedServer:
         return [endpoint.address for endpoint in self._endpoints]
 
     async def _start_workers(self) -> None:
-        """Start all of them, and wait until each is ready or has failed."""
+        """Start all workers, and wait until each is ready or has failed."""
         started = await asyncio.gather(*(worker.start() for worker in self.workers), return_exceptions=True)
         for failure in filter(None, started):
             raise failure
 
     def _bind(self, addresses: Sequence[str]) -> None:
-        """Take the organizers' addresses, though nobody is let in yet."""
+        """Bind the organizers' addresses, without accepting connections yet."""
         for place, address in enumerate(addresses):
             routes = arena_routes(Dispatcher(self.workers, place), self._organizer)
             self._endpoints.append(
@@ -129,7 +129,7 @@ class SharedServer:
         )
 
     async def stop(self) -> None:
-        """End the workers, their matches with them, and close all connections."""
+        """Stop the workers, which cancels their matches, and close all connections."""
         for endpoint in self._endpoints:
             endpoint.announce_end()
         await asyncio.gather(*(worker.stop() for worker in self.workers))
@@ -138,11 +138,11 @@ class SharedServer:
 
 
 def _ignore(address: str, reason: str) -> None:
-    """Hear of a flood: where organizers call, no seat is to blame."""
+    """Ignore a flood: at organizers' addresses, no seat is to blame."""
 
 
 def beside(address: str, number: int) -> str:
-    """Return the address of a worker's seats that goes with an organizers' address."""
+    """Return the address of a worker's seats that belongs to an organizers' address."""
     if address.startswith(UNIX):
         return f"{address}.{number}"
     host, port = split(address)

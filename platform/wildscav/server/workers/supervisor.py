@@ -1,4 +1,4 @@
-"""The workers of a shared server, as their server sees them: started, watched, started again, and stopped."""
+"""Supervision of a shared server's workers: they are started, restarted when they end, and stopped."""
 
 import asyncio
 import contextlib
@@ -13,10 +13,10 @@ from wildscav.monitoring.logs import Log
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.server.workers.worker import WorkerConfig, WorkerReady
 
-RESTART_DELAY = 1.0  # s until a worker that ended is started again
-START_TIMEOUT = 600.0  # s that a worker has to get ready: it may have to compile
+RESTART_DELAY = 1.0  # s until a worker that ended is restarted
+START_TIMEOUT = 600.0  # s that a worker has to get ready; it may have to compile the engine
 STOP_TIMEOUT = 10.0  # s that a worker has to stop by itself
-UNLIMITED = -1  # bytes: records come as large as they are
+UNLIMITED = -1  # bytes of a message, because records can be large
 
 
 class WorkerLostError(WildscavError):
@@ -24,31 +24,31 @@ class WorkerLostError(WildscavError):
 
 
 class WorkerSupervisor:
-    """One worker process, started again whenever it ends.
+    """One worker process, restarted whenever it ends.
 
     Args:
-        config: What it is to do.
-        log: Where to write that it ended.
+        config: The worker's configuration.
+        log: Where to write that the worker ended.
     """
 
     def __init__(self, config: WorkerConfig, log: Log) -> None:
         self.number = config.number  # from 1
         self.generation = 0  # how many processes it has had
-        self.seats: Sequence[str] = ()  # addresses at which seats of its matches are joined
-        self.metrics: str | None = None  # where its metrics are served
+        self.seats: Sequence[str] = ()  # addresses at which the seats of its matches are joined
+        self.metrics: str | None = None  # URL of its metrics
         self._config, self._log = config, log
         self._process: asyncio.subprocess.Process | None = None
         self._channel: grpc.aio.Channel | None = None
-        self._keeper: asyncio.Task[None] | None = None
+        self._restarter: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
-        """Start its process, and go on starting it.
+        """Start its process, and restart it from now on whenever it ends.
 
         Raises:
-            UserError: It cannot do what it is to.
+            UserError: The process cannot start.
         """
         await self._start_process()
-        self._keeper = asyncio.create_task(self._keep())
+        self._restarter = asyncio.create_task(self._restart_forever())
 
     async def _start_process(self) -> None:
         self._process = process = await asyncio.create_subprocess_exec(
@@ -62,7 +62,7 @@ class WorkerSupervisor:
             await _kill(process)
             raise
         self.seats, self.metrics = ready.seats, ready.metrics
-        self._config = self._config._replace(seats=ready.seats)  # the same again, if it must be
+        self._config = self._config._replace(seats=ready.seats)  # a restarted process uses the same ports
         self.generation += 1
         self._channel = grpc.aio.insecure_channel(
             self._config.arena, options=[("grpc.max_receive_message_length", UNLIMITED)]
@@ -72,7 +72,7 @@ class WorkerSupervisor:
         """Send a process its configuration, and return its answer.
 
         Raises:
-            UserError: It cannot do that, or gives no answer that can be understood.
+            UserError: It cannot start with that configuration, or its answer is invalid.
         """
         if process.stdin is None or process.stdout is None:
             raise RuntimeError("a worker has pipes")
@@ -89,45 +89,45 @@ class WorkerSupervisor:
         except TimeoutError:
             raise UserError(f"worker {self.number} did not start within {START_TIMEOUT:g} s") from None
         except (ValueError, TypeError):
-            said = line[:100].decode(errors="replace").strip()
-            raise UserError(f"worker {self.number} did not start: it said {said!r}") from None
+            answer = line[:100].decode(errors="replace").strip()
+            raise UserError(f"worker {self.number} did not start: it answered {answer!r}") from None
         if ready.error:
             raise UserError(ready.error, ready.exit_code)
         return ready
 
-    async def _keep(self) -> None:
-        """Start its process again and again."""
+    async def _restart_forever(self) -> None:
+        """Restart the process whenever it ends."""
         while self._process is not None:
             code = await self._process.wait()
             self._log.warning("worker_ended", worker=self.number, exit_code=code, fault="platform")
             await asyncio.sleep(RESTART_DELAY)
             await self._close()
-            while not await self._is_started_again():  # noqa: ASYNC110 - it is tried, not waited for
+            while not await self._try_start():  # noqa: ASYNC110 - this retries, it does not poll
                 await asyncio.sleep(RESTART_DELAY)
 
-    async def _is_started_again(self) -> bool:
+    async def _try_start(self) -> bool:
         try:
             await self._start_process()
-        except (UserError, OSError) as error:  # it is tried again: what is short now may be there later
+        except (UserError, OSError) as error:  # the caller tries again, because the cause may be temporary
             self._log.warning("worker_did_not_start", worker=self.number, error=str(error))
             return False
         return True
 
     @property
     def arena(self) -> ArenaStub:
-        """What its matches are opened and asked for with.
+        """The client of its Arena service.
 
         Raises:
-            WorkerLostError: Its process has ended and no new one is ready.
+            WorkerLostError: Its process has ended, and the new one is not ready yet.
         """
         if self._channel is None or self._process is None or self._process.returncode is not None:
-            raise WorkerLostError(f"worker {self.number} is being started again")
+            raise WorkerLostError(f"worker {self.number} is being restarted")
         return ArenaStub(self._channel)
 
     async def stop(self) -> None:
-        """End its process; its matches are cancelled."""
-        if self._keeper is not None:
-            self._keeper.cancel()
+        """Stop its process, which cancels its matches."""
+        if self._restarter is not None:
+            self._restarter.cancel()
         await self._close()
         process = self._process
         if process is None or process.returncode is not None:

@@ -1,8 +1,8 @@
-"""A worker of a shared server: a process with an event loop and matches of its own.
+"""A worker of a shared server: a process with its own event loop and matches.
 
-``supervisor`` starts it as ``python -m wildscav.server.workers.worker``. Its configuration
-is one line of JSON on its standard input, its answer is one on its standard output, and it ends when its
-input does: at the latest with whoever started it.
+``supervisor`` starts it as ``python -m wildscav.server.workers.worker``. The worker reads its configuration
+as one line of JSON from its standard input, and answers with one line on its standard output. It ends when
+its input is closed, and so at the latest when the process that started it ends.
 """
 
 import asyncio
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 
 
 class WorkerConfig(NamedTuple):
-    """What a worker is to do."""
+    """The configuration of a worker."""
 
     seats: Sequence[str]  # addresses to listen on for seats
-    arena: str  # the address at which it is given matches
-    number: int  # in log lines
-    certificate: Sequence[Any] | None = None  # of its ports, as in ``Certificate``
-    insecure: bool = False  # whether other machines may come without it
+    arena: str  # the address of its Arena service, for the dispatcher
+    number: int  # its number in log lines
+    certificate: Sequence[Any] | None = None  # for TLS on its ports, the fields of ``Certificate``
+    insecure: bool = False  # whether other machines may connect without TLS
     log_format: "LogFormat | None" = None
     metrics_port: int | None = None
 
@@ -39,9 +39,9 @@ class WorkerConfig(NamedTuple):
 class WorkerReady(NamedTuple):
     """A worker's answer."""
 
-    seats: Sequence[str] = ()  # the addresses taken
-    metrics: str | None = None  # where they are served
-    error: str = ""  # why it cannot do what it is to; it has ended then
+    seats: Sequence[str] = ()  # its actual addresses
+    metrics: str | None = None  # URL of its metrics
+    error: str = ""  # why it cannot start; it ends then
     exit_code: int = 1
 
 
@@ -49,7 +49,7 @@ async def _work(config: WorkerConfig) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     loop.add_signal_handler(signal.SIGTERM, stopped.set)
-    loop.add_reader(sys.stdin.fileno(), stopped.set)  # there is nothing more to read but its end
+    loop.add_reader(sys.stdin.fileno(), stopped.set)  # nothing more comes but the end of the input
     try:
         tls = Certificate(*config.certificate).context() if config.certificate else None
     except UserError as error:
@@ -74,12 +74,12 @@ async def _work(config: WorkerConfig) -> None:
 
 
 def _answer(ready: WorkerReady) -> None:
-    print(json.dumps(ready._asdict()), flush=True)  # noqa: T201 - its standard output is for this
+    print(json.dumps(ready._asdict()), flush=True)  # noqa: T201 - the answer goes to standard output
 
 
 def main() -> None:
     """Read the configuration and work until told to stop."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes; who started this one ends it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent, which also gets a Ctrl-C, stops this process
     config: dict[str, Any] = json.loads(sys.stdin.readline())
     asyncio.run(_work(WorkerConfig(**config)))
 

@@ -50,7 +50,7 @@ def test_show_names_its_picture_for_what_it_shows_and_says_what_it_replaces(
     }
     tmp_path.joinpath(f"{NAME}.png").write_bytes(b"older")
     done = wildscav_map("show", *SMALL, "--width", 300)
-    assert done.stdout.endswith(" pixels, in place of the file that was there\n")
+    assert done.stdout.endswith(" pixels, replacing the file that was there\n")
     assert tmp_path.joinpath(f"{NAME}.png").read_bytes() != b"older"
 
 
@@ -102,7 +102,10 @@ def test_options_stand_over_the_file_and_a_file_may_be_toml(
         (["show", "--seed", "-1"], "seed: Input should be greater than or equal to 0, not -1"),
         (["show", "--size", "30"], "size: Input should be greater than or equal to 40, not 30"),
         (["show", "--density", "medium"], "density: Input should be 'low' or 'high', not 'medium'"),
-        (["show", "--storeys", "many"], "storeys is 'many', must be a number from 1 to 4, or two, as 1-3"),
+        (
+            ["show", "--storeys", "many"],
+            "storeys is 'many', must be a number from 1 to 4, or a range such as 1-3",
+        ),
         (["show", "--storeys", "3-2"], "storeys is (3, 2): the first number must not be above the second"),
         (["info", "--size", "60", "--houses", "200"], "houses is 200"),
         (["show", *map(str, SMALL), "--storey", "9"], "storey is 9, must be 1 to"),

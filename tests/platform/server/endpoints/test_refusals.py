@@ -107,7 +107,7 @@ def action(step: int) -> ClientMessage:
 @pytest.mark.parametrize(
     ("nonsense", "reason", "detail"),
     [
-        ([b"\xff\xff\xff"], "PROTOCOL_ERROR", "no ClientMessage"),
+        ([b"\xff\xff\xff"], "PROTOCOL_ERROR", "not a ClientMessage"),
         ([ClientMessage()], "PROTOCOL_ERROR", "must be an Action"),
         ([join("again")], "PROTOCOL_ERROR", "must be an Action"),
         ([ClientMessage(ready=Ready())], "PROTOCOL_ERROR", "must be an Action"),
@@ -151,7 +151,7 @@ def test_a_stream_begins_with_a_join(tmp_path: Path, first: ClientMessage | byte
 
 
 def test_a_stream_that_says_nothing_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wildscav.server.endpoints.match_service.JOIN_TIME", 0.2)
+    monkeypatch.setattr("wildscav.server.endpoints.match_service.JOIN_TIMEOUT", 0.2)
 
     async def play(server: MatchServer, address: str) -> None:
         async with connected(address) as client:

@@ -71,9 +71,9 @@ def test_with_a_client_ca_only_known_clients_play(tmp_path: Path) -> None:
     )
 
     assert known == (0, "")
-    for (code, said), shown in ((unknown, "none"), (wrong, "the one shown")):
+    for (code, said), problem in ((unknown, "none is given"), (wrong, "the one given is not accepted")):
         assert (code, len(said.splitlines())) == (4, 1), said
-        assert f"it wants a client's certificate, and {shown} is not accepted" in said
+        assert f"it requires a client's certificate, and {problem}" in said
 
 
 def test_a_certificate_that_is_not_to_be_trusted_is_told_in_a_line(tmp_path: Path) -> None:
@@ -93,7 +93,7 @@ def test_a_client_without_tls_is_told_that_the_server_speaks_it(tmp_path: Path) 
     code, said = joined(tmp_path, guarded(Authority(tmp_path, "authority").sign("server")))
 
     assert (code, len(said.splitlines())) == (4, 1), said
-    assert "it speaks TLS; name its authority with --ca or WILDSCAV_CA" in said
+    assert "it uses TLS; name its authority with --ca or WILDSCAV_CA" in said
 
 
 def test_files_that_are_no_certificates_are_named(tmp_path: Path) -> None:
@@ -104,9 +104,9 @@ def test_files_that_are_no_certificates_are_named(tmp_path: Path) -> None:
 
     for files, why in (
         (Certificate(missing, str(one.key)), "missing.pem: No such file"),
-        (Certificate(str(one.cert), str(other.key)), "no certificate with its key: key values mismatch"),
-        (Certificate(str(nonsense), str(one.key)), "no certificate with its key"),
-        (Certificate(str(one.cert), str(one.key), str(nonsense)), "nonsense.pem holds no certificate"),
+        (Certificate(str(one.cert), str(other.key)), "not a certificate and its key: key values mismatch"),
+        (Certificate(str(nonsense), str(one.key)), "not a certificate and its key"),
+        (Certificate(str(one.cert), str(one.key), str(nonsense)), "nonsense.pem contains no certificate"),
     ):
         with pytest.raises(UserError, match=why) as caught:
             files.context()

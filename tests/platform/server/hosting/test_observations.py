@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tests.platform.helpers.seats import small_spec
 
 from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
-from wildscav.server.hosting.observation_encoding import ROOM, put_observations
+from wildscav.server.hosting.observation_encoding import BUFFER_SIZE, put_observations
 from wildscav.server.hosting.observations import SeatObservations
 from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.simulation.match import Match
@@ -171,7 +171,7 @@ def test_a_number_that_no_seat_can_be_sent_is_our_mistake_and_never_garbage() ->
 def test_the_longest_observation_has_room() -> None:
     match = scrambled(seed=1, largest=2**31 - 1, fully=True)
     lengths = {len(content) for content in sent(match, list(range(match.seats)))}
-    assert 2950 < max(lengths) < 3050 < ROOM  # seats above 127 would take 17 bytes more
+    assert 2950 < max(lengths) < 3050 < BUFFER_SIZE  # seats above 127 would take 17 bytes more
 
 
 def scrambled(seed: int, largest: int, *, fully: bool = False) -> Match:

@@ -120,7 +120,7 @@ def test_a_seat_that_sends_its_answers_byte_by_byte_is_put_out(
         put_out = (
             SeatStatus.PROTOCOL_ERROR,
             0,
-            "flooded its connection with frames that say nothing or come in scraps",
+            "flooded its connection with frames that carry no message, or in pieces",
         )
         assert told == (("finished", 10, "") if bearable else put_out)
 

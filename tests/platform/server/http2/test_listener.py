@@ -10,7 +10,7 @@ from pathlib import Path
 from tests.platform.helpers.certificates import Authority
 
 from wildscav.server.endpoints.tls import Certificate
-from wildscav.server.http2.allowance import Share
+from wildscav.server.http2.allowance import TimeShare
 from wildscav.server.http2.encryption import Encryption
 from wildscav.server.http2.listener import Listener
 
@@ -19,7 +19,7 @@ UNKNOWN_FRAME = bytes([0, 0x40, 0, 0xFF, 0, 0, 0, 0, 0])  # 16,384 bytes of a ki
 REST = 0.005  # s that unknown clients wait after each thing that was done for one
 
 
-class OneThingAtATime(Share):
+class OneThingAtATime(TimeShare):
     """A share that is used up by whatever is done, and back after a rest."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
@@ -112,7 +112,7 @@ def test_an_encrypted_message_longer_than_a_record_arrives_whole(tmp_path: Path)
         with suppress(ssl.SSLWantReadError):
             client.do_handshake()
         assert here.decrypt(outgoing.read()) == b""
-        incoming.write(here.own_words())
+        incoming.write(here.pending_output())
 
     incoming.write(here.encrypt(message))
     arrived = b""

@@ -99,7 +99,7 @@ def test_a_worker_that_dies_fails_its_matches_alone_and_comes_back(tmp_path: Pat
         os.kill(worker._process.pid, signal.SIGKILL)  # type: ignore[union-attr]
         answer = await state(arena, lost.match_id)
         assert answer.state == State.STATE_FAILED
-        assert answer.error == "the platform failed: worker 1 ended in the middle of it"
+        assert answer.error == "the platform failed: worker 1 ended during the match"
         code, said = await ended(agents[0])
         assert (code, "went away" in said) == (4, True), said
         meanwhile = await arena.HostMatch(request(seconds=0.5))  # whose turn it is may be gone

@@ -53,9 +53,9 @@ def started(notes: Notes) -> WorkerSupervisor:
 @pytest.mark.parametrize(
     ("code", "why"),
     [
-        ("input(); print('good morning')", "it said 'good morning'"),
-        ("input(); print(dict(tables=3))", "it said .*tables"),
-        ("input(); print('[1, 2]')", "it said '.1, 2.'"),
+        ("input(); print('good morning')", "it answered 'good morning'"),
+        ("input(); print(dict(tables=3))", "it answered .*tables"),
+        ("input(); print('[1, 2]')", "it answered '.1, 2.'"),
         ("import sys; sys.exit(7)", "it ended with 7"),
         ("import time; time.sleep(100)", "did not start within 0.5 s"),
     ],
