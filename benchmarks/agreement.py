@@ -1,4 +1,4 @@
-"""Whether depth maps and Embree see the same, and why not where they do not."""
+"""Check that depth maps agree with Embree, and explain the pixels that differ."""
 
 from collections import Counter
 
@@ -12,16 +12,16 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.sensors import DepthCamera
 
 CLOSE = 0.01  # m of planar depth
-TURN = 1e-4  # rad, to a ray a hair aside
-ON_SURFACE = 1e-3  # m between a hit and the plane of the triangle that the other tracer meets
+TURN = 1e-4  # rad, between a ray and its slightly turned copies
+ON_SURFACE = 1e-3  # m between a hit and the plane of the triangle that the other tracer hits
 REASONS = {
-    "silhouette": "Embree meets a hair aside (1e-4 rad) what ours meets there",
-    "grazing": "both meet one triangle's plane, under so small an angle that rounding shifts the hit",
-    "far": "both meet it where rays end",
-    "leaves the map": "met beyond the edge of the map, where nothing is found",
-    "crack": "Embree passes between two triangles; all around it meets what ours meets",
-    "starts inside": "the eye is in a solid or below the ground, which the mesh does not tell",
-    "unexplained": "must be none",
+    "silhouette": "turned by 1e-4 rad, Embree's ray hits what ours hits",
+    "grazing": "both hit the plane of one triangle, at so small an angle that rounding shifts the hit",
+    "far": "both hit it at the end of the ray's reach",
+    "leaves the map": "the hit is beyond the edge of the map, where ours finds nothing",
+    "crack": "Embree's ray passes between two triangles; all rays around it hit what ours hits",
+    "starts inside": "the eye is in a solid or below the ground, which the mesh does not show",
+    "unexplained": "must be 0",
 }
 
 
@@ -38,14 +38,14 @@ def check(
     reasons: Counter[str] = Counter()
     for pose, image in zip(zip(*poses, strict=True), images, strict=True):
         position, yaw, pitch = pose
-        ways = directions(yaw, pitch, *size)
-        along = ways @ directions(yaw, pitch, 1, 1)[0]
+        pixel_directions = directions(yaw, pitch, *size)
+        along = pixel_directions @ directions(yaw, pitch, 1, 1)[0]
         origins, rays = rays_of(position, yaw, pitch, *size)
-        reach = np.full(len(ways), far, np.float32)
+        reach = np.full(len(pixel_directions), far, np.float32)
         theirs = np.asarray(tracer.distances(origins, rays, reach), np.float64)
         depth = np.where(theirs >= np.float32(far), far, theirs * along)
         for ray in np.flatnonzero(~(np.abs(image.reshape(-1) - depth) <= CLOSE)):
-            case = _Difference(game_map, mesh, tracer, position, ways[ray], far)
+            case = _Difference(game_map, mesh, tracer, position, pixel_directions[ray], far)
             ours = min(far, float(image.reshape(-1)[ray] / along[ray]))
             ours = far if image.reshape(-1)[ray] >= far else ours
             reasons[case.reason(ours, float(theirs[ray]))] += 1
@@ -63,7 +63,7 @@ def check(
 
 
 class _Difference:
-    """One ray that two tracers answer differently."""
+    """A ray for which the two tracers give different distances."""
 
     def __init__(
         self,
@@ -71,14 +71,14 @@ class _Difference:
         mesh: Mesh,
         tracer: Tracer,
         eye: NDArray[np.float64],
-        way: NDArray[np.float64],
+        direction: NDArray[np.float64],
         far: float,
     ) -> None:
         self.world, self.mesh, self.tracer, self.eye, self.far = game_map.world, mesh, tracer, eye, far
-        self.way, self.aside = way, _a_hair_aside(way)
+        self.direction, self.turned = direction, _turned_slightly(direction)
 
     def reason(self, ours: float, theirs: float) -> str:
-        """Return why two distances in m differ, one of REASONS."""
+        """Return the reason why two distances in m differ: a key of REASONS."""
         if ours == 0.0:
             return "starts inside"
         if abs(ours - theirs) <= 2.0 * CLOSE and max(ours, theirs) >= self.far - CLOSE:
@@ -87,49 +87,50 @@ class _Difference:
             return "leaves the map"
         if self._grazes(ours):
             return "grazing"
-        # Only Embree is asked again, so that a fault of ours cannot explain itself.
-        near = np.abs(self._theirs_aside() - ours) <= _slack(ours)
+        # Only Embree traces more rays, so that a fault of ours cannot explain itself.
+        near = np.abs(self._theirs_turned() - ours) <= _slack(ours)
         if near.all() and theirs > ours:
             return "crack"
         return "silhouette" if near.any() else "unexplained"
 
     def _over_map(self, distance: float) -> bool:
         size = CELL * np.array(self.world.water.shape[::-1])
-        place = (self.eye + self.way * distance)[[0, 2]] - self.world.corner
+        place = (self.eye + self.direction * distance)[[0, 2]] - self.world.corner
         return bool(np.all(place >= 0.0) and np.all(place <= size))
 
     def _grazes(self, ours: float) -> bool:
-        """Return whether our hit lies on the plane of the triangle that Embree meets."""
-        triangle = int(self._embree(self.way[None], self.tracer.triangles)[0])
+        """Return whether our hit lies on the plane of the triangle that Embree hits."""
+        triangle = int(self._embree(self.direction[None], self.tracer.triangles)[0])
         if triangle < 0:
             return False
         a, b, c = self.mesh.vertices[self.mesh.triangles[triangle]].astype(np.float64)
         normal = np.cross(b - a, c - a)
         normal /= np.linalg.norm(normal)
         return bool(
-            abs(normal @ self.way) < 0.1 and abs(normal @ (self.eye + self.way * ours - a)) < ON_SURFACE
+            abs(normal @ self.direction) < 0.1
+            and abs(normal @ (self.eye + self.direction * ours - a)) < ON_SURFACE
         )
 
-    def _embree(self, ways: NDArray[np.float64], query: object) -> NDArray[np.generic]:
-        reach = np.full(len(ways), self.far, np.float32)
-        origins = np.tile(self.eye.astype(np.float32), (len(ways), 1))
-        return query(origins, ways.astype(np.float32), reach)  # type: ignore[operator, no-any-return]
+    def _embree(self, rays: NDArray[np.float64], query: object) -> NDArray[np.generic]:
+        reach = np.full(len(rays), self.far, np.float32)
+        origins = np.tile(self.eye.astype(np.float32), (len(rays), 1))
+        return query(origins, rays.astype(np.float32), reach)  # type: ignore[operator, no-any-return]
 
-    def _theirs_aside(self) -> NDArray[np.float64]:
-        return np.asarray(self._embree(self.aside, self.tracer.distances), np.float64)
+    def _theirs_turned(self) -> NDArray[np.float64]:
+        return np.asarray(self._embree(self.turned, self.tracer.distances), np.float64)
 
 
 def _slack(distance: float) -> float:
-    """Return how far in m hits a hair aside lie apart, on a surface that is not seen edge-on."""
+    """Return the distance in m between hits of slightly turned rays, on a surface not seen edge-on."""
     return CLOSE + 2.0 * TURN * distance
 
 
-def _a_hair_aside(way: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (4, 3) unit vectors: to the right, left, up and down of one."""
-    helper = np.array([0.0, 1.0, 0.0]) if abs(way[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    right = np.cross(helper, way)
+def _turned_slightly(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (4, 3) unit vectors: a direction turned slightly to the right, left, up and down."""
+    helper = np.array([0.0, 1.0, 0.0]) if abs(direction[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    right = np.cross(helper, direction)
     right /= np.linalg.norm(right)
-    up = np.cross(way, right)
-    turned = way + TURN * np.array([right, -right, up, -up])
+    up = np.cross(direction, right)
+    turned = direction + TURN * np.array([right, -right, up, -up])
     unit: NDArray[np.float64] = turned / np.linalg.norm(turned, axis=1)[:, None]
     return unit

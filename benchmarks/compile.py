@@ -1,4 +1,4 @@
-"""How long the first match takes with nothing compiled and no map made, and with both kept from before."""
+"""Time to the first depth map of a match, with empty caches and with compiled code and the map cached."""
 
 import json
 import os
@@ -10,7 +10,7 @@ import time
 import typer
 from report import Figure, JsonFile, publish
 
-# Prints, for each phase, its seconds and those of them that the processor worked for it.
+# Prints the wall-clock seconds and the processor seconds of each phase.
 FIRST_STEP = """
 import json, time
 phases, last = [], (time.perf_counter(), time.process_time())
@@ -41,7 +41,7 @@ Phase = tuple[str, float, float]
 
 
 def run(cache: str) -> list[Phase]:
-    """Return the phases of a new process up to its first depth map, the start of Python first."""
+    """Return the phases of a new process up to its first depth map, beginning with the start of Python."""
     started = time.perf_counter()
     environment = {**os.environ, "WILDSCAV_CACHE_DIR": cache}
     done = subprocess.run(
@@ -49,8 +49,8 @@ def run(cache: str) -> list[Phase]:
     )
     took = time.perf_counter() - started
     phases = [(name, seconds, worked) for name, seconds, worked in json.loads(done.stdout)]
-    beside = took - total(phases)
-    return [("start and end of Python", beside, beside), *phases]
+    remaining = took - total(phases)
+    return [("start and end of Python", remaining, remaining), *phases]
 
 
 def total(phases: list[Phase]) -> float:
@@ -75,7 +75,7 @@ def main(json_file: JsonFile = None) -> None:
     with tempfile.TemporaryDirectory() as cache:
         cold = run(cache)
         warm = min((run(cache) for _ in range(3)), key=total)
-    figures = [*figures_of("nothing compiled", cold), *figures_of("compiled, map kept", warm)]
+    figures = [*figures_of("nothing compiled", cold), *figures_of("compiled, map cached", warm)]
     publish("Engine: compile time", figures, json_file)
 
 

@@ -1,8 +1,8 @@
-"""A bare ``grpc.aio`` stream that carries the messages of a match to and fro: the least that a step can cost.
+"""A bare ``grpc.aio`` stream that carries the messages of a match: the least that a step can cost.
 
-``python echo.py serve ADDRESS MESSAGES`` sends the messages of a file one after the other, each when the last
-was answered; ``python echo.py play ADDRESS ROUNDS`` answers, and prints rounds a second. Both parse what they
-get.
+``python echo.py serve ADDRESS MESSAGES`` sends the messages of a file one after the other, each after the
+answer to the previous one. ``python echo.py play ADDRESS ROUNDS`` answers them and prints the rounds a
+second. Both parse the messages that they receive.
 """
 
 import asyncio

@@ -42,21 +42,21 @@ class Tracer:
     def distances(
         self,
         origins: NDArray[np.float32],
-        ways: NDArray[np.float32],
+        rays: NDArray[np.float32],
         reach: NDArray[np.float32],
     ) -> NDArray[np.float32]:
-        """Return (n,) m to what rays meet, in the array of their reaches, which stay where nothing is met.
+        """Return (n,) m to the hits of rays, in the array of their reaches, which stay where nothing is hit.
 
-        Of the binding's queries, this is the cheapest that tells distances.
+        This is the cheapest of the binding's queries that returns distances.
         """
-        met: NDArray[np.float32] = self._scene.run(origins, ways, query="DISTANCE", dists=reach)
+        met: NDArray[np.float32] = self._scene.run(origins, rays, query="DISTANCE", dists=reach)
         return met
 
     def triangles(
-        self, origins: NDArray[np.float32], ways: NDArray[np.float32], reach: NDArray[np.float32]
+        self, origins: NDArray[np.float32], rays: NDArray[np.float32], reach: NDArray[np.float32]
     ) -> NDArray[np.int32]:
-        """Return (n,) the triangles that rays meet, -1 where nothing is met."""
-        met: NDArray[np.int32] = self._scene.run(origins, ways, query="INTERSECT", dists=reach)
+        """Return (n,) the triangles that rays hit, -1 where nothing is hit."""
+        met: NDArray[np.int32] = self._scene.run(origins, rays, query="INTERSECT", dists=reach)
         return met
 
 
@@ -68,12 +68,12 @@ def directions(yaw: float, pitch: float, width: int, height: int) -> NDArray[np.
     up = ((height / 2 - np.arange(height) - 0.5) * pixel)[:, None]
     right = ((np.arange(width) + 0.5 - width / 2) * pixel)[None, :]
     level, rise = cos_pitch + sin_pitch * up, cos_pitch * up - sin_pitch + 0.0 * right
-    ways = np.stack([sin_yaw * level + cos_yaw * right, rise, cos_yaw * level - sin_yaw * right], axis=-1)
-    unit: NDArray[np.float64] = ways / np.linalg.norm(ways, axis=-1, keepdims=True)
+    rays = np.stack([sin_yaw * level + cos_yaw * right, rise, cos_yaw * level - sin_yaw * right], axis=-1)
+    unit: NDArray[np.float64] = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     return unit.reshape(-1, 3)
 
 
 def rays_of(position: NDArray[np.float64], yaw: float, pitch: float, width: int, height: int) -> Rays:
     """Return the rays of an image as Embree takes them."""
-    ways = directions(yaw, pitch, width, height).astype(np.float32)
-    return np.tile(position.astype(np.float32), (len(ways), 1)), ways
+    rays = directions(yaw, pitch, width, height).astype(np.float32)
+    return np.tile(position.astype(np.float32), (len(rays), 1)), rays

@@ -1,4 +1,4 @@
-"""Actions a second of the original's client, unmodified, beside those with an engine that does nothing."""
+"""Actions a second of the unmodified original client, with our engine and with one that does nothing."""
 
 import shlex
 import socket
@@ -30,7 +30,7 @@ NEEDED = 0.6  # of the rate with an engine that does nothing
 
 
 def client_environment(folder: Path) -> Path:
-    """Return the interpreter of an environment with the client, which is made if it is not there."""
+    """Return the Python of a virtual environment with the client, which is created if it does not exist."""
     python = folder / "bin" / "python"
     if not (folder / "done").exists():
         venv.create(folder, with_pip=True, clear=True)
@@ -49,7 +49,7 @@ def idle_engine(folder: Path) -> Path:
 
 
 def rates(python: Path, folder: Path, engine: Path, titles: Sequence[str]) -> list[float]:
-    """Return actions a second in some modes: calls of ``make_action``, each after ``get_state_all``."""
+    """Return the actions a second in some modes: calls of ``make_action``, each after ``get_state_all``."""
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         port = one.getsockname()[1]
@@ -89,7 +89,7 @@ def main(
         folder = Path(name)
         ours, idle = install_engine(folder / "engine").parent, idle_engine(folder / "idle")
         list(install_maps(missing_maps([1], folder / "maps"), folder / "maps", 1))
-        # Taken in turns, so that both see the same machine.
+        # Measured in turns, so that both see the same load of the machine.
         runs = [[rates(python, folder, engine, titles) for engine in (ours, idle)] for _ in range(rounds)]
     figures = []
     for number, title in enumerate(titles):

@@ -1,4 +1,4 @@
-"""An engine that does nothing: it tells the client the same all the time, as much as the real one does."""
+"""An engine that does nothing: it always sends the client the same message, of the real engine's size."""
 
 import sys
 
@@ -14,7 +14,7 @@ WARM_UP = 20  # steps of the real match after which its observations are taken
 
 
 def observations(command: GMCommand) -> bytes:
-    """Return what the real engine tells in the middle of an episode."""
+    """Return the message that the real engine sends in the middle of an episode."""
     episode = read_episode(command)
     match = match_of(episode)
     commands = [AgentCommand(id=agent, walk_dir=36 * agent, walk_speed=5) for agent in episode.ids]

@@ -1,4 +1,4 @@
-"""How long maps take on one core, after compilation: to lay out, explore, keep and read; their memory."""
+"""Time to lay out, explore, store and read maps on one core, after compilation, and their peak memory."""
 
 import os
 import statistics
@@ -29,11 +29,11 @@ from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path
 from wildscav_engine.specs.map_spec import MapConfig
 
 WARM_UP_SEED = 999
-ENVIRONMENT = dict(os.environ)  # in which what is compiled lies where it always does
+ENVIRONMENT = dict(os.environ)  # with the usual cache folder for compiled code
 PATHS = 40  # between random places of each map
 Made = TypeVar("Made")
 
-# In a process of its own, so that nothing else counts.
+# Runs in a process of its own, so that nothing else counts.
 PEAK_MEMORY = """
 import resource
 from wildscav_engine.maps import generate_map
@@ -70,20 +70,20 @@ CASES = (
 
 
 class Stopwatch:
-    """Seconds taken, by what took them, in the order in which they first did."""
+    """Measured seconds, by the name of the measured work, in the order of first use."""
 
     def __init__(self) -> None:
         self.taken: dict[str, list[float]] = defaultdict(list)
 
     def time(self, what: str, work: Callable[[], Made]) -> Made:
-        """Do some work and write down how long it takes."""
+        """Do some work and record how long it takes."""
         started = time.perf_counter()
         made = work()
         self.taken[what].append(time.perf_counter() - started)
         return made
 
     def figures(self, name: str) -> list[Figure]:
-        """Return the medians, with how far they spread."""
+        """Return the medians, with their ranges."""
         return [
             Figure(f"{name}: {what}", statistics.median(taken), "s", spread(taken))
             for what, taken in self.taken.items()
@@ -91,27 +91,27 @@ class Stopwatch:
 
 
 def spread(taken: Sequence[float]) -> str:
-    """Say of how many times a median is, and between which they lie."""
+    """Describe a median: the number of measurements and their range."""
     if len(taken) == 1:
         return "once"
     return f"median of {len(taken)}, {min(taken):.4f} to {max(taken):.4f}"
 
 
 def index(layout: Layout) -> World:
-    """Put a map that is laid out into its grid."""
+    """Build the world of a layout, with its spatial index."""
     terrain = layout.terrain
     water = water_of_cells(terrain.heights, terrain.water_level)
     return build_world(terrain.corner, terrain.heights, water, layout.solids, np.zeros((0, 3)))
 
 
 def explore(world: World, layout: Layout, seed: int) -> tuple[WalkGraph, Places]:
-    """Find all that can be reached and left, and choose the places of a map there."""
+    """Find the reachable part of a map, and choose the places of the map there."""
     graph = build_graph(world)
     return graph, choose_places(graph, layout.houses, np.array(layout.solid_house, np.int16), seed)
 
 
 def measure(watch: Stopwatch, config: MapConfig, seed: int) -> None:
-    """Make one map in parts and whole, keep it, and find paths in it."""
+    """Generate one map in steps and as a whole, store it, and find paths in it."""
     layout = watch.time("laid out", lambda: lay_out(config, seed))
     world = watch.time("indexed", lambda: index(layout))
     graph, places = watch.time("reachability", lambda: explore(world, layout, seed))
@@ -130,7 +130,7 @@ def find_paths(watch: Stopwatch, game_map: GameMap, graph: WalkGraph, places: np
 
 
 def peak_memory(config: MapConfig) -> float:
-    """Return the most memory in MB that a process has while it makes a map."""
+    """Return the peak memory in MB of a process that generates a map."""
     code = PEAK_MEMORY.format(size=int(config.size), houses=config.houses)
     done = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=ENVIRONMENT
@@ -143,7 +143,7 @@ def main(json_file: JsonFile = None) -> None:
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     figures = []
     with tempfile.TemporaryDirectory() as cache, patch.dict(os.environ):
-        # What is kept on disk goes there from now on; what is compiled has its folder already.
+        # Maps are cached there from now on; the folder of compiled code is already chosen.
         os.environ["WILDSCAV_CACHE_DIR"] = cache
         measure(Stopwatch(), WARM_UP.config, WARM_UP_SEED)
         for name, config, seeds in track(CASES, "Making maps", console=Console(stderr=True), transient=True):
@@ -151,7 +151,7 @@ def main(json_file: JsonFile = None) -> None:
             for seed in range(seeds):
                 measure(watch, config, seed)
             figures += watch.figures(name)
-    # Last, so that nothing needs compiling, which takes memory too.
+    # Measured last, so that nothing needs compiling, which also takes memory.
     figures.append(Figure(f"{LARGEST.name}: peak memory", peak_memory(LARGEST.config), "MB", "of a process"))
     publish("Maps: seconds on one core, after compilation", figures, json_file)
 

@@ -1,8 +1,8 @@
-"""Steps a second beside those of ViZDoom, in the same run: a fight with others, a depth map in every step.
+"""Steps a second compared with ViZDoom in the same run: combat with a depth map in every step.
 
-ViZDoom plays its own deathmatch (``pip install vizdoom``); Wildscav a battle of ten, through Gymnasium. The
-two take turns, so that both meet the same machine. A tic of ViZDoom is 1/35 s of game time, a step of
-Wildscav 1/10 s.
+ViZDoom plays its own deathmatch (``pip install vizdoom``), Wildscav a battle of ten through Gymnasium. They
+take turns, so that both see the same load of the machine. A tic of ViZDoom is 1/35 s of game time, a step
+of Wildscav 1/10 s.
 """
 
 import statistics
@@ -20,15 +20,15 @@ WIDTH, HEIGHT = 160, 120
 
 
 def doom() -> Callable[[int], None]:
-    """Return what plays one tic of ViZDoom's deathmatch and reads its depth map.
+    """Return a function that plays one tic of ViZDoom's deathmatch and reads its depth map.
 
     Raises:
-        Exit: It is not installed.
+        Exit: ViZDoom is not installed.
     """
     try:
         import vizdoom
     except ImportError:
-        print("the peer is missing: pip install vizdoom")
+        print("ViZDoom is not installed: pip install vizdoom")
         raise typer.Exit(2) from None
     game = vizdoom.DoomGame()
     game.load_config(str(Path(vizdoom.scenarios_path) / "deathmatch.cfg"))
@@ -50,7 +50,7 @@ def doom() -> Callable[[int], None]:
 
 
 def wildscav(width: int, height: int) -> Callable[[int], None]:
-    """Return what plays one step of a battle of ten with a depth map."""
+    """Return a function that plays one step of a battle of ten with a depth map."""
     sensors = {"depth": {"width": width, "height": height}}
     env = gymnasium.make(
         "wildscav_engine:WildScav/Battle-v0", level="easy", random_maps=4, sensors=sensors, action_mode="box"
@@ -87,7 +87,7 @@ def main(json_file: JsonFile = None) -> None:
     figures = [
         Figure(name, rate, "steps/s", f"{rate / medians[peer]:.1f} ×") for name, rate in medians.items()
     ]
-    publish("Beside a peer: steps a second, one process", figures, json_file)
+    publish("Compared with ViZDoom: steps a second, one process", figures, json_file)
 
 
 if __name__ == "__main__":

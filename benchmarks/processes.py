@@ -31,7 +31,7 @@ FRAMES_PER_ACTION = 5
 
 
 def frames_per_second(agents: int, processes: int) -> float:
-    """Return the frames a second of so many processes together, measured while all of them play."""
+    """Return the total frames a second of several processes, measured while all of them play."""
     command = (sys.executable, __file__, "--worker", str(agents))
     workers = [
         subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -46,10 +46,10 @@ def frames_per_second(agents: int, processes: int) -> float:
 
 
 def work(agents: int) -> None:
-    """Play, when told to, and print the frames a second."""
-    country = load_map(MAP)
-    spec = MatchSpec(track="battle", map=country.spec, seats=("submission",) * agents, time_limit=80_000)
-    match = Match(spec, country)
+    """Play after a line on stdin, and print the frames a second."""
+    game_map = load_map(MAP)
+    spec = MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * agents, time_limit=80_000)
+    match = Match(spec, game_map)
     random = np.random.default_rng(0)
     actions = np.zeros((64, agents, FIELDS), np.float32)
     actions[..., Field.WALK_DIRECTION] = random.uniform(0, 360, actions.shape[:-1])

@@ -1,6 +1,6 @@
-"""Depth maps against Intel Embree on one core, by turns in one run; two threads; the other sensors.
+"""Depth maps compared with Intel Embree on one core, in turns in one run; two threads; the other sensors.
 
-Embree gets the exported mesh and its rays, made before in float32; ours makes its rays itself. With
+Embree gets the exported mesh and precomputed rays in float32, while our times include making the rays. With
 ``--check`` nothing is timed: the images of both are compared, and differences explained.
 """
 
@@ -31,11 +31,11 @@ FAR = 100.0  # m
 SIZES = ((10, 10), (38, 22), (64, 36))
 OUTDOOR, INDOOR = 200, 56  # poses
 ROUNDS = 21  # over all poses; the first warms up
-TIMES_FOR_THREADS = 8  # that the poses are repeated
-SENSOR_ROUNDS = 8  # likewise of each sensor
+TIMES_FOR_THREADS = 8  # repetitions of the poses in a batch for threads
+SENSOR_ROUNDS = 8  # of each sensor; the first warms up
 EYES = 1.5  # m above the ground
 STEEPEST = 30.0  # degrees up and down
-VIEWERS = 8  # of a batch of sensors
+VIEWERS = 8  # agents in a batch of readings
 CHECKED = 500  # poses of each kind that are compared
 
 
@@ -62,7 +62,7 @@ def draw_poses(game_map: GameMap, outdoor: int, indoor: int, seed: int) -> Poses
 
 
 def seconds(work: Callable[..., object], *values: Any, **named: Any) -> float:
-    """Return how long a call takes."""
+    """Return the seconds that a call takes."""
     started = time.perf_counter()
     work(*values, **named)
     return time.perf_counter() - started
@@ -121,7 +121,7 @@ def _ratio(name: str, ratios: NDArray[np.float64]) -> Figure:
 
 
 def thread_figures(game_map: GameMap, poses: Poses, cores: set[int]) -> list[Figure]:
-    """Measure two threads against one, by turns, where there are two cores: on batches that are worth it."""
+    """Measure two threads relative to one, in turns, on large batches, if there are two cores."""
     if len(cores) < 2:
         return []
     os.sched_setaffinity(0, cores)
@@ -161,7 +161,7 @@ def sensor_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
 
 
 def describe(game_map: GameMap, mesh: Mesh) -> str:
-    """Say how many of what there are."""
+    """Describe a map by the numbers of its objects."""
     kinds = game_map.world.solid_kind
     counts = {kind: int((kinds == kind).sum()) for kind in (Kind.TRUNK, Kind.ROCK, Kind.BUSH)}
     size = game_map.config.size

@@ -1,4 +1,4 @@
-"""What every benchmark prints and writes: figures in a table, and the same as JSON with the machine."""
+"""The output of every benchmark: figures as a table, and as JSON with a description of the machine."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from rich.table import Table
 
 PACKAGES = ("wildscav", "numpy", "numba", "grpcio", "protobuf")
 JsonFile = Annotated[
-    Path | None, typer.Option("--json", help="File that the figures go to, with the machine's description.")
+    Path | None, typer.Option("--json", help="File for the figures and a description of the machine.")
 ]
 
 
@@ -43,7 +43,7 @@ def publish(title: str, figures: Sequence[Figure], json_file: Path | None) -> No
 
 
 def readable(value: float) -> str:
-    """Return a number with three digits or more, thousands apart."""
+    """Return a number with at least three digits and separated thousands."""
     digits = 0 if abs(value) >= 100 else 1 if abs(value) >= 10 else 2
     return f"{value:,.{digits}f}"
 

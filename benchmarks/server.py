@@ -1,9 +1,9 @@
-"""Steps a second of matches over gRPC, agents in processes of their own.
+"""Steps a second of matches over gRPC, with agents in processes of their own.
 
-Beside them runs a bare stream of the same messages: with gRPC as it comes, and set as ours is.
+For comparison, a bare stream of the same messages runs with gRPC's default settings and with ours.
 """
 
-import wildscav  # noqa: F401 - before gRPC, which it sets
+import wildscav  # noqa: F401 - before gRPC, which it configures
 
 # isort: split
 
@@ -44,7 +44,7 @@ PATIENT = Clock(step_budget=5.0, game_time_factor=100.0)  # so that a busy machi
 
 
 def match_spec(seats: int) -> MatchSpec:
-    """A match as evaluations have it, of a given number of agents."""
+    """Return the spec of a match as in evaluations, for a given number of agents."""
     track = "gathering" if seats == 1 else "battle"
     game_map = MapSpec(config=MapConfig(size=100, houses=4), seed=1)
     filled = ("submission",) * seats
@@ -86,12 +86,12 @@ async def steps_a_second(folder: Path, seats: int) -> float:
 
 
 async def rounds_a_second(folder: Path, clients: int, experiments: str) -> float:
-    """Return rounds a second that each of some clients gets from a bare stream, all at once.
+    """Return the mean rounds a second of several clients that use a bare stream at the same time.
 
     Args:
         folder: For the socket and the messages.
-        clients: How many.
-        experiments: What gRPC is set to.
+        clients: The number of clients.
+        experiments: The experiments that gRPC is configured with.
     """
     environment = {**os.environ, VARIABLE: experiments}
     address, messages = f"unix:{folder}/echo.sock", folder / "messages"
@@ -112,7 +112,7 @@ async def _script(environment: dict[str, str], *arguments: str) -> asyncio.subpr
 
 
 def sample_messages(seats: int, count: int = 100) -> list[ServerMessage]:
-    """Return what the first seat of such a match is sent."""
+    """Return the messages that the first seat of such a match receives."""
     match = Match(match_spec(seats))
     observations = SeatObservations(match, [0])
     messages = []
@@ -169,7 +169,7 @@ async def play_shared(folder: Path, count: int) -> float:
 
 
 def crowd(folder: Path) -> list[Figure]:
-    """Measure many matches at once on one server."""
+    """Measure many simultaneous matches on one server."""
     before, started = _processor_time(), time.perf_counter()
     total = asyncio.run(play_shared(folder, AT_ONCE))
     wall, used = time.perf_counter() - started, _processor_time() - before

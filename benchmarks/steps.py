@@ -31,23 +31,23 @@ ENV = "wildscav_engine:WildScav/Navigation-v0"
 
 
 def spec(index: int, track: str, *seats: str) -> MatchSpec:
-    """A match that does not end while it is measured."""
+    """Return a match that does not end while it is measured."""
     return MatchSpec(track=track, map=COUNTRY.spec, seed=index, seats=seats, time_limit=80_000)
 
 
 @functools.cache
 def wilds() -> GameMap:
-    """A large map."""
+    """Return a large map."""
     return generate_map(MapConfig(size=1000, houses=40), 1)
 
 
 def spec_on(game_map: GameMap, track: str, seats: int) -> MatchSpec:
-    """A match of submissions on a map that does not end while it is measured."""
+    """Return a match of submissions on a map, which does not end while it is measured."""
     return MatchSpec(track=track, map=game_map.spec, seats=("submission",) * seats, time_limit=80_000)
 
 
 def random_actions(matches: int, seats: int) -> np.ndarray:
-    """Eight different steps of random walks, (8, matches, seats, FIELDS)."""
+    """Return eight different steps of random walks, (8, matches, seats, FIELDS)."""
     random = np.random.default_rng(0)
     rows = np.zeros((8, matches, seats, FIELDS), np.float32)
     rows[..., Field.WALK_DIRECTION] = random.uniform(0, 360, rows.shape[:-1])
@@ -69,13 +69,13 @@ def steps_per_second(step: Callable[[int], None], agents: int, steps: int) -> fl
 
 @functools.cache
 def pool() -> tuple[GameMap, ...]:
-    """The maps that matches begin anew on."""
+    """Return the maps that matches restart on."""
     maps = random_maps("easy", size=POOL)
     return tuple(maps[number] for number in range(POOL))
 
 
 class Play:
-    """A batch of navigation matches of one agent, each begun anew on the next map when it ends."""
+    """A batch of navigation matches of one agent, each restarted on the next map when it ends."""
 
     def __init__(self, matches: int, *, resets: bool) -> None:
         limit = EPISODE if resets else 80_000.0
@@ -92,7 +92,7 @@ class Play:
         self.actions = random_actions(matches, 1)
 
     def step(self, number: int) -> None:
-        """Play one step of all matches, and begin anew those that end."""
+        """Play one step of all matches, and restart those that end."""
         self.batch.step(self.actions[number % 8])
         for row in np.flatnonzero(self.batch.state.matches.over).tolist():
             self.maps[row] = pool()[self.begun % POOL]
@@ -112,7 +112,7 @@ def batch_figure(*, resets: bool = True) -> Figure:
 
 
 def threads_figure(name: str, steps: int, one: Callable[[int], None], two: Callable[[int], None]) -> Figure:
-    """Measure how much faster the same is with two threads than with one, by turns."""
+    """Measure the speed of two threads relative to one, in turns."""
     ratios = []
     for _ in range(4 * REPEATS + 1):
         taken = []
@@ -155,7 +155,7 @@ def vector_threads_figure(envs: int, sensor: str, size: int, steps: int) -> Figu
 
 
 def processes_figure(depth: bool) -> Figure:
-    """Measure two processes, each with a vector environment of its own, over one."""
+    """Measure two processes, each with its own vector environment, relative to one."""
     context = multiprocessing.get_context("spawn")
     rates = []
     for count in (1, 2):
@@ -172,7 +172,7 @@ def processes_figure(depth: bool) -> Figure:
 
 
 def play_beside(together: Any, found: Any, depth: bool) -> None:
-    """Play a vector environment in a process while others play theirs, and tell its agent-steps a second."""
+    """Play a vector environment while other processes play theirs, and report its agent-steps a second."""
     vector = vector_env(64, env_options(depth))
     actions = [vector.action_space.sample() for _ in range(8)]
 
@@ -185,7 +185,7 @@ def play_beside(together: Any, found: Any, depth: bool) -> None:
 
 
 def vector_env(envs: int, options: dict[str, Any]) -> Any:
-    """Return a vector environment that has begun, with all the maps that it will play on."""
+    """Return a vector environment after its reset, with all the maps that it will play on."""
     vector = gymnasium.make_vec(ENV, num_envs=envs, vectorization_mode="vector_entry_point", **options)
     vector.action_space.seed(0)
     vector.reset(seed=0)
@@ -194,7 +194,7 @@ def vector_env(envs: int, options: dict[str, Any]) -> Any:
 
 
 def reset_figure() -> Figure:
-    """Measure how long it takes to begin a match anew, on a map of the pool."""
+    """Measure how long it takes to restart a match on a map of the pool."""
     play = Play(1, resets=True)
     specs = [
         play.specs[0].model_copy(update={"seed": seed, "map": pool()[seed % POOL].spec})
@@ -203,11 +203,11 @@ def reset_figure() -> Figure:
     started = time.perf_counter()
     for seed, fresh in enumerate(specs):
         play.batch.restart([0], [fresh], [pool()[seed % POOL]])
-    return Figure("a navigation match begun anew", (time.perf_counter() - started) * 1e6 / 200, "µs")
+    return Figure("restart of a navigation match", (time.perf_counter() - started) * 1e6 / 200, "µs")
 
 
 def crowd_figure(seats: int, against: float | None = None) -> Figure:
-    """Measure one battle with random actions on a large map: its cost, or that over another."""
+    """Measure one battle with random actions on a large map: its cost, or the cost relative to another."""
     match = Batch([spec_on(wilds(), "battle", seats)], [wilds()])
     actions = random_actions(1, seats)
     actions[..., Field.SHOOT :] = np.random.default_rng(1).random(actions[..., Field.SHOOT :].shape) < 0.3
@@ -220,7 +220,7 @@ def crowd_figure(seats: int, against: float | None = None) -> Figure:
 
 
 def memory_figure(seats: int) -> Figure:
-    """Tell how much memory a battle takes beside its map, over what it may take."""
+    """Return the memory of a battle without its map, and its share of the limit."""
     batch = Batch([spec_on(wilds(), "battle", seats)], [wilds()])
     used = sum(array.nbytes for part in (*batch.state, batch.seen) for array in part)
     slots = batch.state.supplies.quantity.shape[1]
@@ -262,7 +262,7 @@ def vector_figure(envs: int, depth: bool) -> Figure:
 
 
 def make_pool(arena: Arena) -> None:
-    """Make all maps that matches begin anew on, as one does who trains for long."""
+    """Generate all maps that matches restart on, as happens in long trainings."""
     for number in range(len(arena.pool)):
         _ = arena.pool[number]
 
@@ -274,7 +274,7 @@ def env_options(depth: bool) -> dict[str, Any]:
 
 
 def seen(depth: bool) -> str:
-    """Say what is observed."""
+    """Return the name of what is observed."""
     return "10 × 10 depth" if depth else "no sensors"
 
 

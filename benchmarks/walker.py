@@ -7,5 +7,5 @@ class Walker(Agent):
     """Walks in a circle."""
 
     def act(self, observation: Observation) -> Action:
-        """Return one more bit of the circle."""
+        """Return the next step along the circle."""
         return Action(walk_direction=observation.step * 3.0, walk_speed=6.0)
