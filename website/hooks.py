@@ -1,4 +1,4 @@
-"""What MkDocs calls while it builds the site; the package beside this file does the work."""
+"""The hooks that MkDocs calls while it builds the website; the package beside this file implements them."""
 
 from wildscav_website.build import on_files, on_page_markdown
 

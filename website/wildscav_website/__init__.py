@@ -1,1 +1,1 @@
-"""The pages of the site that are made from the code, when MkDocs builds it."""
+"""The pages of the website that are generated from the code when MkDocs builds it."""

@@ -1,4 +1,4 @@
-"""What this project adds to the steps of MkDocs: pages made from the code, and links that leave docs/."""
+"""Additions to the build steps of MkDocs: pages generated from the code, and links that lead out of docs/."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +14,7 @@ ASSETS = Path(__file__).parents[1] / "assets"
 
 
 def generated_pages() -> dict[str, Callable[[], str]]:
-    """Return what writes each page that does not stand in docs/, by the page's path on the site."""
+    """Return a function for each page that is not in docs/, which writes it, by its path on the website."""
     copied = {MOVED[source]: (ROOT / source).read_text for source in MOVED if "/" not in source}
     return {
         **copied,
@@ -26,7 +26,7 @@ def generated_pages() -> dict[str, Callable[[], str]]:
 
 
 def on_files(files: Files, /, *, config: MkDocsConfig) -> Files:
-    """Add the pages that do not stand in docs/, and the style sheet."""
+    """Add the pages that are not in docs/, and the style sheet."""
     for path, write in generated_pages().items():
         files.append(File.generated(config, path, content=write()))
     for asset in sorted(ASSETS.iterdir()):
@@ -35,7 +35,7 @@ def on_files(files: Files, /, *, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, /, *, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Make the links of a page hold on the site, and add those that only the site has."""
+    """Make the links of a page work on the website, and add those that only the website has."""
     path = page.file.src_uri
 
     def add(source: str) -> None:

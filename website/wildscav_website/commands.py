@@ -11,8 +11,8 @@ from wildscav_website.markdown import code, table
 
 HEAD = """# Every command
 
-Made from the commands themselves: what `wildscav COMMAND --help` prints.
-[The command line](../command-line.md) says what holds for all of them.
+This page is generated from the commands themselves and shows what `wildscav COMMAND --help` prints.
+[The command line](../command-line.md) describes what all commands have in common.
 """
 
 
@@ -30,7 +30,7 @@ def page() -> str:
 
 
 def _entry(path: str, command: Any) -> Iterator[str]:
-    """Describe a command, and those below it.
+    """Describe a command and its subcommands.
 
     Raises:
         ImportError: The command's module cannot be imported.
@@ -54,5 +54,5 @@ def _entry(path: str, command: Any) -> Iterator[str]:
 
 
 def _plain(text: str) -> str:
-    """Return help without the markup of Rich."""
+    """Return a help text without the markup of Rich."""
     return render(text.replace("[default", "\\[default").replace("[required", "\\[required")).plain

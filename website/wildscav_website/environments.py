@@ -1,4 +1,4 @@
-"""One page for each environment: what is observed, done and paid there, from the code that makes it so."""
+"""One page for each environment: its observations, actions and rewards, generated from the code."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -24,54 +24,54 @@ from wildscav_website.observed import Row, observation_rows
 MODES = ("dict", "box", "baseline", "multidiscrete")
 ACTIONS = """## Action space
 
-An action is held for all frames of a step. The option `action_mode` chooses how it is given; here it is
-`{default}` by default.
+An action is held for all frames of a step. The option `action_mode` chooses its format; the default here is
+`{default}`.
 """
 OBSERVATIONS = """## Observation space
 
-A Dict of Boxes by the names below, of float32; the bounds are theirs. With `flat=True` it is one row of
-numbers, each divided by what is usual for it: the index is the place there. Positions are in the axes of the
-world: x east, y up, z north.
+An observation is a Dict of Boxes of float32 with the names and bounds below. With `flat=True` it is one row
+of numbers, each divided by its usual magnitude; the index is the number's place in that row. Positions are in
+world axes: x east, y up, z north.
 """
 REWARDS = """## Rewards
 
-The reward of a step is the sum of these terms, each times its weight. `info["reward_terms"]` has what each
-paid.
+The reward of a step is the sum of these terms, each times its weight. `info["reward_terms"]` contains the
+contribution of each.
 """
-OTHER_TERMS = """The option `rewards` replaces them: a table of weights by the names of terms.
+OTHER_TERMS = """The option `rewards` replaces them with a table of weights by the names of terms.
 
 ??? note "All other terms"
 """
 METRICS = """## Metrics
 
-`info["metrics"]` has them in the last step of an episode. The first is the score of the competition.
+`info["metrics"]` contains these in the last step of an episode. The first is the score in competitions.
 """
 ARGUMENTS = """## Arguments
 
-Keyword arguments of `gymnasium.make`, and of all other ways to make it.
+These are keyword arguments of `gymnasium.make` and of all other functions that make this environment.
 """
 
 
 class Environment(NamedTuple):
     """An environment that has a page."""
 
-    name: str  # of its page: the track's, or the preset's
+    name: str  # of its page: the name of the track or of the preset
     track: Track
-    options: Mapping[str, Any]  # that are given when it is made
+    options: Mapping[str, Any]  # with which it is made
 
     @property
     def single(self) -> EnvConfig:
-        """What it is for one learner."""
+        """The config for one learner."""
         return single_agent_config(self.track.name, self.options)
 
     @property
     def several(self) -> EnvConfig:
-        """What it is for several learners."""
+        """The config for several learners."""
         return multi_agent_config(self.track.name, self.options)
 
 
 def environments() -> list[Environment]:
-    """Return all of them: the tracks, then the presets."""
+    """Return all environments: the tracks, then the presets."""
     tracks = [Environment(name, track, {}) for name, track in TRACKS.items()]
     return [
         *tracks,
@@ -80,7 +80,7 @@ def environments() -> list[Environment]:
 
 
 def pages() -> dict[str, Callable[[], str]]:
-    """Return what writes each page, by the page's path on the site."""
+    """Return a function for each page, which writes it, by its path on the website."""
     return {f"environments/{one.name}.md": partial(page, one) for one in environments()}
 
 
@@ -153,9 +153,9 @@ def _task(one: Environment) -> str:
     text = f"{sentence(task)} The score of a match: {sentence(score)}\n"
     if one.options:
         settings = PRESETS[one.name][1]
-        text += "\nThe set-up of the paper's experiment, which is the same as these options:\n\n"
+        text += "\nThis is the set-up of the paper's experiment, equal to these options:\n\n"
         text += table(("option", "value"), ((code(name), code(value)) for name, value in settings.items()))
-    return f"## The task\n\n{text}\n[The rules](../rules.md) have the rest, each with its number.\n"
+    return f"## The task\n\n{text}\n[The rules](../rules.md) describe everything else, with all numbers.\n"
 
 
 def _row_of_readme(track: str) -> tuple[str, str]:
@@ -262,7 +262,7 @@ def _ends(one: Environment) -> str:
         "the target is reached": track.has_target,
         "a team carries as many supplies as the option `supply_goal` says": track.has_supply_goal,
         "one team is left": not track.respawns,
-        "the learner is out for good: nobody comes back": not track.respawns,
+        "the learner dies, since the dead do not respawn": not track.respawns,
     }
     happens = [f"- {reason}" for reason, holds in reasons.items() if holds]
     ended = (
@@ -282,7 +282,7 @@ def _measured(one: Environment) -> str:
 
 
 def _arguments(one: Environment) -> str:
-    """Describe every option with its value here; what it means stands in the guide."""
+    """Describe every option with its value here and its meaning from the guide."""
     guide = (
         (ROOT / "docs" / "environments.md")
         .read_text("utf-8")
@@ -299,7 +299,7 @@ def _arguments(one: Environment) -> str:
 
 
 def _default(config: EnvConfig, name: str, told: str) -> str:
-    """Return the value of an option in an environment that is made without it."""
+    """Return the default value of an option in an environment."""
     found: dict[str, Any] = {
         "time_limit": f"{config.match_spec().time_limit:g} s",
         "opponents": _several(config.robots),

@@ -1,4 +1,4 @@
-"""The home page: the README, and in it where each reader goes on."""
+"""The home page: the README with a card of links for each kind of reader."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -9,7 +9,7 @@ def with_readers(readme: str, nav: Sequence[Mapping[str, Any]]) -> str:
 
     Args:
         readme: The text.
-        nav: The navigation, as it stands in ``mkdocs.yml``.
+        nav: The navigation from ``mkdocs.yml``.
     """
     opening, heading, rest = readme.partition("\n## ")
     cards = [
@@ -22,12 +22,12 @@ def with_readers(readme: str, nav: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _links(pages: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Return a link to each page of a part; of a part within it, to its first page."""
+    """Return a link to each page of a part, and to the first page of each nested part."""
     for entry in pages:
         for title, target in entry.items():
             yield f"[{title}]({_first(target)})"
 
 
 def _first(target: Any) -> str:
-    """Return a page, or the first one of a part."""
+    """Return a page, or the first page of a part."""
     return target if isinstance(target, str) else _first(next(iter(target[0].values())))

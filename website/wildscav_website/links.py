@@ -1,4 +1,4 @@
-"""Links of pages, from where they lead in the repository to where that is on the site."""
+"""Translation of the pages' links from paths in the repository to paths on the website."""
 
 import posixpath
 import re
@@ -7,8 +7,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 DOCS = "docs/"
-SOURCES = "source/"  # where the site keeps other files of the repository that pages link to
-# Files outside docs/ that are pages of the site.
+SOURCES = "source/"  # the website's folder for other files of the repository that pages link to
+# Files outside docs/ that are pages of the website.
 MOVED = {
     "README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
@@ -20,24 +20,24 @@ LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
 
 
 def origin_of(page: str) -> str:
-    """Return where in the repository the text of a page stands."""
+    """Return the path in the repository of the text of a page."""
     return next((source for source, moved in MOVED.items() if moved == page), DOCS + page)
 
 
 def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
-    """Return the text of a page with links that hold on the site.
+    """Return the text of a page with links that work on the website.
 
     Args:
-        markdown: The text, with links that hold in the repository.
-        page: Its path on the site.
-        add: Called with every file that is linked to and is not on the site by itself.
+        markdown: The text, with links that work in the repository.
+        page: Its path on the website.
+        add: Called with every linked file that is not a page of the website.
     """
     origin = posixpath.dirname(origin_of(page))
 
     def moved(link: re.Match[str]) -> str:
         source = posixpath.normpath(posixpath.join(origin, link[1]))
         if not (ROOT / source).is_file():
-            return link[1]  # MkDocs says that it leads nowhere
+            return link[1]  # MkDocs reports it as broken
         if source in MOVED:
             target = MOVED[source]
         elif source.startswith(DOCS):

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table; an empty one is nothing at all."""
+    """Return a table, or an empty string if it has no rows."""
     lines = [f"| {' | '.join(map(cell, row))} |" for row in rows]
     if not lines:
         return ""
@@ -12,12 +12,12 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def cell(text: str) -> str:
-    """Return text as it stands in a table."""
+    """Return text as the content of a table's cell."""
     return " ".join(text.split()).replace("|", "\\|")
 
 
 def code(text: object) -> str:
-    """Return text as code, nothing for no text."""
+    """Return text as code, or an empty string for an empty text."""
     return f"`{text}`" if str(text) else ""
 
 
@@ -28,5 +28,5 @@ def sentence(text: str) -> str:
 
 
 def indented(text: str) -> str:
-    """Return what stands inside of a tab or an admonition."""
+    """Return text indented as the content of a tab or an admonition."""
     return "\n".join(f"    {line}" if line else "" for line in text.splitlines()) + "\n"

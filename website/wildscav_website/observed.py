@@ -1,4 +1,4 @@
-"""What each number of an observation is, and where it lies in flat rows: the rows of the tables."""
+"""The meaning of each number of an observation and its place in flat rows, as rows of tables."""
 
 import math
 from collections.abc import Iterator
@@ -13,12 +13,12 @@ from wildscav_engine.sensors.base import Column
 
 
 class Row(NamedTuple):
-    """One number of an observation, or all that are alike: the pixels of an image, a column of a list."""
+    """One number of an observation, or several of one kind: the pixels of an image, a column of a list."""
 
     part: str  # the group or sensor that it belongs to
-    place: str  # where it lies in the part's array, as an index is written
+    place: str  # its index in the part's array, as written in Python
     column: Column
-    indexes: range  # where it lies in a flat row
+    indexes: range  # its places in a flat row
 
 
 def observation_rows(config: EnvConfig) -> list[Row]:
@@ -51,7 +51,7 @@ def _columns(part: str, columns: tuple[Column, ...], box: Box, first: int) -> It
 
 
 def _pixels(part: str, title: str, box: Box, first: int) -> Row:
-    """Describe an image, whose numbers are alike."""
+    """Describe an image, whose numbers are all of one kind."""
     meaning, _, unit = title.rpartition(", ")
     shape = " × ".join(map(str, box.shape))
     column = Column(

@@ -23,10 +23,11 @@ from wildscav_website.markdown import code, table
 PROTO = Path(wildscav.__file__).parent / "proto" / "match.proto"
 HEAD = """# Protocol
 
-Made from `platform/wildscav/proto/match.proto` and its comments. The [SDK](../sdk.md) speaks it for agents
-written in Python; [submitting an agent](../submitting.md) tells how to write one in another language.
+This page is generated from `platform/wildscav/proto/match.proto` and its comments. The [SDK](../sdk.md)
+implements the protocol for agents in Python; [submitting an agent](../submitting.md) explains how to write
+one in another language.
 """
-# Numbers of fields in descriptors: the paths of comments are made of them.
+# Numbers of fields in descriptors, which make up the paths of comments.
 MESSAGES, ENUMS, SERVICES = 4, 5, 6
 FIELDS, METHODS, VALUES, INNER_ENUMS = 2, 2, 2, 4
 Path_ = tuple[int, ...]
@@ -64,7 +65,7 @@ def described(proto: Path) -> FileDescriptorProto:
 
 
 def prose(comment: str) -> str:
-    """Return a comment as Markdown: what is set in from the margin stands as it is."""
+    """Return a comment as Markdown, with indented blocks as preformatted text."""
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
     text = re.sub(r"(?m)^(?=[^\s])", "", "\n".join(lines))
     blocks = []
@@ -80,11 +81,11 @@ def _service(service: ServiceDescriptorProto, comments: Comments, path: Path_) -
         (code(method.name), *_sides(method), comments.get((*path, METHODS, number), ""))
         for number, method in enumerate(service.method)
     ]
-    yield table(("call", "takes", "gives", "what it does"), rows)
+    yield table(("call", "takes", "returns", "what it does"), rows)
 
 
 def _sides(method: MethodDescriptorProto) -> tuple[str, str]:
-    """Return what a call takes and what it gives."""
+    """Return the types that a call takes and returns."""
     takes, gives = _link(method.input_type), _link(method.output_type)
     return ("stream of " * method.client_streaming + takes, "stream of " * method.server_streaming + gives)
 

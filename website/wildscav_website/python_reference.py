@@ -1,4 +1,4 @@
-"""The reference of the Python packages: which names stand on which page; mkdocstrings describes them."""
+"""The reference of the Python packages: the names on each page, which mkdocstrings describes."""
 
 from collections.abc import Callable
 from functools import partial
@@ -10,7 +10,7 @@ class Reference(NamedTuple):
 
     title: str
     opening: str
-    # Modules, and the names of each that are described; without names, all that the module offers.
+    # The described names by module; no names stand for all public names of the module.
     names: dict[str, str]
 
 
@@ -18,7 +18,7 @@ PAGES = {
     "sdk": Reference(
         "SDK",
         "What an agent imports: `from wildscav import Agent, Action, MatchInfo, Observation, run`. "
-        "[The SDK](../sdk.md) has the same as tables.",
+        "[The SDK](../sdk.md) lists the same in tables.",
         {
             "wildscav": "Agent run Action Observation MatchInfo VisibleAgent SupplyBox SupplyWave Vector",
             "wildscav.errors": "",
@@ -26,12 +26,12 @@ PAGES = {
     ),
     "policy": Reference(
         "Policies",
-        "Trained policies as agents, without the engine: [training](../training.md) tells how to export one.",
+        "Trained policies as agents, without the engine. [Training](../training.md) explains the export.",
         {"wildscav.policy": ""},
     ),
     "environments": Reference(
         "Environments",
-        "What `wildscav_engine.envs` offers; [environments](../environments.md) is the guide.",
+        "The public names of `wildscav_engine.envs`. The guide is [environments](../environments.md).",
         {
             "wildscav_engine.envs": "SingleEnv VectorArena parallel_env aec_env ParallelArena BatchedArena "
             "StableVector EnvConfig EnvOptions FlatObservations FlatActions describe"
@@ -39,12 +39,12 @@ PAGES = {
     ),
     "sensors": Reference(
         "Sensors",
-        "What `wildscav_engine.sensors` offers; [sensors](../sensors.md) is the guide.",
+        "The public names of `wildscav_engine.sensors`. The guide is [sensors](../sensors.md).",
         {"wildscav_engine.sensors": ""},
     ),
     "matches": Reference(
         "Matches and specs",
-        "What a match is made of. [The rules](../rules.md) say what the numbers mean.",
+        "The parts of a match. [The rules](../rules.md) explain the numbers.",
         {
             "wildscav_engine.specs.match_spec": "MatchSpec",
             "wildscav_engine.specs.map_spec": "MapSpec MapConfig",
@@ -58,19 +58,20 @@ PAGES = {
     ),
     "maps": Reference(
         "Maps",
-        "What `wildscav_engine.maps` offers; [maps](../maps.md) is the guide.",
+        "The public names of `wildscav_engine.maps`. The guide is [maps](../maps.md).",
         {"wildscav_engine.maps": ""},
     ),
     "records": Reference(
         "Records and replays",
-        "What `wildscav_engine.record` and `wildscav_engine.view` offer; see also [replays](../replays.md).",
+        "The public names of `wildscav_engine.record` and `wildscav_engine.view`. "
+        "See also [replays](../replays.md).",
         {"wildscav_engine.record": "", "wildscav_engine.view": ""},
     ),
 }
 
 
 def pages() -> dict[str, Callable[[], str]]:
-    """Return what writes each page, by the page's path on the site."""
+    """Return a function for each page, which writes it, by its path on the website."""
     return {f"reference/{name}.md": partial(_page, one) for name, one in PAGES.items()}
 
 
