@@ -53,7 +53,7 @@ def test_every_reason_of_the_protocol_is_told() -> None:
 @pytest.mark.parametrize("name", ["findings.py", "trials.py"])
 def test_every_check_is_told(name: str) -> None:
     code = (REPOSITORY / "evaluator" / "wildscav_evaluator" / "check" / name).read_text("utf-8")
-    told = {row[0] for row in rows("What `wildscav check` tries")}
+    told = {row[0] for row in rows("What `wildscav check` checks")}
     for check in re.findall(r'(?:Finding\(\s*|check = |check, mend = )f?"([a-z][^":{]*)"', code):
         assert check in told, check
     assert told == {
