@@ -1,1 +1,1 @@
-"""Evaluations: seeded suites of matches, played by agents in processes of their own, scored and kept."""
+"""Evaluations: seeded suites of matches, played by agents in separate processes, scored and saved."""

@@ -1,4 +1,4 @@
-"""Evaluations: the jobs of all submissions and tracks, and the results that they add up to."""
+"""Evaluations: the jobs for all submissions and tracks, and the results that they add up to."""
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -24,15 +24,15 @@ from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import Suite
 
 REPLAY_CHOICES = ("none", "first", "all")
-KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox keeps that isolates nobody
+KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox without isolation enforces
 
 
 @dataclass(frozen=True)
 class Plan:
-    """All that an evaluation is asked to do."""
+    """Everything that defines the run of an evaluation."""
 
     submissions: tuple[Submission, ...]
-    tracks: tuple[str, ...]  # a submission plays those that it has, too
+    tracks: tuple[str, ...]  # a submission plays those that its manifest names
     suite: Suite
     seed: SuiteSeed
     replays: str  # one of REPLAY_CHOICES
@@ -40,17 +40,17 @@ class Plan:
     out: Path
     fresh: bool = False  # whether another evaluation in the output folder is removed
     rounds: int = 1  # how often the suite is played, each time with the next seed
-    sandbox: str = "process"  # in which agents run
-    key: SigningKey | None = None  # what the ledger is signed with
+    sandbox: str = "process"  # the name of the sandbox in which agents run
+    key: SigningKey | None = None  # the key that signs the ledger
 
     @property
     def public_key(self) -> str | None:
-        """The public half of that key, 64 hexadecimal digits."""
+        """The public half of the key, 64 hexadecimal digits."""
         return None if self.key is None else self.key.public
 
     @property
     def title(self) -> str:
-        """What is evaluated, in a few words."""
+        """A short description of what is evaluated."""
         return f"suite {self.suite.label} · seed {self.seed.label} · sandbox {self.sandbox}"
 
     def entries(self) -> Iterator[tuple[str, Submission]]:
@@ -65,11 +65,11 @@ class Plan:
         return matches_in_rounds(self.suite, track, self.seed.value, self.rounds)
 
     def limits(self, track: str) -> Limits:
-        """Return what an agent may use of the machine on a track."""
+        """Return the limits of an agent on a track."""
         return self.suite.limits.get(track, DEFAULT_LIMITS)
 
     def kept_limits(self) -> dict[str, results.KeptLimits]:
-        """Return the limits that the sandbox keeps, by track."""
+        """Return the limits that the sandbox enforces, by track."""
         kept = None if SANDBOXES[self.sandbox].isolated else KEPT_ANYWHERE
         return {
             track: results.KeptLimits(**self.limits(track).model_dump(include=kept)) for track in self.tracks
@@ -77,12 +77,12 @@ class Plan:
 
 
 def in_own_folder(plan: Plan) -> Plan:
-    """Return a plan whose output folder is a numbered one of its own, in the folder that it named."""
+    """Return a plan with a numbered output folder inside the plan's output folder."""
     return replace(plan, out=own_folder(plan.out, identity(plan), fresh=plan.fresh))
 
 
 def make_jobs(plan: Plan) -> list[Job]:
-    """Return the matches to play; those of one map stand together, so that it is rarely made twice."""
+    """Return the matches to play, sorted by map, so that a map is rarely generated twice."""
     evaluation = identity(plan).digest
     jobs = []
     for track in plan.tracks:
@@ -98,7 +98,7 @@ def make_jobs(plan: Plan) -> list[Job]:
 
 
 def identity(plan: Plan) -> Identity:
-    """Return all that the results of a plan depend on."""
+    """Return everything that the results of a plan depend on."""
     specs = [spec for track in plan.tracks for spec in plan.matches(track)]
     return Identity(
         versions=CURRENT_VERSIONS,
@@ -124,7 +124,7 @@ def identity(plan: Plan) -> Identity:
 
 
 def collect(plan: Plan, done: Iterable[JobResult]) -> results.Results:
-    """Return the results of all matches of a plan, in whatever order they were played."""
+    """Return the results of all matches of a plan; the order in which they were played does not matter."""
     # In the order of the suite.
     done = sorted(done, key=lambda result: (result.job.track, result.job.submission.name, result.job.index))
     return results.Results(
@@ -152,7 +152,7 @@ def _timings(plan: Plan, matches: Sequence[results.MatchTiming]) -> results.Timi
 
 
 def _covered(spans: Iterable[tuple[float, float]]) -> float:
-    """Return how long at least one of some spans of time went on, s."""
+    """Return the total time that some spans of time cover, s; overlaps count once."""
     total, until = 0.0, 0.0
     for start, end in sorted(spans):
         total += max(0.0, end - max(start, until))
@@ -181,7 +181,7 @@ def _evaluation(
 
 
 def check_names(submissions: Iterable[Submission]) -> None:
-    """Refuse two submissions of one name: their records and results could not be told apart.
+    """Refuse two submissions with one name, because their records and results could not be distinguished.
 
     Raises:
         UserError: Two have the same name.

@@ -1,1 +1,1 @@
-"""The compliance suite: what `wildscav check` tries with a submission, and what it says of it."""
+"""The compliance suite: what `wildscav check` tests on a submission, and what it reports."""

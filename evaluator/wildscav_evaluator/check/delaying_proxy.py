@@ -1,6 +1,6 @@
 """A proxy that delays some of what an agent sends, to test how the agent copes with late answers.
 
-The proxy stands between the agent's socket and the match server. While it holds an answer back, the server
+The proxy sits between the agent's socket and the match server. While it holds an answer back, the server
 plays the step without it, so the agent's next observation skips steps.
 """
 
@@ -18,11 +18,11 @@ CHUNK = 65_536  # bytes at most
 
 
 class _DelayingSandbox:
-    """Runs agents as another sandbox does, each behind a delaying proxy.
+    """A sandbox that runs agents in another sandbox, each behind a delaying proxy.
 
     Args:
-        sandbox: The other one.
-        proxies: Closes the proxies in the end.
+        sandbox: The sandbox that runs the agents.
+        proxies: The stack that closes the proxies when it exits.
     """
 
     def __init__(self, sandbox: Sandbox, proxies: AsyncExitStack) -> None:
@@ -42,14 +42,14 @@ class _DelayingSandbox:
 
 @asynccontextmanager
 async def delayed_replies(sandbox: Sandbox) -> AsyncIterator[Sandbox]:
-    """Yield a sandbox like another one, whose agents' answers are delayed until the end of the context."""
+    """Yield a sandbox that runs agents like the given one, but delays their answers."""
     async with AsyncExitStack() as proxies:
         yield _DelayingSandbox(sandbox, proxies)
 
 
 @asynccontextmanager
 async def _delaying_proxy(path: Path, server_path: Path) -> AsyncIterator[None]:
-    """Listen at a path, and forward what comes there to the server's socket, and back."""
+    """Listen at a path, and forward data between its connections and the server's socket."""
     forwarding: set[asyncio.Task[None]] = set()
 
     async def serve(from_agent: asyncio.StreamReader, to_agent: asyncio.StreamWriter) -> None:
@@ -69,7 +69,7 @@ async def _delaying_proxy(path: Path, server_path: Path) -> AsyncIterator[None]:
 
 
 async def _forward(source: asyncio.StreamReader, sink: asyncio.StreamWriter, delay: float) -> None:
-    """Forward bytes until their source ends, with a delay, s, before some chunks."""
+    """Forward bytes until the source ends; wait ``delay`` seconds before every fifth chunk."""
     chunks = 0
     try:
         while chunk := await source.read(CHUNK):
@@ -79,6 +79,6 @@ async def _forward(source: asyncio.StreamReader, sink: asyncio.StreamWriter, del
             sink.write(chunk)
             await sink.drain()
     except ConnectionError:
-        pass  # the receiver has gone, as its own side reports
+        pass  # the receiver is gone; its own side reports that
     finally:
         sink.close()

@@ -1,4 +1,4 @@
-"""What a check finds: whether a rule is kept, what was seen, and how to fix it."""
+"""The findings of a check: whether a rule is kept, what was observed, and how to fix it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ from wildscav_evaluator.matches.play import EXIT_TIME
 from wildscav_evaluator.sandbox import Ending, Limits
 from wildscav_evaluator.submissions.images import REQUIREMENTS
 
-SLOW = 0.8  # of the budget; a median beyond it is too near to it
+SLOW = 0.8  # share of the step budget; a median answer time above it is too close to the budget
 
 
 class Verdict(StrEnum):
-    """What became of a check."""
+    """The outcome of a check."""
 
     KEPT = "ok"
     DOUBTFUL = "warning"  # it plays, but probably not as its author intended
@@ -28,19 +28,19 @@ class Finding:
 
     check: str
     verdict: Verdict
-    seen: str  # in a line
-    advice: str = ""  # how, if it is not kept
-    last_lines: tuple[str, ...] = ()  # of what the agent printed
+    seen: str  # what was observed, in one line
+    advice: str = ""  # how to fix it, if the rule is not kept
+    last_lines: tuple[str, ...] = ()  # the last lines that the agent printed
 
 
 def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> Iterator[Finding]:
-    """Yield what a match tells of an agent: whether it started, spoke properly, and in time.
+    """Yield what a match shows about an agent: its start, its actions and its timing.
 
     Args:
-        report: Of its seat.
-        clock: That the match was played with.
-        limits: Of the sandbox.
-        what: Which match it was.
+        report: The report on its seat.
+        clock: The clock that the match was played with.
+        limits: The limits of the sandbox.
+        what: The name of the match.
     """
     if report.start_up is not None:
         yield start_up(report.start_up, clock)
@@ -55,17 +55,17 @@ def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> 
 
 
 def packages(folder: Path) -> Finding:
-    """Say that what a submission asks for was not installed, in a sandbox that installs nothing."""
+    """Return the finding that the sandbox did not install a submission's requirements."""
     return Finding(
         "packages",
         Verdict.DOUBTFUL,
-        f"{REQUIREMENTS} was not installed: it was played with the packages that this machine has",
-        f"play it as a judge may: `wildscav build {folder}`, and check it again with --sandbox oci",
+        f"{REQUIREMENTS} was not installed: the submission ran with the packages of this machine",
+        f"run it as a judge may: `wildscav build {folder}`, then check it again with --sandbox oci",
     )
 
 
 def start_up(seconds: float, clock: Clock) -> Finding:
-    """Judge how long an agent took to be ready."""
+    """Judge how long an agent took to get ready."""
     seen = f"ready after {seconds:.1f} s of {clock.join_timeout:g} s"
     if seconds < clock.join_timeout / 2:
         return Finding("start-up", Verdict.KEPT, seen)
@@ -78,14 +78,14 @@ def start_up(seconds: float, clock: Clock) -> Finding:
 
 
 def actions(report: SeatReport) -> Finding:
-    """Judge what an agent's answers hold."""
+    """Judge whether an agent's actions are valid."""
     total, invalid = report.steps_played, report.invalid_actions
     if not invalid:
         note = f", {report.ignored_fields:,} fields ignored" if report.ignored_fields else ""
         return Finding("actions", Verdict.KEPT, f"{total:,} valid actions{note}")
     return Finding(
         "actions",
-        # An agent that never acts plays as an empty seat does: that is no submission.
+        # An agent without a single valid action plays like an empty seat, so it is no submission.
         Verdict.BROKEN if invalid == total else Verdict.DOUBTFUL,
         f"{invalid:,} of {total:,} actions were invalid and played as no action",
         f"send a walk_speed of 0 to {MAX_WALK_SPEED:g} m/s and angles that are finite numbers",
@@ -93,11 +93,11 @@ def actions(report: SeatReport) -> Finding:
 
 
 def timing(report: SeatReport, clock: Clock) -> Finding:
-    """Judge how long an agent took for its answers."""
+    """Judge how long an agent took to answer."""
     time, budget = report.think_time, clock.step_budget
     seen = (
-        f"answers took {time.p50 * 1e3:.0f} ms in the median, {time.p99 * 1e3:.0f} ms at p99 and "
-        f"{time.max * 1e3:.0f} ms at most; a step allows {budget * 1e3:.0f} ms; "
+        f"the median answer took {time.p50 * 1e3:.0f} ms, p99 was {time.p99 * 1e3:.0f} ms and "
+        f"the longest {time.max * 1e3:.0f} ms; a step allows {budget * 1e3:.0f} ms; "
         f"{report.time_bank:.1f} s of {clock.time_bank:.1f} s left in the bank"
     )
     if time.p50 > SLOW * budget or report.time_bank < clock.time_bank / 2:
@@ -105,8 +105,8 @@ def timing(report: SeatReport, clock: Clock) -> Finding:
             "timing",
             Verdict.DOUBTFUL,
             seen,
-            "a slower machine would make it late, and a late step is played with no action: "
-            "compute less a step, or watch observation.time_bank and answer sooner when little is left",
+            "on a slower machine it would be late, and a late step is played with no action: "
+            "compute less per step, or watch observation.time_bank and answer faster when little is left",
         )
     return Finding("timing", Verdict.KEPT, seen)
 
@@ -115,41 +115,43 @@ def process_exit(ending: Ending | None) -> Finding:
     """Judge how an agent's process ended once its match was over.
 
     Args:
-        ending: None if it had to be stopped.
+        ending: How it ended; None if it had to be stopped.
     """
-    check, advice = "end", "let the process end, with exit code 0, once MatchOver has come"
+    check, advice = "end", "end the process with exit code 0 once MatchOver has arrived"
     if ending is None:
-        seen = f"its process was still there {EXIT_TIME:g} s after the match, and was stopped"
-        return Finding(check, Verdict.DOUBTFUL, seen, f"{advice}; join or stop threads and children")
+        seen = f"its process still ran {EXIT_TIME:g} s after the match, and was stopped"
+        return Finding(check, Verdict.DOUBTFUL, seen, f"{advice}; join or stop threads and child processes")
     if ending.exit_code == 0:
         return Finding(check, Verdict.KEPT, "its process ended by itself after the match")
     return Finding(check, Verdict.DOUBTFUL, str(ending), advice, ending.last_lines)
 
 
 def lateness(report: SeatReport, limits: Limits, clock: Clock) -> Finding:
-    """Judge how an agent bears that steps are played without it."""
+    """Judge how an agent copes with steps that are played without its answer."""
     check = "late answers"
     if report.status in ("finished", "timed_out"):
-        return Finding(check, Verdict.KEPT, f"it went on after {report.late_steps} steps without its answer")
+        return Finding(
+            check, Verdict.KEPT, f"it continued after {report.late_steps} steps without its answer"
+        )
     return Finding(
         check,
         Verdict.BROKEN,
         f"{report.status.value}: {report.detail}",
-        "after a late answer the next observation skips steps: answer it with its own step number, and rely "
-        f"on no step coming. {advice_on(report.status.value, clock, limits)}",
+        "after a late answer the next observation skips steps: answer it with its own step number, and "
+        f"do not rely on any particular step. {advice_on(report.status.value, clock, limits)}",
         report.last_lines,
     )
 
 
 def cancelled_match(ending: Ending | None, waited: float) -> Finding:
-    """Judge how an agent takes the end of its stream in the middle of a match."""
+    """Judge how an agent copes when its stream ends in the middle of a match."""
     if ending is not None:
         return Finding("cancelled match", Verdict.KEPT, str(ending))
     return Finding(
         "cancelled match",
         Verdict.DOUBTFUL,
-        f"its process was still there {waited:g} s after the server had ended the stream",
-        "end the process when the stream ends with an error status; do not try again for ever",
+        f"its process still ran {waited:g} s after the server had ended the stream",
+        "end the process when the stream ends with an error status; do not retry forever",
     )
 
 
@@ -159,32 +161,32 @@ def output(size: int, limits: Limits) -> Finding:
     if size < limits.output:
         return Finding("output", Verdict.KEPT, seen)
     return Finding(
-        "output", Verdict.DOUBTFUL, seen, "what comes after that is thrown away: print less in every step"
+        "output", Verdict.DOUBTFUL, seen, "everything beyond that is discarded: print less in each step"
     )
 
 
 def advice_on(status: str, clock: Clock, limits: Limits) -> str:
-    """Return what an author can do about an outcome."""
+    """Return what an author can do about the outcome of a seat."""
     return {
         "timed_out": (
-            f"each answer has {clock.step_budget * 1e3:.0f} ms and the match a bank of {clock.time_bank:g} s "
-            "for all that is beyond: compute less a step, and watch observation.time_bank"
+            f"each answer has {clock.step_budget * 1e3:.0f} ms, and the match has a bank of "
+            f"{clock.time_bank:g} s beyond that: compute less per step, and watch observation.time_bank"
         ),
         "crashed": (
-            "read its last lines; the agent's folder is read-only, only /tmp can be written, there is no "
+            "read its last lines; the agent's folder is read-only, only /tmp is writable, there is no "
             "network, and only what requirements.txt names is installed"
         ),
         "out_of_memory": (
-            f"it may take {limits.memory / 2**20:.0f} MiB, what it writes into /tmp included: load smaller "
+            f"it may use {limits.memory / 2**20:.0f} MiB, including what it writes to /tmp: load smaller "
             "models, and do not keep every observation"
         ),
         "protocol_error": (
             "answer every Observation with one Action that has its step number, and send nothing else; "
-            "the SDK does just that"
+            "the SDK does exactly that"
         ),
-        "disqualified": "it went beyond a limit of its sandbox: do less of what the line above names",
+        "disqualified": "it exceeded a limit of its sandbox: use less of what the line above names",
         "never_joined": (
             f"within {clock.join_timeout:g} s it must connect to WILDSCAV_ADDRESS, send a Join with "
-            "WILDSCAV_TOKEN, and be through with reset(): import less, load smaller models"
+            "WILDSCAV_TOKEN, and have finished reset(): import less, load smaller models"
         ),
     }[status]

@@ -1,4 +1,4 @@
-"""The matches that a check plays: one on each track, one with late answers, one that is cancelled."""
+"""The matches that a check plays: one on each track, one with late answers, and one that is cancelled."""
 
 import asyncio
 from collections.abc import Iterator
@@ -24,21 +24,21 @@ from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import suite
 
 TIGHT_CLOCK = Clock(step_budget=0.05, time_bank=0.0)  # a quarter of the proxy's delay
-CANCEL_AT = 3  # steps played
-LEAVING_TIME = 5.0  # s
+CANCEL_AT = 3  # steps played before the match is cancelled
+LEAVING_TIME = 5.0  # s for the agent's process to end after that
 LIMITS = DEFAULT_LIMITS
 
 
 def run_checks(
     submission: Submission, sandbox: Sandbox, logs: Path, *, clock: Clock | None = None
 ) -> Iterator[Finding]:
-    """Yield what is found, as it is found.
+    """Yield the findings of a check, each as soon as it is known.
 
     Args:
-        submission: Loaded, so its files are as they must be.
-        sandbox: The judge's.
-        logs: Folder for what the agent prints.
-        clock: The judge's; the server's default if none.
+        submission: The submission, which was loaded and so has valid files.
+        sandbox: The sandbox of the judge.
+        logs: The folder for the agent's output.
+        clock: The clock of the judge; the server's default if None.
 
     Raises:
         WildscavError: The platform failed.
@@ -64,7 +64,7 @@ def _run_all(
         else:
             yield from (one for one in found if one.check != "start-up")
         if played.seats[seat].status != "finished":
-            return  # what cannot play a match fails the rest for the same reason
+            return  # an agent that cannot play a match fails the rest for the same reason
         if number == 0:
             yield findings.process_exit(played.endings.get(seat))
     yield from _with_faults(submission, sandbox, logs, clock, runner)
@@ -95,7 +95,7 @@ def _play(
     clock: Clock,
     runner: asyncio.Runner,
 ) -> tuple[PlayedMatch, Path]:
-    """Play a match; return it with the log of the first of the submission's seats."""
+    """Play a match; return it with the log of the submission's first seat."""
     count = spec.seats.count("submission")
     logs = tuple(log.with_stem(f"{log.stem}-{seat}") if seat else log for seat in range(count))
     prepare_logs(logs)
@@ -113,7 +113,7 @@ async def _delay_replies(submission: Submission, spec: MatchSpec, sandbox: Sandb
 async def _cancel_match(
     submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path
 ) -> Ending | None:
-    """Cancel a match while it is played; return how the agent's process ended, None if it did not."""
+    """Cancel a match while it is played; return how the agent's process ended, or None if it did not."""
     seating = Seating(spec, (submission,), (log,))
     with socket_folders(1) as folders:
         server = MatchServer()

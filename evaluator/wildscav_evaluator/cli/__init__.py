@@ -1,1 +1,1 @@
-"""The commands of an organizer and a competitor: what they are asked for, and what they say."""
+"""The commands for organizers and competitors: their options, and their output."""

@@ -1,1 +1,1 @@
-"""The ledger of an evaluation: all that happened in it, chained, and signed if its organizer has a key."""
+"""The ledger of an evaluation: a hash chain of its events, signed if its organizer has a key."""

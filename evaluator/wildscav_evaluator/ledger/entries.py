@@ -1,7 +1,8 @@
-"""What stands in a ledger: a line for each thing that happened.
+"""The entries of a ledger: one line for each event.
 
-A line is canonical JSON (RFC 8785) with escapes for all that is not printable ASCII, so that no agent's text
-can steer the terminal of whoever looks at the file. What is signed is the canonical JSON itself.
+A line is canonical JSON (RFC 8785) with escapes for everything that is not printable ASCII, so that no
+agent's text can control the terminal of a person who views the file. The signature covers the canonical JSON
+itself.
 """
 
 import json
@@ -16,27 +17,27 @@ from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.json_files import FileModel
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, Summary
 
-CONTEXT = b"wildscav ledger entry 1\n"  # stands before what is signed: no signature is good for anything else
+CONTEXT = b"wildscav ledger entry 1\n"  # prefix of signed bytes; no other message has it
 
 
 class Opened(FileModel):
-    """The evaluation began. Always the first entry, and only that."""
+    """The evaluation began. This is always the first entry, and no other."""
 
     kind: Literal["opened"] = "opened"
     identity: Identity
 
 
 class Resumed(FileModel):
-    """The evaluation went on after it had ended or was killed."""
+    """The evaluation was continued after it had ended or was killed."""
 
     kind: Literal["resumed"] = "resumed"
 
 
 class Begun(FileModel):
-    """A match was begun, or begun again. One that never ended was interrupted."""
+    """A match began, or began again. A match that never ended was interrupted."""
 
     kind: Literal["begun"] = "begun"
-    match: str  # as its files are called
+    match: str  # the stem of its files' names
 
 
 class Broke(FileModel):
@@ -44,32 +45,32 @@ class Broke(FileModel):
 
     kind: Literal["broke"] = "broke"
     match: str
-    reason: str  # in a line
+    reason: str  # in one line
 
 
 class Ended(FileModel):
-    """A match came to its end, or the platform gave it up."""
+    """A match ended, or the platform gave it up."""
 
     kind: Literal["ended"] = "ended"
     match: str
-    record: str | None  # SHA-256 of the record's file; none if the match was given up
+    record: str | None  # SHA-256 of the record's file; None if the match was given up
     row: MatchRow  # without its replay, which may be rendered later
     timing: MatchTiming | None
 
 
 class Score(FileModel):
-    """What a submission came to on a track."""
+    """The score of a submission on a track."""
 
     submission: str
     track: str
     metric: str  # the one that ranks
-    summary: Summary | None  # none if no match was played
+    summary: Summary | None  # None if no match was played
     matches: int
     faults: int  # matches in which something went wrong
 
 
 class Closed(FileModel):
-    """The evaluation came to its results."""
+    """The evaluation was completed and has results."""
 
     kind: Literal["closed"] = "closed"
     results: str  # SHA-256 of results.json
@@ -83,41 +84,41 @@ class Entry(FileModel):
     """One line of a ledger."""
 
     number: int  # from 0
-    previous: str | None  # SHA-256 of the line before, without its end; none of the first
+    previous: str | None  # SHA-256 of the previous line without its line break; None in the first
     at: str  # ISO 8601, UTC
     fact: Fact
-    signature: str | None  # of everything else in the line; none in a ledger that nobody signs
+    signature: str | None  # of the rest of the line; None in an unsigned ledger
 
     @property
     def signed(self) -> bytes:
-        """What the signature is of."""
+        """The bytes that the signature covers."""
         return CONTEXT + canonical(self.model_dump(mode="json", exclude={"signature"}))
 
     @property
     def line(self) -> bytes:
-        """The line, without its end."""
+        """The line, without its line break."""
         return in_ascii(canonical(self.model_dump(mode="json")))
 
 
 def canonical(value: Any) -> bytes:
-    """Return the one form in canonical JSON that a value has."""
+    """Return a value as canonical JSON, which is unique."""
     return rfc8785.dumps(value)
 
 
 def in_ascii(document: bytes) -> bytes:
-    """Return a JSON document with escapes for all that is not printable ASCII."""
+    """Return a JSON document with escapes for everything that is not printable ASCII."""
     return ascii_json(document.decode()).encode("ascii")
 
 
 def is_canonical(line: bytes) -> bool:
-    """Return whether some bytes are the one form that a line with its content has."""
+    """Return whether a line is in the canonical form of its content."""
     try:
-        # As floats, so that large ones, which are written without a point, come out as they were.
+        # Parsed as floats, so that large numbers, which are written without a point, keep their form.
         return in_ascii(canonical(json.loads(line, parse_int=float))) == line
     except (ValueError, RecursionError):
         return False
 
 
 def digest_of_line(line: bytes) -> str:
-    """Return what the next entry calls a line, 64 hexadecimal digits."""
+    """Return the digest by which the next entry refers to a line, 64 hexadecimal digits."""
     return sha256(line).hexdigest()

@@ -1,6 +1,6 @@
 """Organizers' keys: Ed25519, the private half in a file that only its owner may read.
 
-A private key is a PKCS #8 file in PEM, which other tools such as OpenSSL read, too. A public key is written
+A private key is a PKCS #8 file in PEM, which tools such as OpenSSL can also read. A public key is written
 as 64 hexadecimal digits: its 32 bytes.
 """
 
@@ -51,8 +51,8 @@ def new_key(path: Path, passphrase: str | None = None) -> SigningKey:
     """Make a key and write its private half to a new file that only its owner may read.
 
     Args:
-        path: The file; one that exists is never overwritten.
-        passphrase: What the file is encrypted with; not at all if none.
+        path: The file; an existing one is never overwritten.
+        passphrase: The passphrase that encrypts the file; None to leave it unencrypted.
 
     Raises:
         UserError: The file exists, or cannot be written, or the passphrase cannot be used.
@@ -63,7 +63,7 @@ def new_key(path: Path, passphrase: str | None = None) -> SigningKey:
         if passphrase is not None:
             encryption = BestAvailableEncryption(passphrase.encode())
         content = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, encryption)
-    except ValueError as error:  # it is empty, too long, or no text
+    except ValueError as error:  # it is empty, too long, or not text
         raise UserError(f"the passphrase cannot be used: {error}", exit_code=2) from None
     try:
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
@@ -85,14 +85,14 @@ def read_key(path: Path, passphrase: Callable[[], str]) -> SigningKey:
 
     Args:
         path: Its file.
-        passphrase: Asked for the passphrase, if the file is encrypted.
+        passphrase: Called for the passphrase if the file is encrypted.
 
     Raises:
-        UserError: The file cannot be read, can be read by others, or holds no such key.
+        UserError: The file cannot be read, can be read by others, or holds no Ed25519 key.
     """
     content = _content(path, "key")
     if stat.S_IMODE(path.stat().st_mode) & 0o077:
-        raise UserError(f"{path} can be read by others: `chmod 600 {path}` keeps it to you", exit_code=2)
+        raise UserError(f"{path} can be read by others: `chmod 600 {path}` makes it private", exit_code=2)
     try:
         key = _private(content, None)
     except TypeError:  # it is encrypted
@@ -103,7 +103,7 @@ def read_key(path: Path, passphrase: Callable[[], str]) -> SigningKey:
     except (ValueError, UnsupportedAlgorithm) as error:
         raise UserError(f"{path} is not a private key in PEM: {MAKE_ONE}", exit_code=2) from error
     if not isinstance(key, Ed25519PrivateKey):
-        raise UserError(f"{path} is a key of another kind than Ed25519: {MAKE_ONE}", exit_code=2)
+        raise UserError(f"{path} is not an Ed25519 key: {MAKE_ONE}", exit_code=2)
     return SigningKey(key)
 
 
@@ -115,7 +115,7 @@ def read_public(text: str) -> str:
     """Return a public key, 64 hexadecimal digits.
 
     Args:
-        text: Those digits, or the name of a file that holds them, or the key in PEM.
+        text: Those digits, or the name of a file that holds them or the key in PEM.
 
     Raises:
         UserError: It is none of these.
@@ -125,7 +125,7 @@ def read_public(text: str) -> str:
     content = _content(Path(text), "public key")
     if b"PRIVATE KEY" in content:
         raise UserError(
-            f"{text} is a private key, which nobody else may see: `wildscav key public {text}` shows its "
+            f"{text} is a private key, which nobody else may see: `wildscav key public {text}` prints its "
             "public half",
             exit_code=2,
         )
@@ -138,12 +138,12 @@ def read_public(text: str) -> str:
             f"{text} is not a public key: it must be 64 hexadecimal digits, or a file with them", exit_code=2
         ) from error
     if not isinstance(key, Ed25519PublicKey):
-        raise UserError(f"{text} is a public key of another kind than Ed25519", exit_code=2)
+        raise UserError(f"{text} is not an Ed25519 public key", exit_code=2)
     return _digits(key)
 
 
 def _checked(digits: str, name: str) -> str:
-    """Return the digits of a public key that can be one."""
+    """Return the digits of a public key, after checking that they are one."""
     try:
         Ed25519PublicKey.from_public_bytes(bytes.fromhex(digits))
     except ValueError as error:
@@ -168,12 +168,12 @@ def _digits(key: Ed25519PublicKey) -> str:
 
 
 def is_signed(content: bytes, signature: str, public: str) -> bool:
-    """Return whether a signature is that of some bytes by a key.
+    """Return whether a signature of some bytes was made with a key.
 
     Args:
         content: The bytes.
-        signature: 128 hexadecimal digits, if it is one.
-        public: The public key, 64 hexadecimal digits, if it is one.
+        signature: 128 hexadecimal digits; any other text is not a valid signature.
+        public: The public key, 64 hexadecimal digits; with any other text no signature is valid.
     """
     try:
         Ed25519PublicKey.from_public_bytes(bytes.fromhex(public)).verify(bytes.fromhex(signature), content)

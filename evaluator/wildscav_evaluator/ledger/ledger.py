@@ -1,7 +1,7 @@
-"""Reading a ledger, and seeing that its chain is whole and its signatures hold.
+"""Reading a ledger, and verifying its chain and its signatures.
 
-Each entry names the one before by its digest, and each is signed by itself: so an evaluation may be killed at
-any moment and go on, and still nothing in between can be changed, taken out or put in.
+Each entry names the previous one by its digest and has its own signature. So an evaluation may be killed at
+any moment and continued, and yet nothing in between can be changed, removed or inserted.
 """
 
 import io
@@ -36,33 +36,33 @@ class LedgerError(UserError):
 
 @dataclass(frozen=True)
 class Ledger:
-    """A ledger whose chain is whole, and whose signatures hold if it has any."""
+    """A ledger with an intact chain, and with valid signatures if it is signed."""
 
-    entries: tuple[Entry, ...]  # one at least
-    head: str  # SHA-256 of the last line: it stands for all of the ledger
+    entries: tuple[Entry, ...]  # at least one
+    head: str  # SHA-256 of the last line, which identifies the whole ledger
 
     @property
     def identity(self) -> Identity:
-        """Which evaluation it is of."""
+        """The identity of the evaluation."""
         fact = self.entries[0].fact
         if not isinstance(fact, Opened):
-            raise TypeError("a ledger begins with what it is of")
+            raise TypeError("the first entry of a ledger has its identity")
         return fact.identity
 
     @property
     def key(self) -> str | None:
-        """The public key that it is signed with; none if nobody signed it."""
+        """The public key of its signatures; None if it is not signed."""
         return self.identity.key
 
     @property
     def closed(self) -> Closed | None:
-        """What the evaluation came to; none if it did not come to its end."""
+        """The entry with the evaluation's results; None if it was not completed."""
         fact = self.entries[-1].fact
         return fact if isinstance(fact, Closed) else None
 
     @property
     def ended(self) -> dict[str, list[Ended]]:
-        """How each match ended, by what its files are called, each time that it did."""
+        """The entries of each match's ends, in order, by the stem of its files' names."""
         found: dict[str, list[Ended]] = {}
         for entry in self.entries:
             if isinstance(entry.fact, Ended):
@@ -71,12 +71,12 @@ class Ledger:
 
     @property
     def played(self) -> dict[str, Ended]:
-        """The matches that came to a result, by what their files are called."""
+        """The matches that have a result, by the stem of their files' names."""
         return {match: times[-1] for match, times in self.ended.items() if times[-1].record is not None}
 
     @property
     def interrupted(self) -> dict[str, int]:
-        """How often matches were begun anew that were interrupted and not broken by the platform."""
+        """How often each match was restarted after an interruption that was not the platform's fault."""
         last: dict[str, Fact] = {}
         left: dict[str, int] = {}
         for fact in (entry.fact for entry in self.entries):
@@ -88,10 +88,10 @@ class Ledger:
 
 
 def read_ledger(out: Path) -> Ledger | None:
-    """Read the ledger of an output folder; none if it has none.
+    """Read the ledger of an output folder; return None if it has none.
 
     Raises:
-        LedgerError: It cannot be read, or it was changed: the first line that shows it, and how.
+        LedgerError: It cannot be read, or it was changed; the message names the first line that shows this.
     """
     path = out / LEDGER_FILE
     try:
@@ -106,10 +106,10 @@ def read_ledger(out: Path) -> Ledger | None:
 
 
 def read_lines(path: Path) -> bytes:
-    """Return the content of a ledger's file, whose entries fit into memory.
+    """Return the content of a ledger's file, after checking that its entries fit into memory.
 
     Raises:
-        LedgerError: They take too much time or memory.
+        LedgerError: The entries take too much time or memory.
         OSError: It cannot be read.
     """
     try:
@@ -119,10 +119,10 @@ def read_lines(path: Path) -> bytes:
 
 
 def parse_ledger(path: Path, content: bytes) -> Ledger:
-    """Return the ledger that the content of a file is, which ends with a line.
+    """Parse the content of a ledger's file, which ends with a line break.
 
     Raises:
-        LedgerError: It is none.
+        LedgerError: It is not a valid ledger.
     """
     entries: list[Entry] = []
     previous: str | None = None
@@ -132,8 +132,8 @@ def parse_ledger(path: Path, content: bytes) -> Ledger:
             raise LedgerError(f"{path}, line {number + 1}: is not in canonical JSON")
         if (entry.number, entry.previous) != (number, previous):
             raise LedgerError(
-                f"{path}, line {number + 1}: does not follow the line before: an entry was changed, taken "
-                "out or put in"
+                f"{path}, line {number + 1}: does not follow the previous line: an entry was changed, "
+                "removed or inserted"
             )
         if isinstance(entry.fact, Opened) != (number == 0):
             raise LedgerError(f"{path}, line {number + 1}: the first entry, and no other, opens a ledger")
@@ -146,16 +146,16 @@ def parse_ledger(path: Path, content: bytes) -> Ledger:
 
 
 def try_entries(path: str) -> None:
-    """Read all entries of a file, in the process that calls it.
+    """Read all entries of a file in the calling process.
 
     Raises:
-        LedgerError: One of them is none.
+        LedgerError: A line is not a valid entry.
         OSError: It cannot be read.
     """
     content = read_limited(Path(path), LARGEST)
-    whole = content[: content.rfind(b"\n") + 1]  # half a line was left by a keeper that was killed
+    whole = content[: content.rfind(b"\n") + 1]  # a writer that was killed left half a line
     kept = [_entry(line, number, "") for number, line in enumerate(_lines(whole))]
-    del kept  # as many as they are, they fit
+    del kept  # all of them fit into memory at once
 
 
 def _lines(content: bytes) -> Iterator[bytes]:
@@ -175,11 +175,11 @@ def _check_signature(path: Path, entry: Entry, key: str | None) -> None:
         if entry.signature is not None:
             raise LedgerError(f"{where}: is signed, but the ledger names no key")
     elif entry.signature is None or not is_signed(entry.signed, entry.signature, key):
-        raise LedgerError(f"{where}: its signature is not that of the key {key}: it was changed or put in")
+        raise LedgerError(f"{where}: its signature is not that of the key {key}: it was changed or inserted")
 
 
 def check_key(ledger: Ledger | None, key: str, out: Path) -> None:
-    """See that a ledger is signed with the key that is expected.
+    """Check that a ledger is signed with the expected key.
 
     Raises:
         LedgerError: It is not.

@@ -1,4 +1,4 @@
-"""What ``wildscav verify`` asks about records of evaluations: whether they are the ones that were played."""
+"""The check of ``wildscav verify`` whether records of evaluations are those that the ledger lists."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -10,19 +10,19 @@ from wildscav_evaluator.output.record_names import misnamed, parse_name
 
 
 def check_record(path: Path, record: Record, key: str | None) -> str:
-    """Return why a record is not the one that its name and its evaluation's ledger tell of; nothing if it is.
+    """Return why a record does not match its name or its evaluation's ledger, or an empty text if it does.
 
     Args:
-        path: Its file.
-        record: What is in it.
-        key: The public key that the ledger must be signed with; any, or none, if none is given.
+        path: The file of the record.
+        record: The record.
+        key: The public key that the ledger must be signed with; None to accept any ledger.
 
     Raises:
-        UserError: The key is no key.
+        UserError: The key is not a public key.
     """
     name = parse_name(path)
     if name is not None and (fault := misnamed(record, name)):
-        return f"it is under another's name: {fault}"
+        return f"its file has the name of another record: {fault}"
     out = path.absolute().parent.parent
     try:
         ledger = _ledger(out) if path.absolute().parent.name == RECORDS else None
@@ -34,11 +34,11 @@ def check_record(path: Path, record: Record, key: str | None) -> str:
 
 
 def _not_entered(path: Path, ledger: Ledger) -> str:
-    """Return in what a record differs from the ledger of its folder."""
+    """Return how a record differs from the ledger of its folder, or an empty text if it does not."""
     entered = ledger.played.get(path.stem)
     if entered is None:
-        return f"{LEDGER_FILE} knows no such match"
-    return "" if entered.record == sha256_of(path) else f"it is not the record that {LEDGER_FILE} has of it"
+        return f"{LEDGER_FILE} has no such match"
+    return "" if entered.record == sha256_of(path) else f"{LEDGER_FILE} has the digest of another record"
 
 
 @lru_cache(maxsize=1)

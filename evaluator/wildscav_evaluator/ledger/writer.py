@@ -1,4 +1,4 @@
-"""Keeping the ledger of an evaluation while it is played, also over several sittings."""
+"""Writing the ledger of an evaluation while it is played, possibly over several runs."""
 
 import os
 from collections.abc import Sequence
@@ -28,18 +28,18 @@ from wildscav_evaluator.output.results import MatchRow, Results
 
 
 class LedgerWriter:
-    """Appends to the ledger of an evaluation; whoever makes one holds the lock of its output folder.
+    """Appends to the ledger of an evaluation. Its creator must hold the lock of the output folder.
 
-    Each entry is on the disk before anything else happens. Half an entry at the end was left by a keeper that
-    was killed: it is cut off.
+    Each entry is flushed to disk before anything else happens. Half an entry at the end of an existing ledger
+    was left by a writer that was killed; it is cut off.
 
     Args:
         out: The output folder.
-        identity: Which evaluation it holds.
-        key: What entries are signed with; they are not if none.
+        identity: The identity of the evaluation.
+        key: The key that signs the entries; None to leave them unsigned.
 
     Raises:
-        UserError: There is a ledger, and it was changed or is of another evaluation.
+        UserError: There is a ledger that was changed or belongs to another evaluation.
         OSError: It cannot be read or written.
     """
 
@@ -49,7 +49,7 @@ class LedgerWriter:
         self._number, self._head = 0, ""
         self._played: dict[str, Ended] = {}
         self._closed: Closed | None = None
-        ledger = self._found(identity)
+        ledger = self._read_existing(identity)
         self._new = ledger is None
         self._resumed = self._new
         if ledger is None:
@@ -60,11 +60,11 @@ class LedgerWriter:
 
     @property
     def head(self) -> str:
-        """SHA-256 of the last line: it stands for all of the ledger."""
+        """SHA-256 of the last line, which identifies the whole ledger."""
         return self._head
 
-    def _found(self, identity: Identity) -> Ledger | None:
-        """Return the ledger that is there, cut to its last whole line."""
+    def _read_existing(self, identity: Identity) -> Ledger | None:
+        """Return the existing ledger, truncated to its last complete line; None if there is none."""
         try:
             content = read_lines(self._path)
         except FileNotFoundError:
@@ -85,16 +85,16 @@ class LedgerWriter:
         return ledger
 
     def confirm(self, kept: Sequence[JobResult]) -> list[JobResult]:
-        """Return those matches of earlier sittings that count, each borne out by ledger and record.
+        """Return the matches of earlier runs that count, after checking each against ledger and record.
 
-        In a signed evaluation only what the ledger has counts. Otherwise a match that was played just before
-        the evaluation was killed is entered now.
+        In a signed evaluation, only matches in the ledger count. Otherwise, a match that was played just
+        before the evaluation was killed is entered now.
 
         Args:
-            kept: The matches in the journal whose records are as they were when they were entered there.
+            kept: The matches in the journal whose records are unchanged since they were entered there.
 
         Raises:
-            UserError: A match, its record or its entry was changed since.
+            UserError: A match, its record or its entry was changed.
         """
         by_match = {result.job.stem: result for result in kept}
         for match, ended in self._played.items():
@@ -114,13 +114,13 @@ class LedgerWriter:
     def _check(self, result: JobResult, ended: Ended) -> None:
         job = result.job
         if (_row(result), result.timing) != (ended.row, ended.timing):
-            raise _changed(f"the journal says otherwise of {job.stem} than the ledger")
+            raise _changed(f"the journal and the ledger disagree about {job.stem}")
         if sha256_of(job.out / job.record) != ended.record:
             raise _changed(f"{job.out / job.record} is not the record that is in the ledger")
         self._check_record(result)
 
     def _check_record(self, result: JobResult) -> None:
-        """See that a match's metrics are those of its record."""
+        """Check that a match's metrics are those of its record."""
         path = result.job.out / result.job.record
         try:
             seats = read_record(path).result.seats
@@ -134,12 +134,12 @@ class LedgerWriter:
             raise _changed(f"the journal's summary of {result.job.stem} is not that of its seats")
 
     def begin(self, match: str) -> None:
-        """Enter that a match is begun; one that was played, and only lacks its replay, is not."""
+        """Enter that a match begins, unless it was played already and only its replay is missing."""
         if match not in self._played:
             self._append(Begun(match=match))
 
     def broke(self, match: str, reason: str) -> None:
-        """Enter that the platform broke a match, and it will be played again."""
+        """Enter that the platform broke a match, which will be played again."""
         if match not in self._played:
             self._append(Broke(match=match, reason=reason))
 
@@ -155,7 +155,7 @@ class LedgerWriter:
             self._played[job.stem] = ended
 
     def close(self, results: Results, path: Path) -> None:
-        """Enter what the evaluation came to; results that were entered last already are not entered again.
+        """Enter the results of the evaluation, unless the last entry has the same results.
 
         Args:
             results: The results.
@@ -206,6 +206,6 @@ def _scores(results: Results) -> list[Score]:
 
 def _changed(why: str) -> UserError:
     return UserError(
-        f"{why}: what was played before cannot be relied on; name another --out, or begin anew with --fresh",
+        f"{why}: the matches played so far cannot be trusted; name another --out, or start over with --fresh",
         exit_code=2,
     )

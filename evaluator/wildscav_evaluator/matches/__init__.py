@@ -1,1 +1,1 @@
-"""Matches: who sits where, their agents' processes, and the workers that play one after another."""
+"""Matches: their jobs, the processes of their agents, and the workers that play them."""

@@ -1,4 +1,4 @@
-"""The agents of one match while it is played: started, watched, and ended together."""
+"""The agents of one match while it is played: starting, watching and ending them together."""
 
 import asyncio
 
@@ -13,7 +13,7 @@ class MatchAgents:
 
     Args:
         hosted: The match.
-        sandbox: How the agents run.
+        sandbox: The sandbox that runs the agents.
     """
 
     def __init__(self, hosted: HostedMatch, sandbox: Sandbox) -> None:
@@ -24,7 +24,7 @@ class MatchAgents:
         self._metering: list[asyncio.Task[None]] = []
 
     async def start(self, seat: int, launch: Launch) -> None:
-        """Start the agent of a seat, and watch it from then on.
+        """Start the agent of a seat, and watch its process.
 
         Raises:
             SandboxError: It cannot be started.
@@ -37,25 +37,25 @@ class MatchAgents:
         self._hosted.launched(seat)
 
     async def _watch(self, seat: int, agent: RunningAgent) -> Ending:
-        """Tell the match when an agent's process is gone, so that nobody waits for it."""
+        """Tell the match when an agent's process is gone, so that the match does not wait for it."""
         ending = await agent.ended()
         if ending.platform_fault and not self._hosted.match.over:
-            self._hosted.cancel()  # it is to be played again
+            self._hosted.cancel()  # it will be played again
         else:
             self._hosted.give_up(seat, str(ending), status_of(ending))
         return ending
 
     @property
     def endings(self) -> dict[int, Ending]:
-        """How the agents ended that are gone."""
+        """The endings of the agents that have ended, by seat."""
         return {seat: watcher.result() for seat, watcher in self._watchers.items() if watcher.done()}
 
     def overdue(self, seat: int) -> str:
-        """Say where the code of a seat's agent was when its time was up; nothing if it is not known."""
+        """Return where the code of a seat's agent was when its time was up, or an empty text if unknown."""
         return self._running[seat].overdue()
 
     def late_for_platform(self, report: SeatReport) -> tuple[int, ...]:
-        """Return which steps a seat was late for because the machine had no processor for its agent."""
+        """Return the steps for which a seat was late because the machine had no processor for its agent."""
         meter = self._meters[report.seat]
         meter.take()
         return late_for_platform(
@@ -67,11 +67,11 @@ class MatchAgents:
         )
 
     async def leave(self, seconds: float) -> None:
-        """Wait until the agents have ended by themselves, but no longer than so many seconds."""
+        """Wait until the agents have ended by themselves, at most for the given time in seconds."""
         await asyncio.wait(self._watchers.values(), timeout=seconds)
 
     async def stop(self) -> None:
-        """End all that still run."""
+        """Stop the agents that still run."""
         for task in (*self._metering, *self._watchers.values()):
             task.cancel()
         ends = [*(agent.stop() for agent in self._running.values()), *self._watchers.values()]

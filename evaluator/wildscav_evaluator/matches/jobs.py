@@ -1,4 +1,4 @@
-"""Jobs: the matches of an evaluation, what is reported of each while it is played, and its result."""
+"""Jobs: the matches of an evaluation, the events of a job while it runs, and its result."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 
 Wanted = dict[str, dict[str, Any]]  # sensors by name, with their options
-REPLAYED: Wanted = {"camera": {}, "depth": {}}  # what a replay shows of the agent that it follows
+REPLAYED: Wanted = {"camera": {}, "depth": {}}  # sensors that a replay shows of the agent that it follows
 
 
 @dataclass(frozen=True)
@@ -31,13 +31,13 @@ class Job:
     out: Path
     replay: bool  # whether to render one
     evaluation: str = ""  # digest of the evaluation's identity
-    sandbox: str = "process"  # in which its agent runs
+    sandbox: str = "process"  # the name of the sandbox in which its agent runs
     limits: Limits = DEFAULT_LIMITS  # of its agent
-    faults: tuple[str, ...] = ()  # what the platform broke earlier tries by, a line each
+    faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
 
     @property
     def stem(self) -> str:
-        """What its files are called."""
+        """The stem of its files' names."""
         return stem_of(self.track, self.index, self.submission.name)
 
     @property
@@ -52,12 +52,12 @@ class Job:
 
     @property
     def seats(self) -> tuple[int, ...]:
-        """The seats that the submission fills: all that a submission may."""
+        """The seats that the submission fills: all seats for submissions."""
         return submission_seats(self.spec.seats)
 
     def log(self, seat: int) -> str:
         """Path of the log of a seat's agent in the output folder."""
-        # No name of a submission has a dot: what stands before the first one is always the stem.
+        # No submission's name has a dot, so the part before the first dot is always the stem.
         return f"{LOGS}/{self.stem}.log" if len(self.seats) == 1 else f"{LOGS}/{self.stem}.seat-{seat}.log"
 
     @property
@@ -68,42 +68,42 @@ class Job:
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:
-    """Return the sensors that are read in some matches and in their replays."""
+    """Return the sensors that the agents and the replays of some matches read."""
     wanted = {job.submission.folder: job.submission.manifest.sensors for job in jobs}
     replayed = [REPLAYED] if any(job.replay for job in jobs) else []
     return [*wanted.values(), *replayed]
 
 
 class Heartbeat(NamedTuple):
-    """How far a match has come that is being played."""
+    """The progress of a match that is being played."""
 
     frames: int
     steps: int
 
 
 class AttemptFailed(NamedTuple):
-    """A try that the platform broke; the match is played again."""
+    """An attempt that the platform broke; the match is played again."""
 
-    reason: str  # in a line
+    reason: str  # in one line
 
 
 class RenderingReplay(NamedTuple):
     """The match was played, and its replay is being rendered."""
 
 
-JobEvent = Heartbeat | AttemptFailed | RenderingReplay  # of a job that a worker is at
+JobEvent = Heartbeat | AttemptFailed | RenderingReplay  # of a job that a worker is running
 
 
 @dataclass(frozen=True)
 class JobResult:
-    """What became of a job."""
+    """The result of a job."""
 
     job: Job
     row: MatchRow
-    timing: MatchTiming | None = None  # none if no match was played
+    timing: MatchTiming | None = None  # None if no match was played
     replay_error: str = ""  # why its replay could not be written
 
     @property
     def to_render(self) -> bool:
-        """Whether a replay is asked for and missing."""
+        """Whether a replay is requested and missing."""
         return self.job.replay and self.row.record is not None and self.row.replay is None

@@ -1,16 +1,16 @@
 """Whose fault late steps are: the agent's, or that of a machine that had no processor for it.
 
-The clock of a match measures wall time, and where other programs keep the machine busy, an agent's time goes
-by while it cannot run. So the answers that took longer than the budget are accounted for once more, without
-the time that the agent waited for a processor. A late step is the platform's if it comes out in time then.
-The match is not changed by it: its results say so.
+The clock of a match measures wall time, so an agent's time passes even while other programs keep the
+processors busy and it cannot run. Answers that took longer than the budget are therefore accounted again,
+without the time that the agent waited for a processor. If a late step would then have been in time, it is the
+platform's fault. This does not change the match; it is only noted in the results.
 """
 
 from collections.abc import Callable, Sequence
 
 from wildscav.server import Clock, SlowAnswer
 
-Waited = Callable[[float, float], float]  # s of waiting for a processor between two moments
+Waited = Callable[[float, float], float]  # seconds of waiting for a processor between two moments
 
 
 def late_for_platform(
@@ -20,10 +20,10 @@ def late_for_platform(
 
     Args:
         late: Numbers of the steps that were played without an answer.
-        slow_answers: The agent's answers that took longer than the budget, in order, with when they began.
-        clock: Of the match.
-        waited: How long the agent waited for a processor.
-        used_up: Whether its own time bank was used up; else the match had no more time to wait.
+        slow_answers: The agent's answers that took longer than the budget, in order, with their times.
+        clock: The clock of the match.
+        waited: Returns how long the agent waited for a processor between two moments.
+        used_up: Whether the agent used up its own time bank; otherwise the match had no more time to wait.
     """
     bank, excused = clock.time_bank, list[int]()
     for number, answer in enumerate(slow_answers):

@@ -1,7 +1,8 @@
 """One match: a server of its own, a process for every agent, and the outcome.
 
-What an agent does ends as the outcome of its seat. What the platform breaks (the engine, the server, a
-sandbox) is no outcome: the match is played again from its start, and in the end given up as its fault.
+A failure of an agent becomes the outcome of its seat. A failure of the platform (the engine, the server, a
+sandbox) is no outcome: the match is played again from its start, and after several attempts given up as the
+platform's fault.
 """
 
 import asyncio
@@ -38,23 +39,23 @@ from wildscav_evaluator.seats import display_names, submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 
 SOCKET = "match.sock"
-# Of a seat's own socket: connections that its agent may have open at one time, and that it may ever make.
+# Of a seat's own socket: the connections that its agent may have open at one time, and in all.
 SEAT_ENDPOINT = EndpointSettings(connections=16, visits=64)
-EXIT_TIME = 3.0  # s for an agent's process to end by itself after the match; a container takes one
-MAX_ATTEMPTS = 3  # for a match that the platform breaks
-RETRY_DELAY = 0.5  # s between them: what is short now may be there again
-LONGEST_STALL = 10.0  # s without a turn of our loop, after which no agent is blamed for its failure
-STALL_CHECK_INTERVAL = 1.0  # s between two looks for one
-# Outcomes that the end of an agent's process explains.
+EXIT_TIME = 3.0  # s for an agent's process to end by itself after the match; a container takes 1 s
+MAX_ATTEMPTS = 3  # at a match that the platform breaks
+RETRY_DELAY = 0.5  # s between attempts, in which scarce resources may become available
+LONGEST_STALL = 10.0  # s that our event loop may stand still; beyond that no agent is blamed
+STALL_CHECK_INTERVAL = 1.0  # s between two checks for a stall
+# Outcomes whose cause is how the agent's process ended.
 EARLY_ENDS = (SeatStatus.CRASHED, SeatStatus.OUT_OF_MEMORY, SeatStatus.DISQUALIFIED)
-# Outcomes that what an agent's code was doing explains.
+# Outcomes whose cause is what the agent's code was doing.
 LATE_ENDS = (SeatStatus.TIMED_OUT, SeatStatus.NEVER_JOINED)
-# Errors of what was asked for: another try would end in the same way.
+# Errors in the request: another attempt would fail in the same way.
 WRONG_REQUESTS = (MatchSetupError, SensorError, UserError)
 
 
 class PlatformFaultError(WildscavError):
-    """The platform broke a match, again and again."""
+    """The platform broke a match in every attempt."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Seating:
     """A match with its submissions in their seats."""
 
     spec: MatchSpec
-    submissions: tuple[Submission, ...]  # in the order of the spec's seats for submissions
+    submissions: tuple[Submission, ...]  # in the order of their seats in the spec
     logs: tuple[Path, ...]  # one for each submission
     limits: Limits = DEFAULT_LIMITS  # of every agent
 
@@ -79,13 +80,14 @@ class Seating:
 
 @dataclass(frozen=True)
 class PlayedMatch:
-    """A match that was played, and how its agents' processes ended."""
+    """A match that was played, with the reports on its seats and the ends of its agents' processes."""
 
     match: Match
     seats: dict[int, SeatReport]  # of the submissions' seats
     endings: dict[int, Ending] = field(default_factory=dict)  # of the processes that ended by themselves
-    platform_faults: tuple[str, ...] = ()  # what broke the tries before this one, a line each
-    late_for_platform: dict[int, tuple[int, ...]] = field(default_factory=dict)  # steps, of each seat
+    platform_faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
+    # Late steps that are the machine's fault, by seat.
+    late_for_platform: dict[int, tuple[int, ...]] = field(default_factory=dict)
 
 
 async def play_match(
@@ -98,20 +100,20 @@ async def play_match(
     faults: Sequence[str] = (),
     on_failure: Callable[[str], None] = lambda _: None,
 ) -> PlayedMatch:
-    """Play one match, and again from its start if the platform broke it. See ``play_once``.
+    """Play one match, and play it again from its start if the platform broke it. See ``play_once``.
 
     Args:
-        seating: The match, and who plays.
-        sandbox: How the agents run.
-        clock: How long they may think; the server's default if none.
-        on_start: Told of the match whenever it is hosted.
-        make: Makes the match from its spec, for each try; a plain one if none.
-        faults: What broke earlier tries, a line each: they count.
-        on_failure: Told what broke a try, before the match is played again.
+        seating: The match and its submissions.
+        sandbox: The sandbox that runs the agents.
+        clock: The agents' time limits; the server's default if None.
+        on_start: Called with the match whenever it is hosted.
+        make: Makes the match from its spec, for each attempt; an ordinary match if None.
+        faults: What broke earlier attempts, one line each; they count as attempts.
+        on_failure: Called with what broke an attempt, before the match is played again.
 
     Raises:
         MatchSetupError: The match's spec cannot be played.
-        PlatformFaultError: The platform broke every try.
+        PlatformFaultError: The platform broke every attempt.
     """
     faults = list(faults)
     while True:
@@ -130,7 +132,7 @@ async def play_match(
 
 
 def given_up(faults: Sequence[str]) -> str:
-    """Return, in a line, why a match is not played again."""
+    """Return in one line why a match is not played again."""
     return f"the platform failed {counted(len(faults), 'time')}: {'; '.join(dict.fromkeys(faults))}"
 
 
@@ -151,11 +153,11 @@ async def play_once(
     """Play one match from the start of its agents to the end of the last of them.
 
     Args:
-        seating: The match, and who plays.
-        sandbox: How the agents run.
-        clock: How long they may think; the server's default if none.
-        on_start: Told of the match once it is hosted.
-        make: Makes the match from its spec; a plain one if none.
+        seating: The match and its submissions.
+        sandbox: The sandbox that runs the agents.
+        clock: The agents' time limits; the server's default if None.
+        on_start: Called with the match once it is hosted.
+        make: Makes the match from its spec; an ordinary match if None.
 
     Raises:
         MatchSetupError: The match's spec cannot be played.
@@ -164,7 +166,7 @@ async def play_once(
     """
     with socket_folders(len(seating.seats)) as folders:
         server = MatchServer(endpoint_settings=SEAT_ENDPOINT)
-        # A socket of its own for each seat: a sandbox hands over just that, and no other token works there.
+        # Each seat has its own socket: its sandbox passes on no other, and no other token works there.
         addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
         try:
             hosted = await server.host(
@@ -204,7 +206,7 @@ async def _play_hosted(
             outcome.match, _explained(outcome, agents), agents.endings, late_for_platform=late
         )
         if stall.done() and any(report.status.fault for report in played.seats.values()):
-            raise PlatformFaultError(f"nothing was done for {stall.result():.0f} s")
+            raise PlatformFaultError(f"the evaluator stood still for {stall.result():.0f} s")
         return played
     finally:
         hosted.cancel()
@@ -213,7 +215,7 @@ async def _play_hosted(
 
 
 async def _watch_for_stall() -> float:
-    """Wait until this loop had no turn for long (by Ctrl-Z, say), and return for how long, s."""
+    """Wait until this event loop has stood still for long (after Ctrl-Z, say); return for how long, s."""
     loop, late = asyncio.get_running_loop(), 0.0
     while late < LONGEST_STALL:
         before = loop.time()
@@ -230,7 +232,7 @@ def launch_for(
     limits: Limits = DEFAULT_LIMITS,
     start_limit: float | None = None,
 ) -> Launch:
-    """Return what a sandbox needs to start a submission at a seat."""
+    """Return what a sandbox needs to start a submission for a seat."""
     return Launch(
         folder=submission.folder,
         image=submission.image,
@@ -245,7 +247,7 @@ def launch_for(
 
 
 async def _outcome(hosted: HostedMatch, agents: MatchAgents) -> MatchOutcome:
-    """Wait for the end of a match. One that was cancelled was so because a sandbox failed."""
+    """Wait for the end of a match. If it was cancelled, report the sandbox that failed."""
     try:
         return await hosted.finished()
     except MatchCancelledError:
@@ -256,7 +258,7 @@ async def _outcome(hosted: HostedMatch, agents: MatchAgents) -> MatchOutcome:
 
 
 def _explained(outcome: MatchOutcome, agents: MatchAgents) -> dict[int, SeatReport]:
-    """Return the reports of all seats, with what the agents' processes show of a failure.
+    """Return the reports on all seats, with the causes that the agents' processes show.
 
     Raises:
         PlatformFaultError: A seat was empty because its sandbox failed.
@@ -269,10 +271,10 @@ def _explained(outcome: MatchOutcome, agents: MatchAgents) -> dict[int, SeatRepo
 
 
 def _with_cause(report: SeatReport, ending: Ending | None, agents: MatchAgents) -> SeatReport:
-    """Return a report that says what the agent's process shows of a failure.
+    """Return a report, completed with the cause that the agent's process shows.
 
-    That is how it ended, where that is why the seat was empty: the server may notice first that the agent's
-    stream is gone, and knows no more than that. And it is what the agent's code did when its time was up.
+    If the seat was empty because the process ended, the cause is how it ended: the server may only have
+    noticed that the agent's stream is gone. If the time was up, it is what the agent's code was doing then.
     """
     if report.status in LATE_ENDS and (where := agents.overdue(report.seat)):
         return replace(report, detail=f"{report.detail}; when its time was up, its code was at {where}")
@@ -290,7 +292,7 @@ def _with_cause(report: SeatReport, ending: Ending | None, agents: MatchAgents) 
 
 @contextmanager
 def socket_folders(count: int) -> Iterator[list[Path]]:
-    """Make private folders for a unix socket each."""
+    """Make private folders, one per unix socket."""
     with leftovers.temporary_folder("sockets-") as folder:
         folders = [folder / str(number) for number in range(count)]
         for each in folders:
@@ -299,7 +301,7 @@ def socket_folders(count: int) -> Iterator[list[Path]]:
 
 
 def prepare_logs(logs: Sequence[Path]) -> None:
-    """Begin the logs anew.
+    """Create the logs, or empty those that exist.
 
     Raises:
         OSError: One cannot be written.

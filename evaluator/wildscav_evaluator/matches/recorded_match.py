@@ -1,4 +1,4 @@
-"""A recorded match with the agent asked again: whether it acts as it is recorded to have acted."""
+"""A recorded match in which agents run again, to compare their actions with those recorded."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ from wildscav_engine.simulation.match import Match
 
 @dataclass
 class Agreement:
-    """How far one seat's agent acted as recorded."""
+    """The comparison of one seat's actions with those recorded."""
 
     seat: int
-    steps: int = 0  # that were compared
-    differing: int = 0  # of those, the steps with another action than recorded
-    first: int | None = None  # the first of those, counted from 1
+    steps: int = 0  # steps compared
+    differing: int = 0  # steps with another action than recorded
+    first: int | None = None  # the first differing step, counted from 1
     recorded: NDArray[np.float32] | None = None  # (FIELDS,), the action recorded at that step
-    now: NDArray[np.float32] | None = None  # (FIELDS,), the one that the agent gives there now
+    now: NDArray[np.float32] | None = None  # (FIELDS,), the agent's new action at that step
 
     @property
     def difference(self) -> str:
-        """The first difference, in a line; nothing if there is none."""
+        """The first difference in one line; an empty text if there is none."""
         if self.recorded is None or self.now is None:
             return ""
         fields = ", ".join(
@@ -38,27 +38,27 @@ class Agreement:
 
 
 class RecordedMatch(Match):
-    """A match that is played by its record, whatever its agents do now; their answers are compared with it.
+    """A match that plays the recorded actions and compares the agents' new actions with them.
 
-    So every agent sees at each step just what there was to see in the match recorded, also once it has acted
-    otherwise.
+    So every agent observes at each step exactly what it observed in the recorded match, even after it has
+    acted differently.
 
     Args:
         record: The record.
-        seats: Whose actions to compare.
+        seats: The seats whose actions to compare.
     """
 
     def __init__(self, record: Record, seats: Sequence[int]) -> None:
         super().__init__(record.spec)
         self._record = record
         self.agreements = {seat: Agreement(seat) for seat in seats}
-        self.diverged_at: int | None = None  # the first step, from 1, whose state is not that recorded
+        self.diverged_at: int | None = None  # the first step, from 1, with another state than recorded
 
     def step(self, actions: ArrayLike | None = None) -> None:
-        """Compare actions with those recorded, and play the latter.
+        """Compare actions with the recorded ones, and play the recorded ones.
 
         Args:
-            actions: (A, FIELDS), of the agents now; None for no action of anyone.
+            actions: (A, FIELDS), the agents' new actions; None if no agent acts.
         """
         number = self.step_number
         if self.over or number >= self._record.steps:
@@ -85,5 +85,5 @@ def _compare(
 
 
 def _number(value: float) -> str:
-    """Return a 32-bit number so that no other one reads the same."""
+    """Return a 32-bit float as text that no other 32-bit float shares."""
     return f"{value:.9g}"

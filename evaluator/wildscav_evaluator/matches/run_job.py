@@ -1,4 +1,4 @@
-"""Running a job: one match, from its agents' start to its record and replay on disk."""
+"""Running a job: one match, from the start of its agents to its record and replay on disk."""
 
 import asyncio
 import signal
@@ -39,25 +39,25 @@ HEARTBEAT_INTERVAL = 0.5  # s between two heartbeats of a match
 def run_job(
     runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None] = lambda _: None
 ) -> JobResult:
-    """Play a job's match, unless it was played before, and write its files.
+    """Play a job's match, unless an earlier run played it, and write its files.
 
-    Whatever goes wrong costs this job alone.
+    Every error becomes the result of this job, so that the other jobs go on.
 
     Args:
-        runner: Of the loop to play in.
+        runner: The runner of the event loop to play in.
         job: The job.
-        on_event: Told now and then how far the match is, when it is played again, and when its replay is
-            begun.
+        on_event: Called regularly with the match's progress, when it is played again, and when the rendering
+            of its replay begins.
     """
-    result = kept(job) or _play(runner, job, on_event)
+    result = kept_result(job) or _play(runner, job, on_event)
     if not result.to_render:
         return result
     on_event(RenderingReplay())
     return _rendered(result)
 
 
-def kept(job: Job) -> JobResult | None:
-    """Return the result of a job whose match was played to its end in an earlier sitting."""
+def kept_result(job: Job) -> JobResult | None:
+    """Return the result of a job whose match an earlier run completed; None if there is none."""
     entry = read_entry(job.out, job.evaluation, job.stem)
     if entry is None:
         return None
@@ -66,16 +66,16 @@ def kept(job: Job) -> JobResult | None:
 
 
 def after_worker_death(job: Job, reason: str) -> Job | JobResult:
-    """Return what becomes of a job whose worker died: the job once more, or its result.
+    """Return the job to run again after its worker died, or its result if there were too many attempts.
 
     Args:
-        job: The job, with all that broke it before.
-        reason: How the worker ended, in a line.
+        job: The job, with the faults of earlier attempts.
+        reason: How the worker ended, in one line.
     """
     faults = (*job.faults, reason)
     if len(faults) < MAX_ATTEMPTS:
         return replace(job, faults=faults)
-    played = kept(job)
+    played = kept_result(job)
     if played is not None:
         return replace(played, replay_error=f"no replay {job.out / job.replay_path}: {given_up(faults)}")
     return failed(job, given_up(faults))
@@ -91,21 +91,21 @@ def _play(runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None]
         remove_empty_logs(seating.logs)
         row = MatchRow.of(job.index, tuple(seat_row(job, played, seat) for seat in job.seats), job.record)
         timing = match_timing(job, played, started, time.perf_counter() - clock)
-        # From here on the match is played, whatever happens.
+        # From here on the match counts as played.
         write_entry(job.out, job.evaluation, job.stem, row, timing)
         return JobResult(job, row, timing)
     except OSError as error:
         return failed(job, describe(error))
     except (WildscavError, ValueError) as error:
         return failed(job, str(error))
-    except Exception as error:  # noqa: BLE001 (a match that breaks must not take the others along)
+    except Exception as error:  # noqa: BLE001 (a broken match must not stop the others)
         return failed(job, f"{type(error).__name__}: {error}")
 
 
 async def _play_with_heartbeats(
     seating: Seating, sandbox: Sandbox, faults: Sequence[str], on_event: Callable[[JobEvent], None]
 ) -> PlayedMatch:
-    """Play a match, and tell how far it is; from its start again, if it is played again."""
+    """Play a match and report its progress, from the start again if the match is played again."""
     heartbeats: list[asyncio.Task[None]] = []
 
     async def beat(hosted: HostedMatch) -> None:
@@ -134,9 +134,9 @@ async def _play_with_heartbeats(
 
 @contextmanager
 def _cancelled_by_signal() -> Iterator[None]:
-    """Have SIGTERM cancel this task, which ends all that it started (in the main thread).
+    """Let SIGTERM cancel this task, which stops everything that it started (only in the main thread).
 
-    A handler that raises would do so in whatever task just runs, and keep the others from ending in order.
+    A handler that raises would do so in the task that happens to run, and the others would not end cleanly.
     """
     task, loop = asyncio.current_task(), asyncio.get_running_loop()
     if task is None or threading.current_thread() is not threading.main_thread():
@@ -152,12 +152,12 @@ def _cancelled_by_signal() -> Iterator[None]:
 
 
 def failed(job: Job, reason: str) -> JobResult:
-    """Return the result of a job that came to no result, by no fault of the agent."""
+    """Return the result of a job whose match could not be played, through no fault of the agent."""
     return JobResult(job, MatchRow(index=job.index, status=FAILED, fault="platform", detail=reason))
 
 
 def _rendered(result: JobResult) -> JobResult:
-    """Return a result with its replay, rendered now if it is missing, or with what went wrong."""
+    """Return a result after rendering its replay, with the replay's path or the error."""
     error = _render(result.job)
     row = result.row if error else _with_replay(result.job, result.row)
     return replace(result, row=row, replay_error=error)
@@ -168,7 +168,7 @@ def _with_replay(job: Job, row: MatchRow) -> MatchRow:
 
 
 def _render(job: Job) -> str:
-    """Render the replay from the record; return what went wrong, if anything did."""
+    """Render the replay from the record; return the error, or an empty text."""
     from wildscav_engine.view import write_replay
 
     path = job.out / job.replay_path
@@ -176,6 +176,6 @@ def _render(job: Job) -> str:
         write_replay(read_record(job.out / job.record), path, follow=job.seats[0])
     except OSError as error:
         return f"no replay {path}: {error.strerror or error}"
-    except Exception as error:  # noqa: BLE001 (the match stands, whatever becomes of its picture)
+    except Exception as error:  # noqa: BLE001 (the match counts even without its replay)
         return f"no replay {path}: {type(error).__name__}: {error}"
     return ""

@@ -1,4 +1,4 @@
-"""How a match went for the submission in it: the match server's reports as rows of the results file."""
+"""Conversion of the match server's reports on a submission's seats to rows of the results file."""
 
 from wildscav.server import SeatReport
 from wildscav_evaluator.matches.jobs import Job
@@ -7,7 +7,7 @@ from wildscav_evaluator.output.results import MatchTiming, SeatRow, SeatTiming
 
 
 def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
-    """Return how a match went in one seat, as the results file has it."""
+    """Return how a match went in one seat, as a row of the results file."""
     report, log = played.seats[seat], job.log(seat)
     return SeatRow(
         seat=seat,
@@ -26,13 +26,13 @@ def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
 
 
 def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> MatchTiming:
-    """Return how long a match took, as the results file has it.
+    """Return how long a match took, as an entry of the results file.
 
     Args:
-        job: Whose match it is.
+        job: The job of the match.
         played: The match.
-        started: Seconds since 1970, UTC.
-        wall: Seconds, with starting the agents and writing the record.
+        started: When it started, in seconds since 1970, UTC.
+        wall: How long it took, s, including the start of the agents and writing the record.
     """
     return MatchTiming(
         submission=job.submission.name,

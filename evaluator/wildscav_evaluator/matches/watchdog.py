@@ -1,6 +1,6 @@
-"""The watchdog: which workers hang, by what is heard of them.
+"""The watchdog, which detects from a worker's events that the worker hangs.
 
-What counts is progress, not life: a worker whose match stands still while its event loop runs on hangs as
+What counts is progress: a worker whose match stands still while its event loop keeps running hangs just as
 much as one that is stuck in a kernel or was stopped.
 """
 
@@ -9,24 +9,24 @@ from dataclasses import dataclass
 from wildscav.server import Clock
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, RenderingReplay
 
-CHECK_INTERVAL = 1.0  # s between two looks at the workers, at the most
+CHECK_INTERVAL = 1.0  # s between two checks of the workers, at most
 
 
 @dataclass(frozen=True)
 class Patience:
-    """How long a job may get no further, s: many times what that takes where nothing else is to do."""
+    """How long a job may make no progress, s: many times what each phase takes on an idle machine."""
 
-    set_up: float = 300.0  # for its map, of which the largest takes half a minute, and for all agents to join
-    seat: float = 30.0  # more of that for every agent that a sandbox has to start
-    step: float = 90.0  # for a step, beside the time that agents have for it
-    rendering: float = 300.0  # for its replay, beside the game time that is shown
+    set_up: float = 300.0  # to generate the map (the largest takes half a minute) and for all agents to join
+    seat: float = 30.0  # more set-up time for each agent that a sandbox has to start
+    step: float = 90.0  # for a step, in addition to the time that agents have for it
+    rendering: float = 300.0  # for the replay, in addition to the game time that it shows
 
     def with_job(self, job: Job, event: JobEvent | None) -> tuple[float, str]:
-        """Return how long a job may stay as it is, s, and where it is then.
+        """Return how long a job may make no progress, s, and a description of its phase.
 
         Args:
             job: The job.
-            event: What was told of it last, if anything.
+            event: Its last event; None if there was none.
         """
         if isinstance(event, RenderingReplay):
             return self.rendering + job.spec.time_limit, "while it rendered the replay"
@@ -37,11 +37,11 @@ class Patience:
 
 
 class Watchdog:
-    """Watches a worker at one job.
+    """Watches a worker that runs one job.
 
     Args:
         job: The job.
-        patience: With it.
+        patience: How long the job may make no progress.
     """
 
     def __init__(self, job: Job, patience: Patience) -> None:
@@ -50,23 +50,23 @@ class Watchdog:
         self._still = 0.0  # s without progress
 
     def hear(self, event: JobEvent) -> None:
-        """Note what a worker says of its job."""
+        """Note an event that a worker sent."""
         if isinstance(event, Heartbeat) and event == self._last_event:
-            return  # it lives, and gets nowhere
+            return  # the worker lives, but the match makes no progress
         self._last_event, self._still = event, 0.0
 
     def wait(self, seconds: float) -> None:
-        """Note that some time has gone by; progress that was made meanwhile is heard of next.
+        """Note that some time has passed; call this before noting the events of that time.
 
         Args:
-            seconds: How long. Far more than a look takes means that the watchdog itself was stopped (by
-                Ctrl-Z, say), and most likely the worker with it: that does not count.
+            seconds: How long. If it is far longer than a check takes, the watchdog itself was stopped (by
+                Ctrl-Z, say), most likely together with the worker, so the excess does not count.
         """
         self._still += min(seconds, 2.0 * CHECK_INTERVAL)
 
     @property
     def verdict(self) -> str:
-        """Say that the worker hangs, in a line; nothing if it does not."""
+        """A line that says that the worker hangs; empty if it does not."""
         limit, where = self._patience.with_job(self._job, self._last_event)
         if self._still <= limit:
             return ""

@@ -1,8 +1,8 @@
-"""Worker processes: each plays one match at a time, and none takes another one down.
+"""Worker processes: each plays one match at a time, and the death of one does not affect the others.
 
-They are spawned, never forked: a fork after a kernel ran would copy the state of threads that it does not
-copy. (The standard library's pool gives all work up when one of its processes dies; ours has another worker
-play that one match again.)
+Workers are spawned, never forked: a fork after a kernel ran would copy the state of threads but not the
+threads themselves. (The standard library's pool abandons all work when one of its processes dies; here
+another worker plays that one match again.)
 """
 
 import asyncio
@@ -28,9 +28,9 @@ from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchd
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
 
-STOP_TIME = 10.0  # s for a worker to end its match when the evaluation is interrupted
-COMPILE_TIME = 3600.0  # s to compile the engine, which takes two minutes
-REPLAYS_PER_WORKER = 40  # Rerun keeps some idle threads of every recording until its process ends
+STOP_TIME = 10.0  # s for a worker to stop its match when the evaluation is interrupted
+COMPILE_TIME = 3600.0  # s, at most, to compile the engine; it usually takes two minutes
+REPLAYS_PER_WORKER = 40  # each Rerun recording leaves some idle threads until its process ends
 
 
 @dataclass(frozen=True)
@@ -41,15 +41,15 @@ class Precompiling:
 
 
 class WorkerDiedError(Exception):
-    """A worker ended while it had something to do."""
+    """A worker died while it was compiling the engine."""
 
 
 class Worker:
-    """One process, and the job that it is at.
+    """A worker process, and the job that it is running.
 
     Args:
-        lock: Of the folder that it writes to.
-        patience: With its jobs.
+        lock: The lock of the folder that it writes to.
+        patience: How long its jobs may make no progress.
     """
 
     def __init__(self, lock: Lock | None, patience: Patience) -> None:
@@ -64,22 +64,22 @@ class Worker:
         self._watchdog: Watchdog | None = None
         self._patience = patience
         self.dead = False
-        self.rendered = 0  # replays
+        self.rendered = 0  # replays so far
 
-    def give(self, job: Job) -> None:
-        """Set it to a job. If it is gone already, ``take`` will say so."""
+    def assign(self, job: Job) -> None:
+        """Send it a job. If the process is gone already, ``receive`` will report that."""
         self.job, self._watchdog = job, Watchdog(job, self._patience)
         with contextlib.suppress(OSError):
             self.connection.send(job)
 
     def wait(self, seconds: float) -> bool:
-        """Note that a while has gone by, and return whether it hangs."""
+        """Note that some time has passed, and return whether the worker hangs."""
         watchdog = cast(Watchdog, self._watchdog)
         watchdog.wait(seconds)
         return bool(watchdog.verdict)
 
-    def take(self) -> JobEvent | Job | JobResult:
-        """Return what is waiting: how its job goes on, or its result; if it died or hangs, what follows."""
+    def receive(self) -> JobEvent | Job | JobResult:
+        """Return the next event or result; after a death or hang, the job to run again or its result."""
         job, watchdog = cast(Job, self.job), cast(Watchdog, self._watchdog)
         try:
             event = cast(JobEvent | JobResult, self.connection.recv()) if self.connection.poll() else None
@@ -103,27 +103,27 @@ class Worker:
         return signal_name(-code) if code < 0 else f"exit code {code}"
 
     def end(self, grace: float = 0.0) -> None:
-        """Kill it if it is still there, and remove what it may have left behind.
+        """Kill the process if it is still running, and remove what it may have left behind.
 
         Args:
-            grace: s that it has to end by itself.
+            grace: How long it may take to end by itself, s.
         """
         self.dead = True
         self.connection.close()
         self.process.join(grace)
         if self.process.is_alive():
             self.process.kill()
-            self.process.join(STOP_TIME)  # even a kill must wait for a disk that hangs; we need not
+            self.process.join(STOP_TIME)  # a process that waits for a hanging disk cannot be killed at once
         leftovers.sweep()
 
 
 class Workers:
-    """A few workers that share the jobs. A context manager: at its end, all are gone.
+    """A group of workers that share the jobs, as a context manager that stops all of them when it exits.
 
     Args:
         count: How many.
-        lock: Of the folder that they write to; each holds it as long as it lives.
-        patience: With jobs that get no further.
+        lock: The lock of the folder that they write to; each worker holds it as long as it lives.
+        patience: How long jobs may make no progress.
     """
 
     def __init__(self, count: int, lock: Lock | None = None, patience: Patience | None = None) -> None:
@@ -134,7 +134,7 @@ class Workers:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End all workers, and with them their agents."""
+        """Stop all workers, and thereby their agents."""
         for worker in self._workers:
             worker.connection.close()
             worker.process.terminate()
@@ -143,10 +143,10 @@ class Workers:
             worker.end(max(0.0, until - time.monotonic()))
 
     def precompile(self, sensors: Iterable[Wanted] = ()) -> None:
-        """Compile the engine once, in the first worker, so that the others find it done.
+        """Compile the engine once, in the first worker, so that the others load it from the cache.
 
         Args:
-            sensors: What will be read in matches, for each submission.
+            sensors: The sensors that will be read in matches, for each submission.
 
         Raises:
             WorkerDiedError: It could not be compiled.
@@ -167,16 +167,16 @@ class Workers:
         self,
         jobs: Iterable[Job],
         on_start: Callable[[Job], None] = lambda _: None,
-        on_event: Callable[[Job, JobEvent], None] = lambda _job, _told: None,
+        on_event: Callable[[Job, JobEvent], None] = lambda _job, _event: None,
     ) -> Iterator[JobResult]:
-        """Run all jobs and yield their results as they come.
+        """Run all jobs and yield their results as they arrive.
 
-        If a worker dies or hangs, another one plays its match from the start, up to ``TRIES`` in all.
+        If a worker dies or hangs, another one plays its match from the start, up to ``MAX_ATTEMPTS`` in all.
 
         Args:
-            jobs: What to play, in this order.
-            on_start: Told of every job as it is begun, or begun again.
-            on_event: Told now and then how far a match is, and what broke one that is played again.
+            jobs: The jobs, in the order in which to start them.
+            on_start: Called with every job when it is started, or started again.
+            on_event: Called with the progress of each match, and with what broke an attempt.
         """
         waiting = deque(jobs)
         while len(self._workers) < min(self._count, len(waiting)):
@@ -185,8 +185,8 @@ class Workers:
         for worker in self._workers:
             _next_job(worker, waiting, busy, on_start)
         while busy:
-            for worker in _heard_of(busy):
-                event = worker.take()
+            for worker in _wait_for_workers(busy):
+                event = worker.receive()
                 if not isinstance(event, Job | JobResult):
                     on_event(cast(Job, worker.job), event)
                     continue
@@ -194,12 +194,12 @@ class Workers:
                 if isinstance(event, Job):
                     on_event(event, AttemptFailed(event.faults[-1]))
                     waiting.appendleft(event)
-                _next_job(self._fit(worker), waiting, busy, on_start)
+                _next_job(self._replace_if_spent(worker), waiting, busy, on_start)
                 if isinstance(event, JobResult):
                     yield event
 
-    def _fit(self, worker: Worker) -> Worker:
-        """Return a worker, or a new one in its place if it can do no more."""
+    def _replace_if_spent(self, worker: Worker) -> Worker:
+        """Return a worker, or a new one in its place if it is dead or has rendered enough replays."""
         if not worker.dead and worker.rendered < REPLAYS_PER_WORKER:
             return worker
         self._workers.remove(worker)
@@ -212,13 +212,13 @@ class Workers:
         return worker
 
 
-def _heard_of(busy: dict[Connection, Worker]) -> list[Worker]:
-    """Wait a moment; return the workers that have something to say, have ended or hang."""
+def _wait_for_workers(busy: dict[Connection, Worker]) -> list[Worker]:
+    """Wait for a short time; return the workers that sent something, have ended or hang."""
     before = time.monotonic()
-    speaking = wait(list(busy), CHECK_INTERVAL)
+    ready = wait(list(busy), CHECK_INTERVAL)
     waited = time.monotonic() - before
     hanging = [worker for worker in busy.values() if worker.wait(waited)]
-    return [worker for connection, worker in busy.items() if connection in speaking or worker in hanging]
+    return [worker for connection, worker in busy.items() if connection in ready or worker in hanging]
 
 
 def _next_job(
@@ -227,17 +227,17 @@ def _next_job(
     if waiting:
         job = waiting.popleft()
         on_start(job)
-        worker.give(job)
+        worker.assign(job)
         busy[worker.connection] = worker
 
 
 def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
-    """Do what is asked until nobody asks any more. Runs in the worker's process.
+    """Handle messages until the connection is closed. Runs in the worker's process.
 
     Args:
-        connection: Where jobs come from and results go.
+        connection: The connection that delivers jobs and takes results.
         parent: The process that started this one.
-        _lock: Is held until this process ends, however it ends.
+        _lock: The folder's lock, which this process holds until it ends in any way.
     """
     become_worker(parent)
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):
@@ -247,7 +247,7 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
                 precompile_for(message.sensors)
                 connection.send(message)
             else:
-                # Only a match has agents to be stopped; elsewhere a worker may end on the spot.
+                # Only a match has agents to stop; at any other time a worker may end at once.
                 signal.signal(signal.SIGTERM, _leave)
                 try:
                     result = run_job(runner, message, partial(_send_event, connection))
@@ -258,11 +258,11 @@ def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
 
 
 def _send_event(connection: Connection, event: JobEvent) -> None:
-    # Nobody listens any more: the result will not be taken either, and that ends this process.
+    # If the other end is closed, sending the result will fail too, and that ends this process.
     with contextlib.suppress(OSError):
         connection.send(event)
 
 
 def _leave(number: int, _: object) -> None:
-    # Leaves through every `finally` on the way, which is where agents are stopped.
+    # Runs every `finally` block on the way out; those stop the agents.
     raise SystemExit(128 + number)

@@ -1,1 +1,1 @@
-"""How a running evaluation is watched: dashboard, log and metrics."""
+"""Monitoring of a running evaluation: dashboard, log and metrics."""

@@ -15,17 +15,17 @@ from wildscav_evaluator.scores.number_format import NOTHING, number, unit_and_ti
 BAR = 18  # columns
 NAME = 22  # columns that a submission's name takes at most
 SHOWN = 8  # running matches, at most
-WIDE = 78  # columns, from which on there is room for bars and intervals
-NUMBER_COLUMNS = 31  # columns of a line's figures where there is not
+WIDE = 78  # columns from which there is space for bars and intervals
+NUMBER_COLUMNS = 31  # columns that the numbers of a narrow line take
 
 
 def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
     """Return the dashboard as it is now.
 
     Args:
-        tally: What is shown.
-        title: What is evaluated.
-        width: Of the terminal, columns. A narrow one gets no bars and no intervals.
+        tally: The tally to show.
+        title: A short description of what is evaluated.
+        width: Columns of the terminal. A narrow one gets no bars and no intervals.
     """
     wide = width >= WIDE
     name = NAME if wide else max(6, min(NAME, width - NUMBER_COLUMNS))
@@ -36,7 +36,7 @@ def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
 
 def _head(tally: Tally, title: str, *, wide: bool) -> Iterator[RenderableType]:
     done, total = len(tally.done), len(tally.jobs)
-    times = f"{duration(tally.elapsed)} gone"
+    times = f"{duration(tally.elapsed)} elapsed"
     if (left := tally.time_left()) is not None and done < total:
         times += f", about {duration(left)} left"
     yield Text(title, "bold")
@@ -63,7 +63,7 @@ def match_counts(tally: Tally) -> Text:
 
 
 def _tracks(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
-    """Yield a table for each track: how far each submission is, and its score so far with the interval."""
+    """Yield a table for each track: the progress of each submission, and its score so far."""
     lines = tuple(tally.lines.values())
     width = min(name, max(len(line.submission) for line in lines))
     for track in dict.fromkeys(line.track for line in lines):
@@ -109,7 +109,7 @@ def _state(line: TrackProgress) -> Text:
 
 
 def _running(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
-    """Yield the matches that are being played, each with how far it is."""
+    """Yield the matches that are being played, each with its progress."""
     running = sorted(tally.running.values(), key=lambda one: one.since)
     if not running:
         return
@@ -136,7 +136,7 @@ def _match(one: RunningMatch, *, wide: bool) -> Iterator[RenderableType]:
 
 
 def duration(seconds: float) -> str:
-    """Return a time as people say it, such as "4 min 05 s"."""
+    """Return a duration in readable units, such as "4 min 05 s"."""
     whole = max(0, round(seconds))
     if whole < 60:
         return f"{whole} s"

@@ -1,4 +1,4 @@
-"""All that looks on while an evaluation runs: the dashboard, the log and the metrics."""
+"""The monitor of a running evaluation, which feeds the dashboard, the log and the metrics."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,20 +16,20 @@ from wildscav_evaluator.monitoring.tally import Tally
 
 @dataclass(frozen=True)
 class MonitorOptions:
-    """How an evaluation is to be watched."""
+    """The options for monitoring an evaluation."""
 
-    log_format: LogFormat | None = None  # none: on the dashboard, or in plain lines
-    metrics_port: int | None = None  # none: no metrics
+    log_format: LogFormat | None = None  # None for the dashboard, or plain lines
+    metrics_port: int | None = None  # None for no metrics
 
 
 class Monitor:
-    """Tells everybody who looks on.
+    """Passes the events of an evaluation on to dashboard, log and metrics.
 
     Args:
         jobs: All matches.
         at_once: How many are played at once.
-        title: What is evaluated.
-        how: How it is to be watched.
+        title: A short description of what is evaluated.
+        how: The options.
     """
 
     def __init__(self, jobs: Sequence[Job], at_once: int, title: str, how: MonitorOptions) -> None:
@@ -40,7 +40,7 @@ class Monitor:
 
     @contextmanager
     def shown(self) -> Iterator[None]:
-        """Show it for as long as the block lasts."""
+        """Show the evaluation for as long as the block lasts."""
         tally = self.tally
         with serving_metrics(EvaluationMetrics(tally), self._how.metrics_port) as address:
             if address is not None:
@@ -52,12 +52,12 @@ class Monitor:
             self._log.info("evaluation_ends", matches=len(tally.done), failed=tally.failed)
 
     def start(self, job: Job) -> None:
-        """A match begins."""
+        """Note that a match begins."""
         self.tally.start(job)
         self._log.info("match_begins", match=job.stem, waiting=self.tally.waiting)
 
     def handle(self, job: Job, event: JobEvent) -> None:
-        """A match is so far, or the platform broke it and it is played again."""
+        """Note the progress of a match, or that the platform broke it and it is played again."""
         if isinstance(event, Heartbeat):
             self.tally.beat(job, event)
         elif isinstance(event, AttemptFailed):
@@ -65,12 +65,12 @@ class Monitor:
             self._log.warning("match_broken", match=job.stem, fault="platform", detail=event.reason)
             self._progress.note_broken(job, event.reason)
 
-    def keep(self, result: JobResult) -> None:
-        """A match was played in an earlier sitting."""
-        self._progress.add(result, self.tally.keep(result))
+    def add_earlier(self, result: JobResult) -> None:
+        """Note a match that an earlier run played."""
+        self._progress.add(result, self.tally.add_earlier(result))
 
     def add(self, result: JobResult) -> None:
-        """A match ended."""
+        """Note that a match ended."""
         line = self.tally.add(result)
         self._write(result)
         self._progress.add(result, line)

@@ -13,17 +13,17 @@ from wildscav_evaluator.monitoring.dashboard import dashboard, duration, match_c
 from wildscav_evaluator.monitoring.tally import Tally, TrackProgress
 from wildscav_evaluator.scores.number_format import number, unit_and_title
 
-EVERY = 30.0  # s between lines where nobody watches
+EVERY = 30.0  # s between lines if the output is not a terminal
 
 
 class EvaluationProgress:
-    """Shows a tally.
+    """Shows the progress that a tally counts.
 
     Args:
-        console: Where.
-        tally: What is shown.
-        title: What is evaluated.
-        quiet: Whether nothing is shown but failures.
+        console: The console to print to.
+        tally: The tally to show.
+        title: A short description of what is evaluated.
+        quiet: Whether to show only failures.
     """
 
     def __init__(self, console: Console, tally: Tally, title: str = "", *, quiet: bool = False) -> None:
@@ -38,7 +38,7 @@ class EvaluationProgress:
 
     @contextmanager
     def shown(self) -> Iterator[None]:
-        """Show it for as long as the block lasts. Where nobody watches, lines are printed."""
+        """Show the dashboard for as long as the block lasts; if the output is not a terminal, print lines."""
         if not self._console.is_terminal or self._quiet:
             yield
             return
@@ -46,11 +46,11 @@ class EvaluationProgress:
             yield
 
     def note_broken(self, job: Job, reason: str) -> None:
-        """Say at once that the platform broke a match, which is played again."""
+        """Print at once that the platform broke a match, which is played again."""
         self._say(f"{job.stem}: played again, the platform's fault", reason, "yellow")
 
     def add(self, result: JobResult, line: TrackProgress) -> None:
-        """Say at once what went wrong in a match that ended; where nobody watches, also how far all is."""
+        """Print at once what went wrong in a match; without a terminal, also the overall progress."""
         row = result.row
         if row.fault is not None:
             self._say(f"{result.job.stem}: {row.status}, {row.fault}'s fault", row.detail, "red")
@@ -72,5 +72,5 @@ class EvaluationProgress:
         self._said_at = self._tally.clock()
 
     def _say(self, what: str, detail: str, style: str = "") -> None:
-        # One text with no options: the table below it is drawn again with the options of this print.
+        # One text without options, because the table below it is redrawn with the options of this print.
         self._console.print(Text.assemble((what, style), f": {detail}"))

@@ -1,4 +1,4 @@
-"""Prometheus metrics of an evaluation, read from its tally whenever somebody asks."""
+"""Prometheus metrics of an evaluation, read from its tally at each request."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -14,14 +14,14 @@ class EvaluationMetrics(Collector):
     """The metrics of one evaluation.
 
     Args:
-        tally: What they are read from.
+        tally: The tally from which the metrics are read.
     """
 
     def __init__(self, tally: Tally) -> None:
         self._tally = tally
 
     def collect(self) -> Iterator[Metric]:
-        """Yield every metric as it is now."""
+        """Yield every metric with its current value."""
         done = tuple(self._tally.done.values())
         yield from self._matches(done)
         yield from self._queue()
@@ -33,7 +33,7 @@ class EvaluationMetrics(Collector):
     def _matches(self, done: tuple[JobResult, ...]) -> Iterator[Metric]:
         matches = CounterMetricFamily(
             "wildscav_matches",
-            "Matches that came to an end, earlier sittings included.",
+            "Matches that ended, including those of earlier runs.",
             labels=("track", "submission", "status"),
         )
         keys = [(one.job.track, one.job.submission.name, one.row.status) for one in done]

@@ -1,4 +1,4 @@
-"""Where an evaluation stands: matches waiting, running, done and failed, scores so far, and the time left."""
+"""The state of an evaluation: matches waiting, running, done and failed, scores so far, and the time left."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -9,13 +9,13 @@ from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobResult
 from wildscav_evaluator.output.results import MetricInfo, Summary, metric_infos
 from wildscav_evaluator.scores.score import summarize
 
-ROBOT = 0.1  # what a robot takes, of what an agent in a process of its own does
-SMOOTHING = 0.5  # share of the newest figure in steps a second
+ROBOT = 0.1  # time that a robot takes, as a share of the time of an agent in its own process
+SMOOTHING = 0.5  # weight of the newest measurement of steps per second
 
 
 @dataclass
 class TrackProgress:
-    """One submission on one track, as far as it has come."""
+    """The progress of one submission on one track."""
 
     track: str
     submission: str
@@ -45,12 +45,12 @@ class RunningMatch:
 
 
 class Tally:
-    """Counts what becomes of some jobs.
+    """Counts the states and results of jobs.
 
     Args:
         jobs: All matches of the evaluation.
         at_once: How many are played at once.
-        clock: Seconds, from any moment on.
+        clock: Returns seconds since any fixed moment.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Tally:
         self.jobs = {job.stem: job for job in jobs}
         self.done: dict[str, JobResult] = {}
         self.running: dict[str, RunningMatch] = {}
-        self.broken = 0  # tries that the platform broke, each played again
+        self.broken = 0  # attempts that the platform broke, each played again
         self.lines: dict[tuple[str, str], TrackProgress] = {}
         for job in jobs:
             key = (job.track, job.submission.name)
@@ -68,7 +68,7 @@ class Tally:
                 self.lines[key] = TrackProgress(*key, metric_infos(job.track)[0])
             self.lines[key].total += 1
 
-    # What is told of it.
+    # Events.
 
     def start(self, job: Job) -> None:
         """Count a match that begins, or begins again."""
@@ -76,7 +76,7 @@ class Tally:
         self.running[job.stem] = RunningMatch(job, self.clock())
 
     def beat(self, job: Job, heartbeat: Heartbeat) -> None:
-        """Note how far a running match has come."""
+        """Note the progress of a running match."""
         running = self.running.get(job.stem)
         if running is None:
             return
@@ -86,14 +86,14 @@ class Tally:
             running.speed += (speed - running.speed) * (SMOOTHING if running.speed else 1.0)
         running.heartbeat, running.heartbeat_at = heartbeat, now
 
-    def keep(self, result: JobResult) -> TrackProgress:
-        """Count a match that was played in an earlier sitting, and return its line."""
+    def add_earlier(self, result: JobResult) -> TrackProgress:
+        """Count a match that an earlier run played, and return its line."""
         if result.timing is not None:
             self.broken += len(result.timing.platform_faults)
         return self.add(result)
 
     def note_broken(self, job: Job) -> None:
-        """Count a try of a running match that the platform broke."""
+        """Count an attempt at a running match that the platform broke."""
         self.broken += 1
         if (running := self.running.get(job.stem)) is not None:
             running.heartbeat = None
@@ -103,7 +103,7 @@ class Tally:
         line, stem = self._line(result.job), result.job.stem
         was_running = self.running.pop(stem, None) is not None
         if stem in self.done:
-            self.done[stem] = result  # rendered now, and counted before
+            self.done[stem] = result  # its replay was rendered; the match itself is counted already
             return line
         self.done[stem] = result
         line.running -= was_running
@@ -117,7 +117,7 @@ class Tally:
     def _line(self, job: Job) -> TrackProgress:
         return self.lines[job.track, job.submission.name]
 
-    # What it tells.
+    # State.
 
     @property
     def failed(self) -> int:
@@ -131,19 +131,19 @@ class Tally:
 
     @property
     def elapsed(self) -> float:
-        """Seconds since this sitting began."""
+        """Seconds since this run began."""
         return self.clock() - self.began
 
     @property
     def speed(self) -> float:
-        """Steps a second of all matches that are being played."""
+        """Steps per second of all matches that are being played."""
         return sum(running.speed for running in tuple(self.running.values()))
 
     def time_left(self) -> float | None:
-        """Return about how many seconds are left; none as long as nothing tells.
+        """Return an estimate of the seconds left; None as long as no match has been timed.
 
-        A match takes as long as those of its track did, and where none is done yet, as long for each second
-        of game and agent as others did.
+        A match is expected to take as long as the others of its track did or, if none of them is done yet, as
+        long per second of game time and agent as the matches of other tracks did.
         """
         walls = list(self._walls())
         if not walls:
@@ -164,12 +164,12 @@ class Tally:
         return left / at_once
 
     def _walls(self) -> Iterator[tuple[Job, float]]:
-        for result in tuple(self.done.values()):  # another thread may ask
+        for result in tuple(self.done.values()):  # copied, because another thread may read the metrics
             if result.timing is not None:
                 yield result.job, result.timing.wall
 
 
 def _work(job: Job) -> float:
-    """Return how much a match may take, in seconds of game and agent."""
+    """Return the expected effort of a match, in seconds of game time times agents."""
     agents = job.spec.seats.count(SUBMISSION)
     return job.spec.time_limit * (agents + ROBOT * (len(job.spec.seats) - agents))

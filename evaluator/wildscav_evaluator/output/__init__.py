@@ -1,1 +1,1 @@
-"""The output folder of an evaluation: whose it is, what is kept in it, and in which form."""
+"""The output folder of an evaluation: its identity, its files and their formats."""

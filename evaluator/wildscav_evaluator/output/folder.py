@@ -1,4 +1,4 @@
-"""The output folder of an evaluation: whose it is, and what of it is kept when the evaluation goes on."""
+"""The output folder of an evaluation: checking whose it is, and what is kept when it is continued."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -13,39 +13,39 @@ from wildscav_evaluator.output.lock import Lock, locked
 from wildscav_evaluator.submissions.submission import MANIFEST, Submission
 
 FOLDERS = (RECORDS, REPLAYS, LOGS, MATCHES)
-# What an evaluation writes for each match, and so what the next one may remove. Nothing else is touched.
+# The files that an evaluation writes for each match. The next one may remove these and no others.
 OWN_FILES = (f"{RECORDS}/*{SUFFIX}", f"{REPLAYS}/*.rrd", f"{LOGS}/*.log", f"{MATCHES}/*.json")
-# What is left of a file whose writer was killed.
+# Partial files, which remain if their writer was killed.
 PARTS = (".*.part", *(f"{folder}/.*.part" for folder in FOLDERS))
 
 
 @contextmanager
 def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iterator[Lock]:
-    """Make an output folder, see that it is this evaluation's, and hold it while it runs.
+    """Make an output folder, check that it belongs to this evaluation, and lock it while the block lasts.
 
     Args:
         out: The folder.
-        identity: The evaluation that is to be written there, or to go on.
-        fresh: Whether what another evaluation left there is removed.
+        identity: The evaluation to write there, or to continue.
+        fresh: Whether to remove what an earlier evaluation left there.
 
     Raises:
-        UserError: The folder cannot be made, or belongs to another evaluation, or one is writing to it.
+        UserError: The folder cannot be made, belongs to another evaluation, or one is writing to it.
     """
     _make(out)
     with locked(out) as lock:
         if fresh:
-            # The results first, and the identity last: killed in between, this can be done again.
+            # The results first and the identity last, so that this can be repeated if it is interrupted.
             (out / RESULTS_FILE).unlink(missing_ok=True)
             (out / LEDGER_FILE).unlink(missing_ok=True)
             keep_only(out, ())
         else:
             _check_same(out, identity)
-        for name in FOLDERS:  # not before: a folder that is refused is left as it is
+        for name in FOLDERS:  # only now, so that a refused folder stays unchanged
             _make(out / name)
         try:
             write_identity(identity, out)
         except OSError as error:
-            raise UserError(f"nothing can be kept in the output folder: {describe(error)}") from error
+            raise UserError(f"the output folder cannot be written: {describe(error)}") from error
         yield lock
 
 
@@ -62,24 +62,24 @@ def _check_same(out: Path, identity: Identity) -> None:
     if old is None:
         if (out / RESULTS_FILE).exists() or any(True for _ in _own_files(out)):
             raise UserError(
-                f"{out} holds an evaluation that does not say which one it is: name another --out, or begin "
-                f"anew with --fresh, which removes it",
+                f"{out} holds an evaluation that cannot be identified: name another --out, or start "
+                "over with --fresh, which removes it",
                 exit_code=2,
             )
     elif other := difference(old, identity):
         raise UserError(
-            f"{out} holds another evaluation: {other}. To keep it, name another --out, or none; --fresh "
-            "removes it and evaluates anew",
+            f"{out} holds another evaluation: {other}. To keep it, name another --out or omit it; --fresh "
+            "removes it and starts over",
             exit_code=2,
         )
 
 
 def keep_only(out: Path, stems: Iterable[str]) -> None:
-    """Remove every file of a match but those of the matches named, and what killed writers left behind.
+    """Remove the files of all matches except some, and the partial files of killed writers.
 
     Args:
         out: The output folder.
-        stems: What the files of the matches to keep are called.
+        stems: The stems of the names of the files to keep.
     """
     kept = set(stems)
     for path in _own_files(out):
@@ -96,10 +96,10 @@ def _own_files(out: Path) -> Iterator[Path]:
 
 
 def check_out(out: Path, submissions: Iterable[Submission]) -> None:
-    """Refuse an output folder that cannot be one, or in a submission: it would change what is evaluated.
+    """Refuse an invalid output folder, or one in a submission, because it would change what is evaluated.
 
     Raises:
-        UserError: It is no folder, or it is a submission's, or in one.
+        UserError: It is not a folder, or it is or is inside the folder of a submission.
     """
     check_folder("--out", out)
     target = out.resolve()

@@ -1,4 +1,7 @@
-"""What an evaluation is: all that its scores depend on. It is kept beside them: only the same one goes on."""
+"""The identity of an evaluation: everything that its scores depend on. It is saved with the results.
+
+An evaluation is continued only if its identity is the same.
+"""
 
 from collections.abc import Iterable
 from hashlib import blake2b
@@ -22,28 +25,28 @@ class Entrant(FileModel):
     name: str
     version: str
     digest: str  # of the submission's folder
-    tracks: tuple[str, ...]  # those of the evaluation that it plays
+    tracks: tuple[str, ...]  # the evaluation's tracks that it plays
 
 
 class Identity(FileModel):
-    """All that the results of an evaluation depend on. How many matches run at once, say, is not of it."""
+    """Everything that the results of an evaluation depend on, and so not how many matches run at once."""
 
     format: Literal[2] = 2
     versions: Versions
     suite: str
-    seed: str  # or the beginning of a hidden one's commitment
-    commitment: str | None = None  # of a hidden seed, whole
+    seed: str  # or the beginning of the commitment, if it is hidden
+    commitment: str | None = None  # of a hidden seed, in full
     rounds: Annotated[int, Field(ge=1, le=MOST_ROUNDS)] = 1  # of the suite, each with the next seed
     tracks: tuple[str, ...]
     matches: str  # digest of the specs of all matches
     submissions: tuple[Entrant, ...]
-    sandbox: str  # in which agents run
+    sandbox: str  # the name of the sandbox in which agents run
     limits: dict[str, KeptLimits]  # of each agent in it, by track
-    key: str | None = None  # public key of the organizer who signs it, 64 hexadecimal digits
+    key: str | None = None  # public key of the organizer who signs the ledger, 64 hexadecimal digits
 
     @property
     def digest(self) -> str:
-        """32 hexadecimal digits that no other evaluation has."""
+        """The digest of this identity, 32 hexadecimal digits."""
         return blake2b(self.model_dump_json().encode(), digest_size=16).hexdigest()
 
 
@@ -56,10 +59,10 @@ def digest_of(specs: Iterable[MatchSpec]) -> str:
 
 
 def read_identity(folder: Path) -> Identity | None:
-    """Return which evaluation an output folder holds; none if it does not say.
+    """Return the identity of the evaluation in an output folder; None if it has none.
 
     Raises:
-        UserError: It says so in a way that this version does not understand.
+        UserError: The file is not one of this version of Wildscav.
     """
     path = folder / IDENTITY_FILE
     try:
@@ -68,13 +71,13 @@ def read_identity(folder: Path) -> Identity | None:
         return None
     except FileModelError as error:
         raise UserError(
-            f"{path} is not of this version of Wildscav ({error}): name another --out, or begin anew with "
+            f"{path} is not of this version of Wildscav ({error}): name another --out, or start over with "
             "--fresh"
         ) from error
 
 
 def write_identity(identity: Identity, folder: Path) -> None:
-    """Write which evaluation an output folder holds.
+    """Write the identity of the evaluation into its output folder.
 
     Raises:
         OSError: It cannot be written.
@@ -83,7 +86,7 @@ def write_identity(identity: Identity, folder: Path) -> None:
 
 
 def difference(old: Identity, new: Identity) -> str:
-    """Return the first thing in which two evaluations differ, in a few words; nothing if they agree."""
+    """Return the first difference between two evaluations in a few words; an empty text if they agree."""
     for field in Identity.model_fields:
         was, wanted = getattr(old, field), getattr(new, field)
         if was == wanted:
@@ -93,7 +96,7 @@ def difference(old: Identity, new: Identity) -> str:
         if field == "limits":
             return _difference_of_limits(was, wanted)
         if field == "matches":
-            return "its matches are others"
+            return "its matches are different"
         if field == "versions":
             return f"it was begun by {was}, and this is {wanted}"
         if field == "key":
@@ -120,7 +123,7 @@ def _signed(key: str | None) -> str:
 
 
 def _difference_of_limits(old: dict[str, KeptLimits], new: dict[str, KeptLimits]) -> str:
-    """Name the first limit that is another; of the same tracks."""
+    """Return the first limit that differs; both have the same tracks."""
     for track, limits in new.items():
         for name, wanted in limits:
             was = getattr(old[track], name)

@@ -1,7 +1,7 @@
-"""The journal of an evaluation: a file for every match that was played to its end and kept.
+"""The journal of an evaluation: one file for every match that was completed.
 
-Such a file appears whole, after the match's record, and names that record by its content. So whatever moment
-an evaluation is killed at, a match is either in the journal, together with its record, or was never played.
+The file is written atomically after the match's record, and holds the record's digest. So no matter when an
+evaluation is killed, a match is either in the journal together with its record, or counts as not played.
 """
 
 from hashlib import blake2b
@@ -20,14 +20,14 @@ class Entry(FileModel):
 
     format: Literal[1] = 1
     evaluation: str  # digest of the evaluation's identity
-    match: str  # which match it is, as its files are called
+    match: str  # the stem of its files' names
     record: str  # digest of the record's file
     row: MatchRow  # without its replay, which may be rendered later
     timing: MatchTiming
 
 
 def entry_path(out: Path, match: str) -> Path:
-    """Return where a match's entry is."""
+    """Return the path of a match's entry."""
     return out / MATCHES / f"{match}.json"
 
 
@@ -37,9 +37,9 @@ def write_entry(out: Path, evaluation: str, match: str, row: MatchRow, timing: M
     Args:
         out: The output folder.
         evaluation: Digest of the evaluation's identity.
-        match: What its files are called.
-        row: How it went.
-        timing: How long it took.
+        match: The stem of its files' names.
+        row: Its result.
+        timing: Its timing.
 
     Raises:
         OSError: It cannot be written.
@@ -50,7 +50,7 @@ def write_entry(out: Path, evaluation: str, match: str, row: MatchRow, timing: M
 
 
 def read_entry(out: Path, evaluation: str, match: str) -> Entry | None:
-    """Return a match of the journal, if it was played in this evaluation and its record is as it was."""
+    """Return a match of the journal, if it was played in this evaluation and its record is unchanged."""
     try:
         entry = Entry.read(entry_path(out, match))
         if (entry.evaluation, entry.match) != (evaluation, match):

@@ -1,7 +1,7 @@
-"""What all files of the output folder that hold JSON are made of.
+"""The base of all JSON files in an output folder.
 
-A folder may be anybody's, so its files are read with limits. What a small file makes of itself in memory is
-little. A large one is read in a limited process first, and here only if it fits into that.
+A folder may come from an untrusted source, so its files are read with limits. A small file takes little
+memory. A large one is first read in a process with limits, and here only if it fits into those.
 """
 
 import json
@@ -17,12 +17,12 @@ from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.files import read_limited, write_whole
 
 LARGEST = 32 << 20  # bytes of a file
-MEMORY = 128 << 20  # bytes that a large file may take: who waits for it takes as much already
-SMALL = 256 << 10  # bytes of one that is read at once
+MEMORY = 128 << 20  # bytes of memory that reading a large file may take
+SMALL = 256 << 10  # bytes of a file that is read without a trial
 
 
 class FileModel(BaseModel):
-    """Base of everything in such a file, and of the file itself."""
+    """Base of the models of such a file and its parts."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -38,7 +38,7 @@ class FileModel(BaseModel):
 
     @classmethod
     def try_file(cls, path: str) -> None:
-        """Read a file in the process that calls it, and keep nothing.
+        """Read a file in the calling process, and discard its content.
 
         Raises:
             FileModelError: It is not of this kind.
@@ -48,10 +48,10 @@ class FileModel(BaseModel):
 
     @classmethod
     def parse(cls, content: bytes) -> Self:
-        """Return the part that some bytes are.
+        """Parse some bytes of JSON as this model.
 
         Raises:
-            FileModelError: They are none.
+            FileModelError: They are not valid.
         """
         try:
             return cls.model_validate_json(content)
@@ -59,7 +59,7 @@ class FileModel(BaseModel):
             raise FileModelError(one_line(error)) from None
 
     def as_json(self) -> Any:
-        """Return this as the values that JSON has."""
+        """Return this as values of JSON's types."""
         return json.loads(self.model_dump_json())
 
     def write(self, path: Path) -> Path:
@@ -73,16 +73,16 @@ class FileModel(BaseModel):
 
 
 class FileModelError(UserError):
-    """A file is not what it should be; the message is one line that says why, without the file's name."""
+    """A file is not valid; the message is one line that says why, without the file's name."""
 
 
 def read_after_trial(path: Path, trial: str) -> bytes:
-    """Return the content of a file; a large one is read on trial first, in a limited process.
+    """Return the content of a file; try to read a large one in a process with limits first.
 
     Args:
         path: The file.
-        trial: What reads it there as the caller will, as ``call_limited`` takes it; it is given the path. Its
-            module is imported before memory is counted.
+        trial: The function that reads the file there as the caller will, named as for ``call_limited``. It is
+            called with the path. Its module is imported before memory is counted.
 
     Raises:
         FileModelError: A large file cannot be read, or takes too much time or memory.
@@ -93,7 +93,7 @@ def read_after_trial(path: Path, trial: str) -> bytes:
         try:
             call_limited(trial, str(path), memory=MEMORY)
         except LimitExceededError as error:
-            raise FileModelError(f"to read it would cost too much: {error}") from None
+            raise FileModelError(f"reading it would take too many resources: {error}") from None
         except UserError as error:
             raise FileModelError(str(error)) from None
     return read_limited(path, LARGEST if large else SMALL)

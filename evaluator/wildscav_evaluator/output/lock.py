@@ -1,7 +1,7 @@
-"""The lock of an output folder: one evaluation at a time, and its workers to their last.
+"""The lock of an output folder, held by one evaluation at a time until its last worker has ended.
 
 The lock is on an open file that the workers inherit. When an evaluation is killed, its workers take a moment
-to end; until then the folder is theirs, and the next evaluation waits for them.
+to end. Until then they hold the lock, and the next evaluation waits for them.
 """
 
 import contextlib
@@ -18,11 +18,11 @@ from wildscav.errors import UserError
 
 LOCK = ".evaluating"
 PATIENCE = 30.0  # s to wait for the workers of an evaluation that was killed
-LOOK = 0.05  # s between two looks
+POLL_INTERVAL = 0.05  # s between two attempts to take the lock
 
 
 class Lock:
-    """An open file with a lock on it; a process that is spawned with it holds it, too."""
+    """An open file with a lock on it; a process that is spawned with it also holds the lock."""
 
     def __init__(self, descriptor: int) -> None:
         self.descriptor = descriptor
@@ -49,19 +49,19 @@ def locked(folder: Path) -> Iterator[Lock]:
         os.write(descriptor, str(os.getpid()).encode())
         yield Lock(descriptor)
     finally:
-        # While it is still locked: nobody who comes later can hold the same file.
+        # Removed while it is still locked, so that a later process cannot lock the same file.
         path.unlink(missing_ok=True)
         os.close(descriptor)
 
 
 def _take(path: Path, folder: Path) -> int:
-    """Return an open file with the lock, once those who may still hold it are gone."""
+    """Return an open file with the lock, after waiting for workers that still hold it."""
     deadline = time.monotonic() + PATIENCE
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Whoever held it before may have removed the file after we opened and before we locked it.
+            # The previous holder may have removed the file after we opened it and before we locked it.
             if os.path.samestat(path.stat(), os.fstat(descriptor)):
                 return descriptor
         except FileNotFoundError:
@@ -73,16 +73,16 @@ def _take(path: Path, folder: Path) -> int:
                     f"another evaluation is writing to {folder}: wait for it, or name another --out"
                 ) from error
         os.close(descriptor)
-        time.sleep(LOOK)
+        time.sleep(POLL_INTERVAL)
 
 
 def _holder_lives(path: Path) -> bool:
-    """Return whether the evaluation that took the lock is alive, and not only workers that it left behind."""
+    """Return whether the evaluation that took the lock is alive, and not only workers that it left."""
     try:
         holder = int(path.read_text())
         os.kill(holder, 0)
     except PermissionError:
-        return True  # somebody else's process
+        return True  # another user's process
     except (OSError, ValueError):
         return False
     return not _is_zombie(holder)

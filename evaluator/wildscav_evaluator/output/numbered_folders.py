@@ -1,7 +1,7 @@
-"""Numbered output folders: where an evaluation goes if nobody says where.
+"""Numbered output folders: where an evaluation goes by default.
 
-They are called by a number that grows and by what is evaluated, such as ``0003-my-agent``. The same
-evaluation finds its folder again by its identity, whatever has been evaluated since.
+Their names consist of an increasing number and what is evaluated, such as ``0003-my-agent``. The same
+evaluation finds its folder again by its identity, even after others were evaluated.
 """
 
 import re
@@ -17,12 +17,12 @@ NUMBERED = re.compile(r"(\d{4,})-.+")
 
 
 def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
-    """Return the folder of an evaluation: the one that holds it already, else one with the next number.
+    """Return the folder of an evaluation: the one that holds it already, or a new one with the next number.
 
     Args:
-        parent: Of the numbered folders.
+        parent: The folder that contains the numbered folders.
         identity: The evaluation.
-        fresh: Whether it gets a new folder even if one holds it.
+        fresh: Whether to use a new folder even if one holds it already.
     """
     folders = numbered(parent)
     if not fresh:
@@ -34,7 +34,7 @@ def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
 
 
 def numbered(parent: Path) -> list[Path]:
-    """Return the numbered folders of a folder, in their order; none if it does not exist."""
+    """Return the numbered folders in a folder, in order; an empty list if it does not exist."""
     return sorted(_numbered(parent), key=number_of) if parent.is_dir() else []
 
 
@@ -50,7 +50,7 @@ def number_of(folder: Path) -> int:
 
 
 def identity_in(folder: Path) -> Identity | None:
-    """Return which evaluation a folder holds; none if it does not say, or not in a way of this version."""
+    """Return the identity of the evaluation in a folder; None if it has none that this version can read."""
     try:
         return read_identity(folder)
     except UserError:

@@ -1,4 +1,4 @@
-"""The names of records in the output folder of an evaluation: which match of whom a record is."""
+"""The names of records in an output folder, which say to which match and submission a record belongs."""
 
 import re
 from pathlib import Path
@@ -16,7 +16,7 @@ NAME = re.compile(
 
 
 class RecordName(NamedTuple):
-    """What the name of a record's file says."""
+    """The parts of the name of a record's file."""
 
     track: str
     match: int  # in the suite
@@ -36,13 +36,13 @@ def record_paths(out: Path) -> list[Path]:
 
 
 def parse_name(path: Path) -> RecordName | None:
-    """Return what a record's name says; none if no evaluation named it."""
+    """Return the parts of a record's name; None if it is not a name that evaluations give."""
     found = NAME.fullmatch(path.name)
     return found and RecordName(found["track"], int(found["match"]), found["submission"])
 
 
 def misnamed(record: Record, name: RecordName) -> str:
-    """Return in what a record differs from the name of its file; nothing if it does not."""
+    """Return how a record differs from the name of its file; an empty text if it does not."""
     seats = submission_seats(record.spec.seats)
     if not seats:
         return "no submission plays in its match"
@@ -51,5 +51,5 @@ def misnamed(record: Record, name: RecordName) -> str:
     expected = display_names(record.spec.seats, [name.submission] * len(seats))
     for seat in seats:
         if record.names[seat] != expected[seat]:
-            return f"seat {seat} is that of {record.names[seat]}, not of {expected[seat]}"
+            return f"seat {seat} belongs to {record.names[seat]}, not to {expected[seat]}"
     return "" if record.names == expected else "its seats have other names"

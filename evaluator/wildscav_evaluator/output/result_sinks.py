@@ -1,4 +1,7 @@
-"""Result sinks: where results go besides the output folder. Other packages plug in by entry point."""
+"""Result sinks: where results are stored in addition to the output folder.
+
+Other packages register sinks as entry points.
+"""
 
 from collections.abc import Iterator
 from importlib.metadata import entry_points
@@ -10,31 +13,31 @@ GROUP = "wildscav.result_sinks"
 
 
 class ResultSink(Protocol):
-    """A place that keeps results. Made with the text of ``--db``."""
+    """A store for results. It is made with the text of ``--db``."""
 
     def check(self) -> None:
-        """See, before anything is played, whether results can be kept; leave nothing behind that is new.
+        """Check, before anything is played, that results can be stored; leave nothing new behind.
 
         Raises:
-            UserError: They cannot.
+            UserError: They cannot be stored.
         """
         ...
 
     def store(self, evaluations: Results) -> str:
-        """Keep results, all or nothing, and return a line that says where.
+        """Store results, all or nothing, and return a line that says where.
 
         Raises:
-            UserError: They could not be kept.
+            UserError: They could not be stored.
         """
         ...
 
 
 def sinks(database: str) -> Iterator[ResultSink]:
-    """Make every sink that is installed with all that it needs; there may be none."""
+    """Make every sink whose dependencies are installed; there may be none."""
     for entry_point in entry_points(group=GROUP):
         try:
             made = entry_point.load()
         except ModuleNotFoundError:
-            continue  # its extra was not asked for
+            continue  # its extra is not installed
         sink: ResultSink = made(database)
         yield sink

@@ -1,6 +1,6 @@
-"""The schema of ``results.json``: all that an evaluation found, in a form that other programs may rely on.
+"""The schema of ``results.json``: all results of an evaluation, in a format that other programs may rely on.
 
-Two runs of the same command give equal files, but for ``timings``.
+Two runs of the same command give equal files, except for ``timings``.
 """
 
 import math
@@ -27,7 +27,7 @@ Fault = Literal["agent", "platform"]
 
 
 class MetricInfo(FileModel):
-    """What a number of a track means."""
+    """The description of a metric."""
 
     name: str
     title: str
@@ -36,7 +36,7 @@ class MetricInfo(FileModel):
 
 
 def metric_infos(track: str, more: Iterable[str] = ()) -> tuple[MetricInfo, ...]:
-    """Return what a track measures, the first being its score, and what matches ask for besides, by name."""
+    """Return the metrics of a track, the score first, and those that matches request in addition, by name."""
     from wildscav_engine.tracks import metrics_of
 
     return tuple(MetricInfo(**metric._asdict()) for metric in metrics_of(track, more))
@@ -46,26 +46,26 @@ class Summary(FileModel):
     """One metric over the matches played."""
 
     mean: float
-    std: float | None  # of the sample; none for a single match
+    std: float | None  # of the sample; None for a single match
     low: float  # of the bootstrap 95 % interval of the mean
     high: float
 
 
 class SeatRow(FileModel):
-    """One seat of the submission in a match. Most matches give it one, an own suite may give it several."""
+    """One seat of the submission in a match. Most matches have one; an organizer's suite may have several."""
 
     seat: int
-    # How it fared: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error", "disqualified" or
+    # The outcome: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error", "disqualified" or
     # "never_joined".
     status: str
-    fault: Fault | None = None  # whose, if something went wrong
+    fault: Fault | None = None  # whose fault it is, if something went wrong
     detail: str = ""  # what went wrong, in one line
-    exit_code: int | None = None  # of a process that ended before the match did; none if a signal ended it
+    exit_code: int | None = None  # of a process that ended before the match did; None if a signal ended it
     killed_by: str = ""  # that signal, such as SIGKILL
-    last_lines: tuple[str, ...] = ()  # of what such a process printed
+    last_lines: tuple[str, ...] = ()  # the last lines that such a process printed
     actions: int = 0  # answers of the agent that came in time
     invalid_actions: int = 0  # those with a number out of its range, played as no action
-    ignored_fields: int = 0  # set though the track has no such action, in all actions together
+    ignored_fields: int = 0  # fields that were set although the track has no such action, in all actions
     metrics: dict[str, float] = Field(default_factory=dict)
     log: str | None = None  # path in the output folder: what its agent printed
 
@@ -75,16 +75,16 @@ class MatchRow(FileModel):
 
     index: int  # in the suite
     status: str  # of the first of its seats in which something went wrong; "failed": no match
-    fault: Fault | None = None  # whose, if something went wrong
+    fault: Fault | None = None  # whose fault it is, if something went wrong
     detail: str = ""  # what went wrong, in one line
-    metrics: dict[str, float] | None = None  # the mean of its seats; none if the match came to no result
+    metrics: dict[str, float] | None = None  # the mean of its seats; None if the match has no result
     record: str | None = None  # path in the output folder
     replay: str | None = None  # path in the output folder
-    seats: tuple[SeatRow, ...] = ()  # of the submission; none if the match came to no result
+    seats: tuple[SeatRow, ...] = ()  # of the submission; empty if the match has no result
 
     @classmethod
     def of(cls, index: int, seats: tuple[SeatRow, ...], record: str | None) -> Self:
-        """Sum up how a match went in each of the submission's seats, one at least."""
+        """Sum up how a match went in each of the submission's seats, at least one."""
         worst = next((seat for seat in seats if seat.fault is not None), seats[0])
         metrics = mean_metrics([seat.metrics for seat in seats])
         return cls(
@@ -104,8 +104,8 @@ class MatchRow(FileModel):
 
 
 def mean_metrics(seats: Sequence[dict[str, float]]) -> dict[str, float]:
-    """Return each metric's mean over some seats, one at least; of one seat, just its own."""
-    # Exact sums: no result depends on the order of the seats.
+    """Return each metric's mean over some seats, at least one."""
+    # Exact sums, so that the result does not depend on the order of the seats.
     return {name: math.fsum(seat[name] for seat in seats) / len(seats) for name in seats[0]}
 
 
@@ -135,11 +135,11 @@ class SeatTiming(FileModel):
     """How one seat used its time, measured at the engine."""
 
     seat: int
-    start_up: float | None  # s from its agent's start until it was ready; none if it never was
-    steps: int  # that it was asked for
-    late_steps: int  # of those, the timeouts: no answer in time, played with no action
-    late_for_platform: tuple[int, ...] = ()  # which of them, as the machine had no processor for the agent
-    dropped_actions: int = 0  # answers to steps that were over
+    start_up: float | None  # s from its agent's start until it was ready; None if it never was
+    steps: int  # steps for which it was asked for an action
+    late_steps: int  # steps without an answer in time, played with no action
+    late_for_platform: tuple[int, ...] = ()  # late because the machine had no processor for the agent
+    dropped_actions: int = 0  # answers that arrived after their step was over
     time_used: float  # s, of all steps
     latency_p50: float  # s from an observation sent to its answer received
     latency_p99: float  # s
@@ -154,30 +154,30 @@ class MatchTiming(FileModel):
     track: str
     index: int
     started: float  # s since 1970, UTC
-    wall: float  # s, with starting the agent and writing the record
+    wall: float  # s, including the start of the agents and writing the record
     steps: int
     seats: tuple[SeatTiming, ...]  # of the submission
-    platform_faults: tuple[str, ...] = ()  # what broke the tries before the one that counts, a line each
+    platform_faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
 
 
 class Timings(FileModel):
     """What may differ from run to run."""
 
     started: str  # ISO 8601, UTC
-    wall: float  # s in which a match was played, in all sittings together
-    jobs: int  # matches at once, in the last of them
+    wall: float  # s during which a match was played, in all runs together
+    jobs: int  # matches at once, in the last run
     matches: tuple[MatchTiming, ...]
 
 
 class KeptLimits(FileModel):
-    """The limits of each agent that its sandbox keeps; none where it keeps none."""
+    """The limits of each agent that its sandbox enforces; None for a limit that it does not."""
 
     cpus: float | None = None  # cores' worth of processor time
     memory: int | None = None  # bytes, with what is in /tmp
     processes: int | None = None  # processes and threads
     open_files: int | None = None  # of each process
     tmp_size: int | None = None  # bytes in /tmp
-    output: int | None = None  # bytes kept of what it prints
+    output: int | None = None  # bytes of its output that are kept
     wall_clock: float | None = None  # s from its start
 
 
@@ -186,24 +186,24 @@ class Results(FileModel):
 
     format: Literal[2] = 2
     versions: Versions  # by which it was played
-    suite: str  # an organizer's own has a digest of its file behind an @
-    seed: int | None  # none while it is hidden
+    suite: str  # for an organizer's own, followed by @ and a digest of its file
+    seed: int | None  # None while it is hidden
     commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
     rounds: Annotated[int, Field(ge=1, le=MOST_ROUNDS)] = 1  # of the suite, each with the next seed
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
-    key: str | None = None  # public key that the evaluation's ledger is signed with, 64 hexadecimal digits
+    key: str | None = None  # public key of the ledger's signatures, 64 hexadecimal digits
     evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MOST_EVALUATIONS)]
     timings: Timings
 
     @property
     def seed_label(self) -> str:
-        """What may be shown of the seed."""
+        """The public part of the seed."""
         return label(self.seed, self.commitment)
 
     @property
     def tracks(self) -> tuple[str, ...]:
-        """The tracks, in the order in which they come up."""
+        """The tracks, in the order of the evaluations."""
         return tuple(dict.fromkeys(evaluation.track for evaluation in self.evaluations))
 
 
@@ -220,15 +220,15 @@ def read_results(path: Path) -> Results:
     except FileModelError as error:
         if _is_of_format_1(path):
             raise UserError(
-                f"{path} is of format 1, which says nothing of the versions of the simulation, the map "
-                "generator and the records that it was played with, and has no ledger: it cannot be "
+                f"{path} is of format 1, which does not name the versions of the simulation, the map "
+                "generator and the records with which it was played, and has no ledger: it cannot be "
                 f"compared with results of format {FORMAT} or checked; evaluate its submissions again"
             ) from error
         raise UserError(f"{path} is not a results file of format {FORMAT}: {error}") from error
 
 
 def _is_of_format_1(path: Path) -> bool:
-    """Return whether a file has the results of an older version of Wildscav, by what it has."""
+    """Return whether a file's content looks like results of an older version of Wildscav."""
     content = read_limited(path, LARGEST)
     return re.search(rb'"format":\s*1\b', content) is not None and b'"engine_version":' in content
 

@@ -1,4 +1,4 @@
-"""The versions that scores depend on: only what was played by the same ones can be compared."""
+"""The versions that scores depend on. Only results of equal versions can be compared."""
 
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
@@ -7,7 +7,7 @@ from wildscav_evaluator.output.json_files import FileModel
 
 
 class Versions(FileModel):
-    """Which versions of Wildscav's parts played an evaluation."""
+    """The versions of Wildscav's parts with which an evaluation was played."""
 
     engine: str  # of the whole package
     simulation: int  # of the rules
@@ -15,7 +15,7 @@ class Versions(FileModel):
     record: int  # of the format of records
 
     def __str__(self) -> str:
-        """Name them all in one line."""
+        """Return all versions in one line."""
         return (
             f"engine {self.engine}, simulation {self.simulation}, generator {self.generator}, "
             f"records {self.record}"

@@ -31,7 +31,7 @@ def test_an_agent_that_keeps_the_rules_passes_every_check(submit: Submit, tmp_pa
 
     assert list(found) == CHECKS
     assert {finding.verdict for finding in found.values()} == {Verdict.KEPT}, found
-    went_on = re.fullmatch(r"it went on after (\d+) steps without its answer", found["late answers"].seen)
+    went_on = re.fullmatch(r"it continued after (\d+) steps without its answer", found["late answers"].seen)
     assert went_on is not None
     assert int(went_on[1]) > 10  # however quick it is
 

@@ -133,7 +133,7 @@ FORGERIES = {
     ),
     "matches of two competitors swapped": (
         swap,
-        "navigation-00{worst}-ada.wsr: seat 0 is that of bob, not of ada",
+        "navigation-00{worst}-ada.wsr: seat 0 belongs to bob, not to ada",
     ),
     "a good match told twice": (
         tell_twice,

@@ -22,17 +22,17 @@ def test_what_was_really_evaluated_is_borne_out(
     run_rescore(signed.out, 1, key.public)
     said = " ".join(capsys.readouterr().out.split())
     assert "10 records played again: all agree" in said
-    assert f"signed with the key {key.public}: nothing was changed or taken out since" in said
+    assert f"signed with the key {key.public}: nothing was changed or removed since" in said
 
     run_rescore(signed.out, 1)
-    assert "if that is the organizer's, say so with --key" in capsys.readouterr().out
+    assert "if that is the organizer's, confirm it with --key" in capsys.readouterr().out
 
 
 def test_an_unsigned_folder_is_told_to_prove_no_more_than_it_does(
     unsigned: Forgery, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run_rescore(unsigned.out, 1)
-    assert "not signed: these actions give these scores" in capsys.readouterr().out
+    assert "not signed: the recorded actions give these scores" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("name", FORGERIES)
@@ -105,7 +105,7 @@ def test_only_the_submission_itself_shows_that_it_acted_so(
     run_rescore(unsigned.out, 1)  # nobody signed it, and every file tells the same
 
     with pytest.raises(
-        UserError, match=r"seat 0 \(ada\) acts otherwise than recorded in .* first in step 1:"
+        UserError, match=r"seat 0 \(ada\) acts differently than recorded in .* first in step 1:"
     ):
         run_again(path, ada, seats=[], logs=tmp_path, sandbox="process")
     assert "warning" not in capsys.readouterr().out
@@ -118,7 +118,7 @@ def test_only_the_submission_itself_shows_that_it_acted_so(
 def test_results_and_identity_cannot_be_taken_away(signed: Forgery, rescored: Rescored) -> None:
     results = (signed.out / "results.json").read_bytes()
     (signed.out / "results.json").unlink()
-    assert "though the ledger says that the evaluation came to results" in rescored(signed)
+    assert "though the ledger says that the evaluation was completed" in rescored(signed)
 
     (signed.out / "results.json").write_bytes(results)
     (signed.out / "evaluation.json").unlink()

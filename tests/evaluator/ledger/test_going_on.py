@@ -31,7 +31,7 @@ def test_an_edited_journal_does_not_get_into_the_results(plan: Plan, unsigned: F
         assert refused.value.exit_code == 2
         said.append(str(refused.value))
 
-    assert "the journal says otherwise of navigation-000-ada than the ledger" in said[0]
+    assert "the journal and the ledger disagree about navigation-000-ada" in said[0]
     assert "the metrics of navigation-000-ada in the journal are not those of its record" in said[1]
 
 

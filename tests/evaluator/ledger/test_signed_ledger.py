@@ -25,14 +25,14 @@ def test_no_line_of_a_signed_ledger_can_be_changed_or_taken_out(
     lines = whole.splitlines(keepends=True)
 
     signed.edit_ledger(3, claim_less_time)
-    assert "ledger.jsonl, line 5: does not follow the line before" in rescored(signed, key.public)
+    assert "ledger.jsonl, line 5: does not follow the previous line" in rescored(signed, key.public)
 
     path.write_bytes(whole)
     signed.edit_ledger(len(lines) - 1, claim_less_time)
     assert f"line {len(lines)}: its signature is not that of the key" in rescored(signed, key.public)
 
     path.write_bytes(b"".join(lines[:3] + lines[4:]))
-    assert "ledger.jsonl, line 4: does not follow the line before" in rescored(signed, key.public)
+    assert "ledger.jsonl, line 4: does not follow the previous line" in rescored(signed, key.public)
 
     path.write_bytes(b"".join(lines[:-1]))
     assert "ledger.jsonl is not closed" in rescored(signed, key.public)
@@ -101,6 +101,6 @@ def test_verify_asks_whether_records_are_those_that_were_played(
     with pytest.raises(UserError, match="3 of 4 records do not hold"):
         verify([records[0], records[2], records[-1], stray])
     said = " ".join(capsys.readouterr().out.split())
-    assert "it is under another's name: seat 0 is that of bob, not of ada" in said
-    assert "it is not the record that ledger.jsonl has of it" in said
-    assert "ledger.jsonl knows no such match" in said
+    assert "its file has the name of another record: seat 0 belongs to bob, not to ada" in said
+    assert "ledger.jsonl has the digest of another record" in said
+    assert "ledger.jsonl has no such match" in said

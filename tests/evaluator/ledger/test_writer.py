@@ -106,7 +106,7 @@ def test_nothing_goes_on_in_a_ledger_that_was_changed(
     lines = path.read_bytes().splitlines(keepends=True)
 
     path.write_bytes(b"".join([*lines[:1], *lines[2:]]))
-    with pytest.raises(UserError, match=r"line 2: does not follow the line before.*--fresh"):
+    with pytest.raises(UserError, match=r"line 2: does not follow the previous line.*--fresh"):
         LedgerWriter(tmp_path, identity, key)
     with pytest.raises(LedgerError, match="line 2: does not follow"):
         read_ledger(tmp_path)

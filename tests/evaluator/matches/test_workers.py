@@ -283,4 +283,4 @@ def test_no_agent_is_blamed_for_what_happens_while_its_worker_is_stopped(submit:
     assert result.row.status == "finished"
     assert result.timing is not None
     (fault,) = result.timing.platform_faults
-    assert fault.startswith("nothing was done for 1")
+    assert fault.startswith("the evaluator stood still for 1")

@@ -135,7 +135,7 @@ def test_the_dashboard_shows_it_all(clock: Clock) -> None:
     lines = shown(tally)
 
     assert lines[0] == "suite quick · seed 0"
-    assert lines[2] == "1 min 05 s gone, about 30 s left"
+    assert lines[2] == "1 min 05 s elapsed, about 30 s left"
     assert lines[1].endswith("2 of 5 matches done, 2 running, 1 waiting, 1 failed")
     navigation, gathering = (lines.index(head) for head in HEADS)
     assert lines[navigation + 1].startswith("walker ")

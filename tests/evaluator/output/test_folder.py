@@ -90,7 +90,7 @@ def test_limits_are_of_an_evaluation_as_far_as_its_sandbox_keeps_them(plan: Plan
 def test_a_folder_that_does_not_say_what_it_holds_is_refused(plan: Plan) -> None:
     (plan.out / "records").mkdir(parents=True)
     (plan.out / "records" / "mine.wsr").touch()
-    assert "does not say which one it is" in refusal(plan)
+    assert "holds an evaluation that cannot be identified" in refusal(plan)
     assert [path.name for path in plan.out.iterdir()] == ["records"], "what is refused is left as it is"
 
     (plan.out / IDENTITY_FILE).write_text("{}")

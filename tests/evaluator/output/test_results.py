@@ -31,7 +31,7 @@ def test_results_of_an_older_format_are_refused_with_what_they_lack(results: Res
     older = json.loads(results.model_dump_json(exclude={"versions", "key"}))
     path.write_text(json.dumps({**older, "format": 1, "engine_version": "0.1.0"}))
 
-    with pytest.raises(UserError, match="is of format 1, which says nothing of the versions of the simul"):
+    with pytest.raises(UserError, match="is of format 1, which does not name the versions of the simul"):
         read_results(path)
 
 

@@ -100,7 +100,7 @@ def test_the_doctor_tries_every_promise(wildscav: Callable[..., "subprocess.Comp
 
     assert done.returncode == 0, done.stderr
     assert "bubblewrap: 15 of 15 promises kept" in done.stdout
-    assert "Unless you say otherwise, agents run in" in done.stdout
+    assert "By default, agents run in" in done.stdout
 
 
 def test_without_programs_the_doctor_says_what_to_install(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.platform.helpers.command import Done, command_here
 
-from wildscav_evaluator.cli.sessions.compare import comparison_table, told_apart, verdict_line
+from wildscav_evaluator.cli.sessions.compare import comparison_table, verdict_line, with_distinct_names
 from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Timings
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.compare import Comparison, compare, judge
@@ -117,15 +117,15 @@ def test_a_match_that_the_platform_lost_is_left_out_for_both() -> None:
     assert "2 matches left out: the platform failed" in verdict_line(comparison).plain
     nothing = compared([None], [1.0])
     assert (nothing.pairs, nothing.verdict, nothing.differences) == (0, "too few", ())
-    assert "0 matches are too few to tell: 6 at least" in verdict_line(nothing).plain
+    assert "0 matches are too few to decide: at least 6 needed" in verdict_line(nothing).plain
     assert comparison_table(nothing).row_count == 0
 
 
-def test_two_versions_of_one_submission_are_told_apart(submit: Callable[..., Submission]) -> None:
+def test_two_versions_of_one_submission_are_with_distinct_names(submit: Callable[..., Submission]) -> None:
     walker, other = submit("walker", "pass"), submit("other", "pass")
 
-    assert told_apart([walker, other]) == (walker, other)
-    assert [one.name for one in told_apart([walker, walker])] == ["walker-a", "walker-b"]
+    assert with_distinct_names([walker, other]) == (walker, other)
+    assert [one.name for one in with_distinct_names([walker, walker])] == ["walker-a", "walker-b"]
 
 
 @pytest.fixture

@@ -128,7 +128,7 @@ def test_a_record_of_another_match_does_not_count_for_this_one(
     ("name", "says"),
     [
         ("gathering-000-homing.wsr", "it is of navigation, not of gathering"),
-        ("navigation-000-hunter.wsr", "seat 0 is that of homing, not of hunter"),
+        ("navigation-000-hunter.wsr", "seat 0 belongs to homing, not to hunter"),
         ("mine.wsr", "it is not named as evaluations name records"),
     ],
 )

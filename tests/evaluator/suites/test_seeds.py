@@ -111,7 +111,7 @@ def test_an_opened_secret_shows_that_its_matches_were_played(
 
     assert opened.returncode == checked.returncode == 0
     assert str(commitment) in opened.stdout
-    assert "5 records are of the matches that follow from it" in checked.stdout
+    assert "5 records are of matches that the secret determines" in checked.stdout
     told = read_results(out / "results.json")
     expected = expected_matches(out, told)
     assert expected is not None

@@ -1,1 +1,1 @@
-"""The commands that Typer offers: what a user types, and what it means."""
+"""The commands that Typer offers, with their arguments and options."""

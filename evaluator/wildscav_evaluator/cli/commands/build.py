@@ -19,13 +19,13 @@ def build(
         str | None,
         typer.Option(
             help="Image to build on. Default: the SDK on python:3.11-slim, or on what WILDSCAV_PYTHON_IMAGE "
-            "names; made when it is not there.",
+            "names; built if it does not exist.",
             show_default=False,
         ),
     ] = None,
     dockerfile: Annotated[
         Path | None,
-        typer.Option(help="Another Dockerfile than docker/agent.Dockerfile.", show_default=False),
+        typer.Option(help="A Dockerfile to use instead of docker/agent.Dockerfile.", show_default=False),
     ] = None,
     build_option: Annotated[
         list[str] | None,
@@ -37,8 +37,8 @@ def build(
 ) -> None:
     """Build the container image of a submission, with the packages that its requirements.txt names.
 
-    Building runs what those packages bring along, with a network: do it where no secrets are. Matches then
-    run the image as it is, with none.
+    The build runs the installation code of those packages, with network access: do it where there are no
+    secrets. Matches then run the image as it is, without a network.
     """
     from wildscav.terminal.console import console
     from wildscav_evaluator.cli.options.selection import load_named

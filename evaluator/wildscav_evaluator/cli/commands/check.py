@@ -20,14 +20,14 @@ def check(
             show_default=False,
         ),
     ],
-    logs: Annotated[Path, typer.Option(help="Folder for what the agent prints.")] = Path("out/check"),
+    logs: Annotated[Path, typer.Option(help="Folder for the agent's output.")] = Path("out/check"),
     sandbox: InSandbox = None,
     as_json: AsJson = False,
 ) -> None:
-    """Try whether a submission keeps the rules: in the judge's sandbox, under its clock and its limits.
+    """Check whether a submission keeps the rules, in the judge's sandbox with its clock and its limits.
 
-    It plays a match of the quick suite on each of its tracks, one in which it is always late, and one that is
-    cancelled. Every failure is explained, with what to do about it.
+    The submission plays a match of the quick suite on each of its tracks, one in which it is always late, and
+    one that is cancelled. Every failure is explained, with advice on how to fix it.
     """
     from wildscav_evaluator.cli.options.selection import load_submissions
     from wildscav_evaluator.cli.sessions.check import run_check

@@ -24,10 +24,12 @@ from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn
 
 def compare(
     first: Annotated[Path, typer.Argument(help="A folder with a submission.toml.", metavar="A")],
-    second: Annotated[Path, typer.Argument(help="Another one, or another version of it.", metavar="B")],
+    second: Annotated[
+        Path, typer.Argument(help="Another submission, or another version of the first.", metavar="B")
+    ],
     track: Annotated[
         list[str] | None,
-        typer.Option(help="Compare on this track; may be repeated. Default: all that both play."),
+        typer.Option(help="Compare on this track; may be repeated. Default: all tracks that both play."),
     ] = None,
     suite: SuiteOption = "quick",
     rounds: Annotated[
@@ -47,21 +49,21 @@ def compare(
     metrics_port: MetricsOption = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play two submissions on the same matches, and say which is better, or that they are tied.
+    """Play two submissions on the same matches, and report which is better, or that they are tied.
 
-    The verdict is that of a paired bootstrap: one is better if the 95 % interval of the differences, match by
-    match, leaves out zero. A comparison that was interrupted is continued by the same command.
+    The verdict comes from a paired bootstrap: one is better if the 95 % interval of the differences, match by
+    match, excludes zero. The same command continues a comparison that was interrupted.
     """
     from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks
-    from wildscav_evaluator.cli.sessions.compare import both_play, run_comparison, told_apart
+    from wildscav_evaluator.cli.sessions.compare import common_tracks, run_comparison, with_distinct_names
     from wildscav_evaluator.evaluation import Plan, in_own_folder
     from wildscav_evaluator.monitoring.monitor import MonitorOptions
     from wildscav_evaluator.output.numbered_folders import COMPARISONS
     from wildscav_evaluator.suites.suite_file import find_suite
 
-    loaded, chosen = told_apart(load_submissions([first, second])), find_suite(suite)
-    tracks = both_play(suite_tracks(loaded, track or [], chosen), loaded)
+    loaded, chosen = with_distinct_names(load_submissions([first, second])), find_suite(suite)
+    tracks = common_tracks(suite_tracks(loaded, track or [], chosen), loaded)
     if not tracks:
         raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
     first_seed = suite_seed(seed, secret)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def doctor(as_json: AsJson = False) -> None:
-    """Try every promise of every sandbox on this machine, and everything that other packages add."""
+    """Test every promise of every sandbox on this machine, and everything that other packages add."""
     from rich.text import Text
 
     from wildscav.terminal.console import console, print_json
@@ -23,7 +23,7 @@ def doctor(as_json: AsJson = False) -> None:
     additions = list(installed())
     broken = [one for one in additions if one.problem]
     added = [one.name for one in additions if one.group == SANDBOXES.group and not one.problem]
-    whole, sandboxes = [], []
+    complete, sandboxes = [], []
     for name in (*SANDBOXES.built_in, *added):
         sandbox = SANDBOXES[name]
         if not sandbox.isolated:
@@ -33,25 +33,25 @@ def doctor(as_json: AsJson = False) -> None:
         console.print(_table(f"{name}{_engine(name)}", promises))
         sandboxes.append({"name": name, "promises": [asdict(promise) for promise in promises]})
         if name in SANDBOXES.built_in and all(promise.kept for promise in promises):
-            whole.append(name)
+            complete.append(name)
     if additions:
         console.print(extensions_table(additions))
     if as_json:
-        default = whole[0] if whole else None
+        default = complete[0] if complete else None
         extensions = [{**one._asdict(), "origin": one.origin._asdict()} for one in additions]
         print_json({"sandboxes": sandboxes, "default": default, "extensions": extensions})
     console.print(
-        Text.assemble(("process", "bold"), " promises nothing: for agents that you would run yourself.")
+        Text.assemble(("process", "bold"), " promises nothing: use it only for agents that you trust.")
     )
     if broken:
         raise UserError("; ".join(one.problem for one in broken))
-    if not whole:
+    if not complete:
         raise UserError("no sandbox keeps all its promises here: agents would run as plain processes")
-    console.print(Text.assemble("Unless you say otherwise, agents run in ", (whole[0], "bold"), "."))
+    console.print(Text.assemble("By default, agents run in ", (complete[0], "bold"), "."))
 
 
 def _engine(sandbox: str) -> str:
-    """Return the engine of a sandbox in brackets, if it has one here."""
+    """Return the container engine of a sandbox in brackets, or an empty text if it has none here."""
     from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
     from wildscav_evaluator.sandbox.containers.container_engine import find_engine
 

@@ -1,6 +1,7 @@
 """The command ``wildscav evaluate``.
 
-The command line imports this to show its help: what is heavy is imported when a command runs.
+The command line imports this module to show its help, so heavy modules are imported only when the command
+runs.
 """
 
 from pathlib import Path
@@ -47,10 +48,10 @@ def evaluate(
     metrics_port: MetricsOption = None,
     as_json: AsJson = False,
 ) -> None:
-    """Evaluate submissions on seeded suites of matches, each agent in a sandbox of its own.
+    """Evaluate submissions on seeded suites of matches, each agent in its own sandbox.
 
-    An evaluation that was interrupted is continued by the same command. Submissions do not meet: where a
-    match has several seats for submissions, all of them are filled by the one that is evaluated.
+    The same command continues an evaluation that was interrupted. Submissions never meet: where a match has
+    several seats for submissions, the submission that is evaluated fills all of them.
     """
     from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks

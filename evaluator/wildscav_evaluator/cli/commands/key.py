@@ -1,4 +1,4 @@
-"""The command ``wildscav key``: organizers' keys, which evaluations are signed with."""
+"""The command ``wildscav key``: the keys with which organizers sign evaluations."""
 
 from pathlib import Path
 from typing import Annotated
@@ -26,12 +26,12 @@ def new(
         bool,
         typer.Option(
             "--passphrase",
-            help="Encrypt the file with a passphrase: that in WILDSCAV_KEY_PASSPHRASE, or one that is asked "
-            "for.",
+            help="Encrypt the file with the passphrase in WILDSCAV_KEY_PASSPHRASE; without that variable, "
+            "the command asks for one.",
         ),
     ] = False,
 ) -> None:
-    """Make a key, which nobody else may read, and print its public half, to be published."""
+    """Make a key that only you can read, and print its public half, which you publish."""
     from wildscav_evaluator.cli.options.signing import new_passphrase
     from wildscav_evaluator.ledger.keys import new_key
 

@@ -15,13 +15,13 @@ from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 def play(
     submissions: Submissions,
     track: Annotated[
-        str | None, typer.Option(help="What to play. Default: the first submission's first track.")
+        str | None, typer.Option(help="Track to play. Default: the first submission's first track.")
     ] = None,
     map_seed: Annotated[
         int,
         typer.Option(
             "--map",
-            help="Seed that the map is made from; it names none of the numbered maps.",
+            help="Seed from which the map is generated; it is not the number of a numbered map.",
             min=0,
             max=2**64 - 1,
         ),
@@ -33,15 +33,15 @@ def play(
         typer.Option(help="Seats for robots. Default: in battle, up to six seats in all.", min=0, max=999),
     ] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds of game time.", min=0.1, max=86_400)] = 60.0,
-    record: Annotated[Path | None, typer.Option(help="Keep the match as a record in this file.")] = None,
+    record: Annotated[Path | None, typer.Option(help="Save the record of the match to this file.")] = None,
     replay: Annotated[
-        Path | None, typer.Option(help="Render the match as a Rerun recording into this file (.rrd).")
+        Path | None, typer.Option(help="Render the match as a Rerun recording to this file (.rrd).")
     ] = None,
-    logs: Annotated[Path, typer.Option(help="Folder for what the agents print.")] = Path("out/play"),
+    logs: Annotated[Path, typer.Option(help="Folder for the agents' output.")] = Path("out/play"),
     sandbox: InSandbox = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play one match, each agent in a sandbox of its own."""
+    """Play one match, each agent in its own sandbox."""
     from wildscav_evaluator.cli.options.selection import check_plays, load_submissions, tracks_played
     from wildscav_evaluator.cli.sessions.play import make_spec, run_match
 

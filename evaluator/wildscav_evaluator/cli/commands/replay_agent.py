@@ -24,18 +24,18 @@ def replay_agent(
     seat: Annotated[
         list[int] | None,
         typer.Option(
-            help="Compare this seat; may be repeated. Default: the submission's own by the record.",
+            help="Compare this seat; may be repeated. Default: the submission's own seats in the record.",
             min=0,
         ),
     ] = None,
-    logs: Annotated[Path, typer.Option(help="Folder for what the agents print.")] = Path("out/replay-agent"),
+    logs: Annotated[Path, typer.Option(help="Folder for the agents' output.")] = Path("out/replay-agent"),
     sandbox: InSandbox = None,
 ) -> None:
-    """Ask a submission again in a recorded match, and compare its actions with the record, step by step.
+    """Run a submission again in a recorded match, and compare its actions with the record, step by step.
 
-    All seats play what is recorded, so the agent sees just what it saw then. Exit code 0 if it acts as
-    recorded in every step; 1 if not, and the first difference is shown. An agent that looks at a clock, uses
-    threads, or random numbers of its own, may differ though it is the same.
+    All seats play the recorded actions, so the agent sees exactly what it saw then. Exit code 0 if it acts as
+    recorded in every step; otherwise 1, and the first difference is shown. An agent that reads a clock, or
+    uses threads or its own random numbers, may differ although its code is the same.
     """
     from wildscav_evaluator.cli.options.selection import load_submissions
     from wildscav_evaluator.cli.sessions.replay_agent import run_again

@@ -12,16 +12,16 @@ from wildscav_evaluator.cli.options.signing import KeyOption
 def rescore(
     out: Annotated[Path, typer.Argument(help="The output folder of an evaluation.", show_default=False)],
     jobs: Annotated[
-        int | None, typer.Option(help="Records to play at once. Default: one a processor core.", min=1)
+        int | None, typer.Option(help="Records to play at once. Default: one per processor core.", min=1)
     ] = None,
     key: KeyOption = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play every record of an evaluation again and compute its tables anew. Exit code 0 only if all agree.
+    """Play every record of an evaluation again and recompute its tables. Exit code 0 only if all agree.
 
-    Every number comes from the records, and exactly the suite's matches of every entrant must be there. Which
-    submission played, in what, and whose fault it was when an agent ended early, is only proven by a ledger
-    that the organizer signed (--key).
+    Every number comes from the records, and every entrant must have exactly the matches of the suite. Only a
+    ledger that the organizer signed (--key) proves which submission played, in which sandbox, and whose fault
+    it was when an agent ended early.
     """
     from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.sessions.rescore import run_rescore

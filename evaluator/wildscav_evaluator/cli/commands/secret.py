@@ -1,4 +1,4 @@
-"""The command ``wildscav secret``: hidden seeds, committed to in public and opened afterwards."""
+"""The command ``wildscav secret``: hidden seeds, which are committed to in public and opened afterwards."""
 
 import os
 import re
@@ -32,7 +32,7 @@ Out = Annotated[
 
 @app.command()
 def new(file: Secret) -> None:
-    """Make a secret, which nobody else may read, and print its commitment, to be published at once."""
+    """Make a secret that only you can read, and print its commitment, which you publish at once."""
     from wildscav_evaluator.suites.seeds import commitment_of, new_secret
 
     content = new_secret()
@@ -63,9 +63,9 @@ def open_(file: Secret, out: Out) -> None:
     from wildscav_evaluator.output.results import read_results
     from wildscav_evaluator.suites.seeds import read_secret
 
-    told, seed = read_results(out / RESULTS_FILE), read_secret(file)
-    if told.commitment != seed.commitment:
-        played = "a public seed" if told.commitment is None else f"the secret of {told.commitment}"
+    reported, seed = read_results(out / RESULTS_FILE), read_secret(file)
+    if reported.commitment != seed.commitment:
+        played = "a public seed" if reported.commitment is None else f"the secret of {reported.commitment}"
         raise UserError(f"{out} was evaluated on {played}, not on {file} ({seed.commitment})", exit_code=2)
     write_whole(out / OPENED_FILE, file.read_bytes())
     _print(f"opened: {out / OPENED_FILE}")
@@ -79,9 +79,9 @@ def check(
         str, typer.Argument(help="The commitment as it was published beforehand.", show_default=False)
     ],
 ) -> None:
-    """Check that the matches recorded are those that were committed to. Exit code 0 only if they are.
+    """Check that the recorded matches are those that were committed to. Exit code 0 only if they are.
 
-    That the records are true accounts of those matches is for `wildscav rescore` to say.
+    Use `wildscav rescore` to check that the records are true accounts of those matches.
     """
     from wildscav_evaluator.scores.expected_matches import check_opened
 
@@ -90,7 +90,7 @@ def check(
     records = check_opened(out, commitment)
     _print(
         f"the secret in {out} is the one committed to, and {counted(records, 'record')} "
-        f"{'is' if records == 1 else 'are'} of the matches that follow from it"
+        f"{'is of a match' if records == 1 else 'are of matches'} that the secret determines"
     )
 
 

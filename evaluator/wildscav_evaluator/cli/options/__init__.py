@@ -1,1 +1,1 @@
-"""Options and arguments that several commands share, and the checks of their values."""
+"""Options and arguments that several commands share, and checks of their values."""

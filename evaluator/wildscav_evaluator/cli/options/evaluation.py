@@ -1,6 +1,6 @@
 """The arguments and options that ``evaluate``, ``compare`` and ``play`` share.
 
-The command line imports this to show its help: nothing heavy is imported here.
+The command line imports this module to show its help, so it imports nothing heavy.
 """
 
 from pathlib import Path
@@ -11,8 +11,8 @@ import typer
 Submissions = Annotated[
     list[Path],
     typer.Argument(
-        help="Folders with a submission.toml, archives of such, image:NAME, or the baselines random, homing "
-        "and hunter.",
+        help="Folders with a submission.toml, archives of such folders, image:NAME, or the baselines random, "
+        "homing and hunter.",
         metavar="SUBMISSION",
         show_default=False,
     ),
@@ -21,9 +21,9 @@ Submissions = Annotated[
 SuiteOption = Annotated[
     str,
     typer.Option(
-        help="Which matches. quick: 3 to 5 short ones a track, on small maps. official: the competition's, "
-        "on large maps (100 of navigation, gathering and capture, 10 of battle and royale). Or the file of a "
-        "suite of your own (.toml)."
+        help="Which matches to play. quick: 3 to 5 short ones per track, on small maps. official: the "
+        "competition's, on large maps (100 of navigation, gathering and capture, 10 of battle and royale). "
+        "Or the file of your own suite (.toml)."
     ),
 ]
 SeedOption = Annotated[
@@ -41,8 +41,8 @@ SecretOption = Annotated[
 OutOption = Annotated[
     Path | None,
     typer.Option(
-        help="Output folder. Default: a new one with the next number, or the one in which the same command "
-        "was interrupted.",
+        help="Output folder. Default: a new folder with the next number, or the one in which the same "
+        "command was interrupted.",
         show_default=False,
     ),
 ]
@@ -50,18 +50,20 @@ FreshOption = Annotated[
     bool,
     typer.Option(
         "--fresh",
-        help="Play everything again: into a new folder or, with --out, in place of what that folder holds.",
+        help="Play everything again: into a new folder or, with --out, replacing what that folder holds.",
         show_default=False,
     ),
 ]
 JobsOption = Annotated[
     int | None,
-    typer.Option(help="Matches at once. Default: one a processor core.", min=1, show_default=False),
+    typer.Option(help="Matches at once. Default: one per processor core.", min=1, show_default=False),
 ]
 
 LogOption = Annotated[
     Literal["json", "text"] | None,
-    typer.Option(help="Write log lines of this form to stderr, instead of a dashboard.", show_default=False),
+    typer.Option(
+        help="Write log lines in this format to stderr instead of showing a dashboard.", show_default=False
+    ),
 ]
 MetricsOption = Annotated[
     int | None,

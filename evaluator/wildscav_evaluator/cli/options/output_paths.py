@@ -1,4 +1,4 @@
-"""The files that ``wildscav play`` is to write, checked before the match."""
+"""Checks, before a match, that ``wildscav play`` can write its output files."""
 
 import tempfile
 from pathlib import Path
@@ -8,10 +8,10 @@ from wildscav.errors import UserError
 
 
 def check_output_paths(record: Path | None, replay: Path | None) -> None:
-    """See that a record and a replay can be written, if they are asked for; their folders are made.
+    """Check that a record and a replay can be written, if they are requested, and create their folders.
 
     Raises:
-        UserError: One cannot be written, both are to be the same file, or the replay's name is not one.
+        UserError: One cannot be written, both name the same file, or the replay's name is not valid.
     """
     if record is not None and replay is not None and record.resolve() == replay.resolve():
         raise UserError(f"--record and --replay name the same file {record}: name two files", exit_code=2)
@@ -35,7 +35,7 @@ def _check_file(option: str, path: Path) -> None:
 def _check_writable(option: str, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Files are written beside their place and moved there whole, so it is the folder that counts.
+        # Files are written to a temporary file in the same folder and moved, so the folder must be writable.
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except OSError as error:

@@ -47,11 +47,11 @@ InSandbox = Annotated[
 def chosen_sandbox(
     asked: str | None, submissions: "Sequence[Submission]"
 ) -> "tuple[str, tuple[Submission, ...]]":
-    """Return the name of the sandbox to use, having told it, and the submissions as they run in it.
+    """Return the name of the sandbox to use, having printed it, and the submissions as they run in it.
 
     Raises:
         SubmissionError: One needs packages and was not built, or is an image and the sandbox runs none.
-        SandboxError: The one that is asked for does not keep its promises on this machine.
+        SandboxError: The requested one does not keep its promises on this machine.
     """
     from rich.text import Text
 

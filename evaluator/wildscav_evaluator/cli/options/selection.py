@@ -1,4 +1,4 @@
-"""What commands are asked for: which submissions, tracks, suite and seed."""
+"""What a command is to play: the submissions, tracks, suite and seed that its arguments select."""
 
 from pathlib import Path
 
@@ -51,16 +51,17 @@ def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tupl
 
 
 def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: Suite) -> tuple[str, ...]:
-    """Return the tracks of a suite that are to be played.
+    """Return the tracks of a suite to play.
 
     Raises:
-        UserError: The suite has not a track that is asked for, or none that the submissions play.
+        UserError: The suite lacks a requested track, or has none that the submissions play.
     """
     tracks = tracks_played(submissions, asked)
     for name in tracks if asked else ():
         if name not in suite.tracks:
             raise UserError(
-                f"suite {suite.name} has no {name}; its tracks are {', '.join(suite.tracks)}", exit_code=2
+                f"suite {suite.name} has no track {name}; its tracks are {', '.join(suite.tracks)}",
+                exit_code=2,
             )
     played = tuple(name for name in tracks if name in suite.tracks)
     for submission in submissions:
@@ -74,10 +75,10 @@ def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: S
 
 
 def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:
-    """Return the seed that is asked for.
+    """Return the seed that the options select.
 
     Raises:
-        UserError: Both kinds are, or there is no such secret.
+        UserError: Both options are given, or there is no such secret.
     """
     if secret is None:
         return SuiteSeed(seed or 0)

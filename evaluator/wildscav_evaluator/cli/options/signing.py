@@ -29,8 +29,8 @@ KeyOption = Annotated[
     str | None,
     typer.Option(
         "--key",
-        help="The organizer's public key, 64 hexadecimal digits or a file with them: demand that it signed "
-        "all of this.",
+        help="The organizer's public key, 64 hexadecimal digits or a file with them: require that it signed "
+        "the ledger.",
         metavar="PUBLIC",
         show_default=False,
     ),
@@ -38,15 +38,15 @@ KeyOption = Annotated[
 
 
 def signing_key(file: Path | None, out: Path, submissions: "Sequence[Submission]") -> "SigningKey | None":
-    """Return the key to sign with, if one is asked for.
+    """Return the key to sign with, or None if none is requested.
 
     Args:
-        file: Its file.
+        file: The file of the key, if one is requested.
         out: The output folder, which will be published.
-        submissions: Who plays: agents can read their own folders.
+        submissions: The submissions that play; agents can read their own folders.
 
     Raises:
-        UserError: It cannot be used, or lies where others will see it.
+        UserError: The key cannot be used, or is in a folder that others will see.
     """
     if file is None:
         return None
@@ -60,22 +60,24 @@ def signing_key(file: Path | None, out: Path, submissions: "Sequence[Submission]
 
 
 def warn_of_open_key(sandbox: str) -> None:
-    """Warn that agents can read the key, if nothing keeps them from it."""
+    """Warn that agents can read the key, if the sandbox does not isolate them."""
     from rich.text import Text
 
     from wildscav.terminal.console import console
     from wildscav_evaluator.sandbox import SANDBOXES
 
     if not SANDBOXES[sandbox].isolated:
-        warning = f"agents in {sandbox} can read the key that signs, as you can: sign with agents you trust"
+        warning = (
+            f"agents in the sandbox {sandbox} can read the signing key: sign only with agents that you trust"
+        )
         console.print(Text.assemble(("warning: ", "yellow"), warning), soft_wrap=True)
 
 
 def ask_passphrase(file: Path) -> str:
-    """Return the passphrase of a key, from the environment or from whoever sits at the terminal.
+    """Return the passphrase of a key, from the environment or by asking on the terminal.
 
     Raises:
-        UserError: Nobody says it.
+        UserError: It is not in the environment, and there is no terminal.
     """
     given = os.environ.get(PASSPHRASE)
     if given is not None:
@@ -85,14 +87,14 @@ def ask_passphrase(file: Path) -> str:
 
 
 def new_passphrase() -> str:
-    """Return the passphrase of a new key, from the environment or from whoever sits at the terminal.
+    """Return the passphrase of a new key, from the environment or by asking on the terminal.
 
     Raises:
-        UserError: Nobody says it, or it is empty.
+        UserError: It is not in the environment and there is no terminal, or it is empty.
     """
     given = os.environ.get(PASSPHRASE)
     if given is None:
-        _need_terminal("a passphrase is wanted")
+        _need_terminal("a passphrase is needed")
         given = str(typer.prompt("passphrase", hide_input=True, confirmation_prompt=True, err=True))
     if not given:
         raise UserError("the passphrase is empty: name one, or leave out --passphrase", exit_code=2)

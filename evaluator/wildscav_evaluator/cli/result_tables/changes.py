@@ -1,4 +1,4 @@
-"""The table of what has changed since the last evaluation of the same submissions."""
+"""The table of the changes since the last evaluation of the same submissions."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +14,7 @@ from wildscav_evaluator.scores.number_format import number, signed
 
 
 def changes_table(since: Sequence[Change]) -> Table:
-    """Return the table: a line for each submission and track, by the score."""
+    """Return the table: one line per submission and track, with its score."""
     table = plain_table("since last time")
     table.add_column("track", no_wrap=True, vertical="bottom")
     table.add_column("agent", min_width=7, vertical="bottom")
@@ -36,7 +36,7 @@ def changes_table(since: Sequence[Change]) -> Table:
 
 
 def verdict(one: Comparison) -> Text:
-    """Return whether a score has changed by more than chance explains, in a few words."""
+    """Return in a few words whether a score has changed by more than chance explains."""
     score = one.differences[0]
     if score.difference == score.low == score.high == 0.0:
         return Text("no change")

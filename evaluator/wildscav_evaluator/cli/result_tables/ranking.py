@@ -11,7 +11,7 @@ from wildscav_evaluator.output.results import Evaluation, MetricInfo, Results, S
 from wildscav_evaluator.scores.number_format import NOTHING, number
 
 HEADING_WIDTH = 8
-LEGEND = "↓ less is better, ↑ more is better. The first figure ranks."
+LEGEND = "↓ lower is better, ↑ higher is better. The first metric decides the rank."
 
 
 def track_table(results: Results, track: str) -> Table:
@@ -31,12 +31,12 @@ def track_table(results: Results, track: str) -> Table:
 
 
 def plain_table(title: str) -> Table:
-    """Return a table without columns, in the looks of all tables of results."""
+    """Return a table without columns, in the style of all result tables."""
     return FittingTable(title)
 
 
 def ranking_table(title: str) -> Table:
-    """Return a table with the columns that every table of standings begins with."""
+    """Return a table with the first columns of every table of standings."""
     table = plain_table(title)
     add_columns(table, "#")
     table.add_column("submission", vertical="bottom", min_width=12)
@@ -44,7 +44,7 @@ def ranking_table(title: str) -> Table:
 
 
 def add_metrics(table: Table, metrics: Iterable[MetricInfo]) -> None:
-    """Add the columns of a track's metrics; the first has its interval beside it."""
+    """Add the columns of a track's metrics; the interval of the first follows it."""
     for position, metric in enumerate(metrics):
         add_columns(table, heading(metric))
         if position == 0:
@@ -52,13 +52,13 @@ def add_metrics(table: Table, metrics: Iterable[MetricInfo]) -> None:
 
 
 def add_columns(table: Table, *headings: str) -> None:
-    """Add columns of figures."""
+    """Add right-aligned columns of numbers."""
     for text in headings:
         table.add_column(text, justify="right", vertical="bottom", no_wrap=True)
 
 
 def heading(metric: MetricInfo) -> str:
-    """Return a column's heading: title, unit, and which way is better."""
+    """Return a column's heading: title, unit, and an arrow for the better direction."""
     unit = f" [{metric.unit}]" if metric.unit else ""
     text = f"{metric.title}{unit} {'↓' if metric.lower_is_better else '↑'}"
     return "\n".join(wrap(text, HEADING_WIDTH, break_long_words=False))
@@ -82,7 +82,7 @@ def fault_cell(faults: int, matches: int) -> Text:
 
 
 def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:
-    """Return evaluations of one track in order, with their ranks; equal scores share one.
+    """Return the evaluations of one track with their ranks, best first; equal scores share a rank.
 
     Those without a score come last and have no rank.
     """
@@ -95,7 +95,7 @@ def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluati
 
 
 def order(evaluation: Evaluation) -> float:
-    """Return a scored evaluation's place in the order: less is better."""
+    """Return the sort key of a scored evaluation; less is better."""
     metric = evaluation.metrics[0]
     mean = evaluation.summary[metric.name].mean
     return mean if metric.lower_is_better else -mean

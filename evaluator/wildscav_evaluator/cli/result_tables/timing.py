@@ -1,4 +1,4 @@
-"""The table of how agents used their time, and the line that says what they ran in."""
+"""The table of how agents used their time, and the lines about their sandbox and its limits."""
 
 import statistics
 from collections.abc import Iterator, Mapping
@@ -10,7 +10,7 @@ from wildscav_evaluator.cli.result_tables.ranking import add_columns, plain_tabl
 from wildscav_evaluator.output.results import KeptLimits, Results, SeatTiming
 from wildscav_evaluator.scores.number_format import NOTHING
 
-MACHINES = " *"  # marks late steps of which some are the machine's fault, as a note below says
+MACHINES = " *"  # marks late steps that are partly the machine's fault; a note below explains it
 UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
 
 
@@ -34,7 +34,7 @@ def timing_table(results: Results) -> Table:
 
 
 def _cells(seats: list[SeatTiming]) -> Iterator[Text | str]:
-    """Yield the figures of some seats, one at least."""
+    """Yield the cells that sum up some seats, at least one."""
     late, steps = sum(seat.late_steps for seat in seats), sum(seat.steps for seat in seats)
     starved = any(seat.late_for_platform for seat in seats)
     yield _time(statistics.median(seat.latency_p50 for seat in seats))
@@ -55,19 +55,19 @@ def _time(seconds: float) -> str:
 
 
 def sandbox_and_limits(sandbox: str, limits: Mapping[str, KeptLimits]) -> Iterator[str]:
-    """Yield what agents ran in and what they could use of the machine, a line for each kind of track."""
-    told: dict[str, list[str]] = {}
+    """Yield the sandbox and its limits, one line for each set of tracks with equal limits."""
+    tracks_by_limits: dict[str, list[str]] = {}
     for track, kept in limits.items():
-        told.setdefault(limits_in_words(kept), []).append(track)
-    if not told:
+        tracks_by_limits.setdefault(limits_in_words(kept), []).append(track)
+    if not tracks_by_limits:
         yield sandbox
-    for words, tracks in told.items():
-        where = "" if len(told) == 1 else f" on {', '.join(tracks)}"
+    for words, tracks in tracks_by_limits.items():
+        where = "" if len(tracks_by_limits) == 1 else f" on {', '.join(tracks)}"
         yield f"{sandbox}; each agent{where}: {words}"
 
 
 def limits_in_words(limits: KeptLimits) -> str:
-    """Return limits in a line, those that are not kept left out."""
+    """Return limits in one line, without those that the sandbox does not enforce."""
     words = []
     if limits.cpus is not None:
         words.append(f"{limits.cpus:g} {'core' if limits.cpus == 1 else 'cores'}")
@@ -87,7 +87,7 @@ def limits_in_words(limits: KeptLimits) -> str:
 
 
 def _size(count: int) -> str:
-    """Return bytes in a unit that makes them a round number, if there is one."""
+    """Return a number of bytes in a unit that makes it round, if there is one."""
     for unit, name in UNITS:
         if count % unit == 0:
             return f"{count // unit:,} {name}"

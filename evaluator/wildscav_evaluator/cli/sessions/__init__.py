@@ -1,1 +1,1 @@
-"""What a user sees while a command runs: progress, results, and what went wrong."""
+"""What a user sees while a command runs: progress, results, and errors."""

@@ -1,4 +1,4 @@
-"""``wildscav check`` as its user sees it: a table of what was tried, and how to fix what failed."""
+"""What ``wildscav check`` shows: a table of the findings, and how to fix failures."""
 
 from pathlib import Path
 
@@ -20,10 +20,10 @@ SHOWN_LINES = 8  # of what a failing agent printed
 
 
 def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: bool = False) -> None:
-    """Try a submission, and say what was found.
+    """Check a submission and print the findings.
 
     Raises:
-        UserError: Something failed that a judge would not pass over.
+        UserError: A check failed that a submission must pass.
     """
     with preparing(console):
         precompile_for([submission.manifest.sensors])
@@ -39,8 +39,8 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: 
         _explain(finding)
     broken = sum(finding.verdict == Verdict.BROKEN for finding in findings)
     if broken:
-        raise UserError(f"{submission.name} fails {counted(broken, 'check')}; what it printed is in {logs}")
-    console.print(f"{submission.name} may be submitted. What it printed is in {logs}.", soft_wrap=True)
+        raise UserError(f"{submission.name} fails {counted(broken, 'check')}; its output is in {logs}")
+    console.print(f"{submission.name} may be submitted. Its output is in {logs}.", soft_wrap=True)
 
 
 def _document(submission: Submission, findings: list[Finding], logs: Path) -> dict[str, object]:
@@ -76,7 +76,7 @@ def _table(submission: Submission, findings: list[Finding]) -> Table:
 
 
 def _explain(finding: Finding) -> None:
-    """Say how to fix what is not kept."""
+    """Print how to fix a broken or doubtful rule."""
     if finding.verdict == Verdict.KEPT:
         return
     style = STYLES[finding.verdict]

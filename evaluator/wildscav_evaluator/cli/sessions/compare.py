@@ -1,4 +1,4 @@
-"""``wildscav compare`` as its user sees it."""
+"""What ``wildscav compare`` shows."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,11 +21,11 @@ from wildscav_evaluator.submissions.submission import Submission
 
 
 def run_comparison(plan: Plan, options: MonitorOptions, *, as_json: bool = False) -> None:
-    """Play two submissions on the same matches, and show and keep which is better.
+    """Play two submissions on the same matches, and show and save which is better.
 
     Raises:
-        UserError: Nothing could be played; or something could not be kept, or a submission failed in all its
-            matches, after everything else was shown and kept.
+        UserError: Nothing could be played; or, after everything else was shown and saved, something could not
+            be saved or a submission failed in all its matches.
     """
     first, second = plan.submissions
     with evaluating(plan, options) as (results, ledger):
@@ -41,20 +41,20 @@ def run_comparison(plan: Plan, options: MonitorOptions, *, as_json: bool = False
             console.print(f"played in {line}", soft_wrap=True, highlight=False)
         try:
             ledger.close(results, write_results(results, plan.out))
-            say("kept in", str(write_comparisons(comparisons, plan.out)))
+            say("saved in", str(write_comparisons(comparisons, plan.out)))
             say_ledger(plan, ledger)
         except OSError as error:
-            raise UserError(f"the comparison could not be kept: {describe(error)}") from error
+            raise UserError(f"the comparison could not be saved: {describe(error)}") from error
     raise_errors([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])
 
 
-def both_play(tracks: Sequence[str], submissions: Sequence[Submission]) -> tuple[str, ...]:
-    """Return those of some tracks that all submissions play."""
+def common_tracks(tracks: Sequence[str], submissions: Sequence[Submission]) -> tuple[str, ...]:
+    """Return those of the tracks that all submissions play."""
     return tuple(name for name in tracks if all(name in one.manifest.tracks for one in submissions))
 
 
-def told_apart(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
-    """Return two submissions under two names: two versions of one are called by its name, -a and -b."""
+def with_distinct_names(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
+    """Return two submissions with distinct names: ``-a`` and ``-b`` are appended if their names are equal."""
     first, second = submissions
     if first.name != second.name:
         return first, second
@@ -65,7 +65,7 @@ def told_apart(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
 
 
 def comparison_table(one: Comparison) -> Table:
-    """Return the table of two submissions on one track: every metric, and how far they are apart in it."""
+    """Return the table of two submissions on one track: every metric, with the difference between them."""
     table = plain_table(f"{one.track} · {counted(one.pairs, 'match')} that both played")
     table.add_column("", vertical="bottom")
     add_columns(table, one.first, one.second, "difference", "95 %\ninterval")
@@ -82,14 +82,15 @@ def comparison_table(one: Comparison) -> Table:
 
 
 def verdict_line(one: Comparison) -> Text:
-    """Return who is better on a track, in words."""
+    """Return in words which submission is better on a track."""
     dropped = f" ({counted(one.dropped, 'match')} left out: the platform failed)" if one.dropped else ""
     if one.verdict == "too few":
         return Text(
-            f"{counted(one.pairs, 'match')} are too few to tell: {FEWEST_PAIRS} at least{dropped}", "yellow"
+            f"{counted(one.pairs, 'match')} are too few to decide: at least {FEWEST_PAIRS} needed{dropped}",
+            "yellow",
         )
     title = one.differences[0].metric.title
     if one.verdict == "tied":
-        return Text(f"tied: the {title} tells neither apart from the other{dropped}", "yellow")
+        return Text(f"tied: the {title} does not distinguish them{dropped}", "yellow")
     better, worse = (one.first, one.second) if one.verdict == "first" else (one.second, one.first)
     return Text(f"{better} is better than {worse} by its {title}{dropped}", "green")

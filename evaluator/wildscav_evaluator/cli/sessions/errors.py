@@ -1,4 +1,4 @@
-"""Several things that went wrong, one line each."""
+"""Reporting several errors, one line each."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from wildscav.terminal.console import error_console
 
 
 def raise_errors(errors: Sequence[str]) -> None:
-    """Print every error on a line of its own, in the way of the command line; the last one by raising it.
+    """Print every error on its own line, in the format of the command line; raise the last one.
 
     Raises:
         UserError: There was one.

@@ -1,4 +1,4 @@
-"""An evaluation as its user sees it: progress, tables, where everything lies, and what went wrong."""
+"""What an evaluation shows: progress, tables, the paths of its files, and errors."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,7 +18,7 @@ from wildscav_evaluator.cli.sessions.errors import raise_errors
 from wildscav_evaluator.evaluation import Plan, check_names, collect, identity, make_jobs
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, sensors_read
-from wildscav_evaluator.matches.run_job import kept
+from wildscav_evaluator.matches.run_job import kept_result
 from wildscav_evaluator.matches.workers import WorkerDiedError, Workers
 from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
@@ -29,24 +29,24 @@ from wildscav_evaluator.output.results import Evaluation, Results, write_results
 from wildscav_evaluator.scores.changes import Change, changes_since_last
 from wildscav_evaluator.scores.notes import evaluation_actions_note, evaluation_lateness_note
 
-INTERRUPTED = 130  # exit code, as shells have it
+INTERRUPTED = 130  # exit code, by the convention of shells
 DASHBOARD_ONLY = MonitorOptions()
 
 
 def run_session(
     plan: Plan, database: Path, options: MonitorOptions = DASHBOARD_ONLY, *, as_json: bool = False
 ) -> None:
-    """Evaluate, show and keep the results.
+    """Evaluate, and show and save the results.
 
     Raises:
-        UserError: Nothing could be evaluated; or something could not be kept, or a submission failed in all
-            its matches, after everything else was shown and kept.
+        UserError: Nothing could be evaluated; or, after everything else was shown and saved, something could
+            not be saved or a submission failed in all its matches.
     """
     kept_by = tuple(sinks(str(database)))
     for sink in kept_by:
         sink.check()
     with evaluating(plan, options) as (results, ledger):
-        # Before anything is shown: whoever closes the terminal has them all the same.
+        # Written before anything is shown, so that closing the terminal loses nothing.
         errors = list(_written(results, plan.out, ledger))
         since = changes_since_last(results, plan.out)
         _show(results, since)
@@ -62,13 +62,13 @@ def run_session(
 
 @contextmanager
 def evaluating(plan: Plan, options: MonitorOptions) -> Iterator[tuple[Results, LedgerWriter]]:
-    """Play all matches of a plan, or what is left of them, and hold its output folder while the block lasts.
+    """Play the matches of a plan that are not played yet, and lock its output folder while the block lasts.
 
     Yields:
-        The results, and the ledger, which is to be closed with them.
+        The results, and the ledger, which the caller closes with them.
 
     Raises:
-        UserError: They cannot be played, or it was interrupted.
+        UserError: The matches cannot be played, or the evaluation was interrupted.
     """
     check_names(plan.submissions)
     check_out(plan.out, plan.submissions)
@@ -89,14 +89,14 @@ def evaluating(plan: Plan, options: MonitorOptions) -> Iterator[tuple[Results, L
 def _play(
     plan: Plan, jobs: Sequence[Job], lock: Lock, ledger: LedgerWriter, options: MonitorOptions
 ) -> list[JobResult]:
-    """Play what was not played in an earlier sitting, and return the results of all."""
-    done = ledger.confirm([result for job in jobs if (result := kept(job)) is not None])
+    """Play the matches that no earlier run has played, and return the results of all."""
+    done = ledger.confirm([result for job in jobs if (result := kept_result(job)) is not None])
     keep_only(plan.out, (result.job.stem for result in done))
     if done:
-        console.print(_goes_on(len(done), len(jobs)))
+        console.print(_resumption(len(done), len(jobs)))
     monitor = Monitor(jobs, plan.jobs, plan.title, options)
     for result in done:
-        monitor.keep(result)
+        monitor.add_earlier(result)
     complete = {result.job.stem for result in done if not result.to_render}
     waiting = [job for job in jobs if job.stem not in complete]
     if waiting:
@@ -113,7 +113,7 @@ def _play(
 def _listeners(
     ledger: LedgerWriter, monitor: Monitor
 ) -> tuple[Callable[[Job], None], Callable[[Job, JobEvent], None]]:
-    """Return what is told of every match as it is begun, and of how it goes on."""
+    """Return the callbacks for the start of a match and for its events."""
 
     def begin(job: Job) -> None:
         ledger.begin(job.stem)
@@ -127,21 +127,21 @@ def _listeners(
     return begin, handle
 
 
-def _goes_on(done: int, jobs: int) -> str:
-    of = f"{done:,} of {counted(jobs, 'match')} {'was' if done == 1 else 'were'} played before"
-    return of if done < jobs else f"all {counted(jobs, 'match')} were played before"
+def _resumption(done: int, jobs: int) -> str:
+    some = f"{done:,} of {counted(jobs, 'match')} {'was' if done == 1 else 'were'} played before"
+    return some if done < jobs else f"all {counted(jobs, 'match')} were played before"
 
 
 def _interrupted(plan: Plan, jobs: Sequence[Job]) -> str:
-    done = sum(kept(job) is not None for job in jobs)
+    done = sum(kept_result(job) is not None for job in jobs)
     return (
-        f"interrupted: {done:,} of {counted(len(jobs), 'match')} are kept in {plan.out}; "
-        "run the same command again to play the others"
+        f"interrupted: {done:,} of {counted(len(jobs), 'match')} are saved in {plan.out}; "
+        "run the same command again to play the rest"
     )
 
 
-def _remark(results: Results) -> None:
-    """Say which submissions' actions were not as they must be, and which late steps are not their fault."""
+def _show_notes(results: Results) -> None:
+    """Print which submissions sent invalid actions, and which late steps are not their fault."""
     lines = [line for one in results.evaluations if (line := evaluation_actions_note(one))]
     lines += [
         line
@@ -155,7 +155,7 @@ def _remark(results: Results) -> None:
 
 
 def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
-    """Say where the ledger is, and who signed it."""
+    """Print where the ledger is, and which key signed it."""
     signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
     say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
     if plan.public_key is not None:
@@ -163,12 +163,12 @@ def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
 
 
 def _written(results: Results, out: Path, ledger: LedgerWriter) -> Iterator[str]:
-    """Write the results, close the ledger with them, and yield what went wrong."""
+    """Write the results, close the ledger with them, and yield the errors."""
     try:
         ledger.close(results, write_results(results, out))
     except OSError as error:
-        yield f"the results could not be kept: {describe(error)}"
-    except UserError as error:  # of the ledger
+        yield f"the results could not be saved: {describe(error)}"
+    except UserError as error:  # raised by the ledger
         yield str(error)
 
 
@@ -182,7 +182,7 @@ def document(results: Results, out: Path, since: Sequence[Change]) -> dict[str, 
 
 
 def _show(results: Results, since: Sequence[Change] = ()) -> None:
-    """Show the tables, what agents should have done otherwise, and what they ran in."""
+    """Print the tables, notes on invalid actions and late steps, and the sandbox."""
     for track in results.tracks:
         console.print()
         console.print(track_table(results, track))
@@ -191,14 +191,14 @@ def _show(results: Results, since: Sequence[Change] = ()) -> None:
         console.print(changes_table(since))
         console.print()
     console.print(timing_table(results))
-    _remark(results)
+    _show_notes(results)
     console.print()
     for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
         say("" if position else "sandbox", line)
 
 
 def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database: Path) -> Iterator[str]:
-    """Hand the results to the sinks, say where all the rest is, and yield what went wrong."""
+    """Store the results in the sinks, print where everything is, and yield the errors."""
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = sum(row.record is not None for row in rows)
     say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
@@ -213,19 +213,19 @@ def _keep(results: Results, plan: Plan, kept_by: Iterable[ResultSink], database:
         say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sum(row.replay is not None for row in rows)
     if replays:
-        say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to be watched in Rerun")
+        say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to watch in Rerun")
     shown = _replay_to_show(results)
     if shown is not None:
         say("", f"watch one: {command('rerun')} {plan.out / shown}")
 
 
 def say(what: str, text: str) -> None:
-    """Print a line of what lies where."""
+    """Print a label and a text on one line."""
     console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)
 
 
 def _replay_to_show(results: Results) -> str | None:
-    """Return a replay worth seeing first: of the last track, which has most to see, and its best agent."""
+    """Return the replay to suggest: that of the best agent on the last track, the most eventful one."""
     for track in reversed(results.tracks):
         for _, one in ranked(one for one in results.evaluations if one.track == track):
             for row in one.matches:
@@ -235,11 +235,11 @@ def _replay_to_show(results: Results) -> str | None:
 
 
 def all_failed(evaluation: Evaluation, out: Path) -> str:
-    """Say that a submission failed in every match of a track, or the platform did, and why."""
+    """Return the error that a submission, or the platform, failed in every match of a track, and why."""
     first = evaluation.matches[0]
     if all(row.fault == "platform" for row in evaluation.matches):
         return f"no match of {evaluation.track} could be played for {evaluation.submission}: {first.detail}"
-    # The log of the seat that failed, which may not be its first.
+    # The log of the seat that failed, which need not be the first.
     log = next((seat.log for seat in first.seats if seat.fault is not None), None)
     see = f" (its log: {out / log})" if log else ""
     return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"

@@ -1,4 +1,4 @@
-"""``wildscav play`` as its user sees it: the match's spec, its progress, its table and its files."""
+"""What ``wildscav play`` does and shows: the match's spec, its progress, its table and its files."""
 
 import asyncio
 import contextlib
@@ -42,8 +42,8 @@ from wildscav_evaluator.submissions.submission import Submission
 if TYPE_CHECKING:
     from wildscav_engine.specs.result import SeatResult
 
-BATTLE_SEATS = 6  # unless asked otherwise
-MAX_SEATS = 1000  # that a spec may have
+BATTLE_SEATS = 6  # by default
+MAX_SEATS = 1000  # in a spec
 HOUSE_AREA = 2500.0  # m² of map for each house
 
 
@@ -60,7 +60,7 @@ def make_spec(
     """Return the spec of a match; the submissions have the first seats, robots the others.
 
     Raises:
-        UserError: There is no such match: the map's size is odd, or there are too many seats, for example.
+        UserError: The match is not valid; for example, the map's size is odd, or there are too many seats.
     """
     if size % 2:
         raise UserError(f"--size is {size}, must be even", exit_code=2)
@@ -79,7 +79,7 @@ def make_spec(
             time_limit=time_limit,
         )
     except ValidationError as error:
-        raise UserError(f"there is no such match: {one_line(error)}", exit_code=2) from error
+        raise UserError(f"such a match is not possible: {one_line(error)}", exit_code=2) from error
 
 
 def run_match(
@@ -92,11 +92,11 @@ def run_match(
     sandbox: str,
     as_json: bool = False,
 ) -> None:
-    """Play a match, show how it went, and write what is asked for.
+    """Play a match, show how it went, and write the requested files.
 
     Raises:
-        UserError: The match could not be played; or an agent failed, or a file could not be written, after
-            everything else was shown and written.
+        UserError: The match could not be played; or, after everything else was shown and written, an agent
+            failed or a file could not be written.
         OSError: A log could not be written.
     """
     check_output_paths(record, replay)
@@ -107,15 +107,15 @@ def run_match(
     with _logging(logs, paths):
         played = _play(seating, SANDBOXES[sandbox])
     console.print(_table(seating, played))
-    _remark(seating, played)
+    _show_notes(seating, played)
     errors = list(_write(played, seating, record, replay))
     if as_json:
         print_json(_document(seating, played))
     if any(path.exists() for path in paths):
-        console.print(f"what the agents printed is in {logs}", soft_wrap=True)
+        console.print(f"the agents' output is in {logs}", soft_wrap=True)
     for path in filter(is_cut, paths):
         kept = f"{int(seating.limits.output):,}"
-        console.print(f"  {path} was cut: of what an agent prints, {kept} bytes are kept", soft_wrap=True)
+        console.print(f"  {path} was cut: {kept} bytes of an agent's output are kept", soft_wrap=True)
     raise_errors([*errors, *_failures(played, seating)])
 
 
@@ -128,7 +128,7 @@ def _check_recordable(spec: MatchSpec) -> None:
 
 @contextmanager
 def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
-    """Begin the logs; at the end remove those that are empty, and the folder if nothing is in it."""
+    """Create the logs; at the end remove those that are empty, and the folder if it is empty."""
     made = [parent for parent in folder.absolute().parents if not parent.exists()]
     prepare_logs(logs)
     try:
@@ -220,8 +220,8 @@ def _seat_document(seating: Seating, played: PlayedMatch, seat: "SeatResult") ->
     }
 
 
-def _remark(seating: Seating, played: PlayedMatch) -> None:
-    """Say which agents' actions were not as they must be."""
+def _show_notes(seating: Seating, played: PlayedMatch) -> None:
+    """Print which agents sent invalid actions, and which late steps are not their fault."""
     for seat, report in played.seats.items():
         line = invalid_actions_note(
             seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions
@@ -229,25 +229,25 @@ def _remark(seating: Seating, played: PlayedMatch) -> None:
         if line is not None:
             console.print(Text.assemble(("note: ", "yellow"), line))
         if steps := played.late_for_platform.get(seat):
-            told = lateness_note(seating.names[seat], {"": steps})
-            console.print(Text.assemble(("note: ", "yellow"), told))
+            note = lateness_note(seating.names[seat], {"": steps})
+            console.print(Text.assemble(("note: ", "yellow"), note))
 
 
 def _write(played: PlayedMatch, seating: Seating, record: Path | None, replay: Path | None) -> Iterator[str]:
-    """Write what is asked for, and yield what went wrong. Neither file costs the other."""
+    """Write the requested files, and yield the errors. If one file fails, the other is still written."""
     if record is not None:
         try:
             write_record(record, played.match, seating.names)
             console.print(f"record: {record}", soft_wrap=True)
         except OSError as error:
-            yield f"the record could not be kept: {describe(error)}"
+            yield f"the record could not be saved: {describe(error)}"
     if replay is not None:
         try:
             with console.status("rendering the replay"):
                 _render(played, seating, replay)
             console.print(f"replay: {replay}\n  {command('rerun')} {replay}", soft_wrap=True)
         except OSError as error:
-            yield f"the replay could not be kept: {describe(error)}"
+            yield f"the replay could not be saved: {describe(error)}"
 
 
 def _render(played: PlayedMatch, seating: Seating, replay: Path) -> None:

@@ -1,4 +1,4 @@
-"""``wildscav replay-agent`` as its user sees it."""
+"""What ``wildscav replay-agent`` does and shows."""
 
 import asyncio
 import re
@@ -25,27 +25,27 @@ from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 
 CAUTION = (
-    "An agent that looks at a clock, uses threads, or random numbers of its own may differ though it is the "
-    "same: replay it several times, and see whether it agrees with itself."
+    "An agent that reads a clock, or uses threads or its own random numbers, may differ although its code is "
+    "the same: replay it several times, and check whether it agrees with itself."
 )
 
 
 def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs: Path, sandbox: str) -> None:
-    """Ask a submission again in a recorded match, and show how far it acts as recorded.
+    """Run a submission again in a recorded match, and show how far it acts as recorded.
 
     Args:
         path: The record.
-        submission: Who is asked.
-        seats: Whose actions to compare; those that the record gives to the submission if none.
-        logs: Folder for what the agents print.
-        sandbox: In which they run.
+        submission: The submission to run.
+        seats: The seats whose actions to compare; if empty, those that the record gives to the submission.
+        logs: The folder for the agents' output.
+        sandbox: The name of the sandbox in which they run.
 
     Raises:
-        UserError: The record does not hold or has no such seat; or the agent acts otherwise, after all was
-            shown.
+        UserError: The record is not valid or has no such seat; or, after everything was shown, the agent acts
+            differently.
         OSError: A log could not be written.
     """
-    record = _whole(path)
+    record = _verified_record(path)
     compared = _chosen_seats(record, submission, seats, path)
     limits = _limits(path, record, submission)
     everywhere = submission_seats(record.spec.seats)
@@ -58,17 +58,17 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
         remove_empty_logs(places)
     match = played.match
     if not isinstance(match, RecordedMatch):
-        raise TypeError("another match was played than the one asked for")
+        raise TypeError("the match that was played is not the recorded one")
     if match.diverged_at is not None:
-        raise UserError(f"{path} does not hold: step {match.diverged_at}: the state differs")
-    raise_errors(list(_shown(match.agreements.values(), played, record)))
+        raise UserError(f"{path} is not valid: the state differs in step {match.diverged_at}")
+    raise_errors(list(_report(match.agreements.values(), played, record)))
 
 
-def _whole(path: Path) -> Record:
-    """Return a record that holds.
+def _verified_record(path: Path) -> Record:
+    """Return a record, after verifying it.
 
     Raises:
-        UserError: It does not.
+        UserError: The record is not valid.
     """
     try:
         record = read_record(path)
@@ -77,7 +77,7 @@ def _whole(path: Path) -> Record:
     except RecordError as error:
         raise UserError(str(error), exit_code=2) from error
     if not found.holds:
-        raise UserError(f"{path} does not hold: {found.message}", exit_code=2)
+        raise UserError(f"{path} is not valid: {found.message}", exit_code=2)
     return record
 
 
@@ -87,17 +87,19 @@ def _chosen_seats(
     """Return the seats to compare.
 
     Raises:
-        UserError: There are none, or no submission fills one that is asked for.
+        UserError: There are none, or a requested one is not filled by a submission.
     """
     filled = submission_seats(record.spec.seats)
-    told = ", ".join(f"{seat} ({printable(record.names[seat])})" for seat in filled) or "none"
+    known = ", ".join(f"{seat} ({printable(record.names[seat])})" for seat in filled) or "none"
     if wrong := set(asked).difference(filled):
-        raise UserError(f"--seat is {min(wrong)}: the seats of submissions in {path} are {told}", exit_code=2)
+        raise UserError(
+            f"--seat is {min(wrong)}: the seats of submissions in {path} are {known}", exit_code=2
+        )
     own = re.compile(rf"{re.escape(submission.name)}( \d+)?")
     found = tuple(asked) or tuple(seat for seat in filled if own.fullmatch(record.names[seat]))
     if not found:
         raise UserError(
-            f"no seat in {path} is that of {submission.name!r}: the seats of submissions are {told}; name "
+            f"no seat in {path} belongs to {submission.name!r}: the seats of submissions are {known}; name "
             "one with --seat",
             exit_code=2,
         )
@@ -105,7 +107,7 @@ def _chosen_seats(
 
 
 def _limits(path: Path, record: Record, submission: Submission) -> Limits:
-    """Return the limits of a record's evaluation, having warned if these are not the files that played."""
+    """Return the limits of a record's evaluation, and warn if the submission's files have changed."""
     folder = path.absolute().parent
     try:
         ledger = read_ledger(folder.parent) if folder.name == RECORDS else None
@@ -131,7 +133,7 @@ def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: 
     try:
         with preparing(console):
             precompile_for([submission.manifest.sensors for submission in seating.submissions])
-        with console.status(f"asking the agent again, {counted(record.steps, 'step')}"):
+        with console.status(f"running the agent again, {counted(record.steps, 'step')}"):
             return asyncio.run(
                 play_match(
                     seating, sandbox=SANDBOXES[sandbox], make=lambda _: RecordedMatch(record, compared)
@@ -143,20 +145,20 @@ def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: 
         raise UserError(str(error)) from error
 
 
-def _shown(agreements: Iterable[Agreement], played: PlayedMatch, record: Record) -> Iterator[str]:
-    """Say how far each seat acted as recorded, and yield a line for each that did not."""
+def _report(agreements: Iterable[Agreement], played: PlayedMatch, record: Record) -> Iterator[str]:
+    """Print how far each seat acted as recorded, and yield an error for each that did not."""
     differing = []
     for one in agreements:
         who, report = f"seat {one.seat} ({printable(record.names[one.seat])})", played.seats[one.seat]
         if report.status != FINISHED:
-            _say(f"{who}: {report.status.value} now: {report.detail}")
+            _say(f"{who}: {report.status.value} in this replay: {report.detail}")
         if report.late_steps:
-            _say(f"{who}: late now in {counted(report.late_steps, 'step')}")
+            _say(f"{who}: late in {counted(report.late_steps, 'step')} of this replay")
         if one.first is None:
             _say(f"{who}: all {counted(one.steps, 'step')} as recorded")
         else:
             differing.append(
-                f"{who} acts otherwise than recorded in {one.differing:,} of {counted(one.steps, 'step')}, "
+                f"{who} acts differently than recorded in {one.differing:,} of {counted(one.steps, 'step')}, "
                 f"first in step {one.first:,}: {one.difference}"
             )
     if differing:

@@ -1,4 +1,4 @@
-"""``wildscav rescore`` as its user sees it."""
+"""What ``wildscav rescore`` does and shows."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -23,16 +23,16 @@ SHOWN = 20  # disagreements, at most
 
 
 def run_rescore(out: Path, jobs: int, key: str | None = None, *, as_json: bool = False) -> None:
-    """Play the records of a folder again, show the tables that they make, and say whether they agree.
+    """Play the records of a folder again, show the tables that follow from them, and report disagreements.
 
     Args:
         out: The output folder of an evaluation.
         jobs: How many records to play at once.
-        key: The public key that must have signed its ledger; none if that does not matter.
-        as_json: Whether to print a JSON document besides.
+        key: The public key that must have signed its ledger; None to accept any.
+        as_json: Whether to print a JSON document as well.
 
     Raises:
-        UserError: There are no records; or they do not agree, after everything was shown.
+        UserError: There are no records; or, after everything was shown, they do not agree with the results.
     """
     paths = record_paths(out)
     reported = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
@@ -52,11 +52,11 @@ def run_rescore(out: Path, jobs: int, key: str | None = None, *, as_json: bool =
         console.print(f"{everything} played again; there is no {out / RESULTS_FILE} to compare with")
         return
     console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}", soft_wrap=True)
-    _say_what_is_shown(folder)
+    _print_conclusion(folder)
 
 
 def _without_results(out: Path, key: str | None) -> Iterator[str]:
-    """Yield what is wrong with a folder that has no results."""
+    """Yield the errors of a folder that has no results."""
     try:
         ledger = read_ledger(out)
         if key is not None:
@@ -65,30 +65,30 @@ def _without_results(out: Path, key: str | None) -> Iterator[str]:
         yield str(error)
         return
     if ledger is not None and ledger.closed is not None:
-        yield f"there is no {out / RESULTS_FILE}, though the ledger says that the evaluation came to results"
+        yield f"there is no {out / RESULTS_FILE}, though the ledger says that the evaluation was completed"
     elif key is not None:
-        yield f"the evaluation in {out} did not come to its end: there is nothing yet that was signed as such"
+        yield f"the evaluation in {out} was not completed: it has no signed results yet"
 
 
-def _say_what_is_shown(folder: AuditedFolder) -> None:
-    """Say what all that agrees shows, and what it does not."""
+def _print_conclusion(folder: AuditedFolder) -> None:
+    """Print what the agreement of all records proves, and what it does not."""
     ledger = folder.ledger
     if ledger is None:
         raise TypeError("a folder without a ledger does not agree")
     if folder.signed:
-        _say(f"signed with the key {ledger.key}: nothing was changed or taken out since; head {ledger.head}")
+        _say(f"signed with the key {ledger.key}: nothing was changed or removed since; head {ledger.head}")
     elif ledger.key is not None:
-        _say(f"signed with the key {ledger.key}: if that is the organizer's, say so with --key")
+        _say(f"signed with the key {ledger.key}: if that is the organizer's, confirm it with --key")
     else:
         _say(
-            "not signed: these actions give these scores; that nobody put in other actions, or another "
-            "sandbox or submission, is not shown"
+            "not signed: the recorded actions give these scores; it is not proven that nobody substituted "
+            "the actions, the sandbox or the submission"
         )
     if again := sum(ledger.interrupted.values()):
         were = "was" if again == 1 else "were"
-        _say(f"{counted(again, 'match')} {were} interrupted and started again: see {LEDGER_FILE}")
+        _say(f"{counted(again, 'match')} {were} interrupted and restarted: see {LEDGER_FILE}")
     if folder.reported.commitment is not None and not (folder.out / OPENED_FILE).exists():
-        _say("That these are the suite's matches can be checked once its secret is opened.")
+        _say("Whether these are the suite's matches can be checked once its secret is opened.")
 
 
 def _say(text: str) -> None:
@@ -98,12 +98,13 @@ def _say(text: str) -> None:
 def recomputed(
     replayed: Sequence[Replayed], reported: Results | None, identity: Identity | None = None
 ) -> Results:
-    """Return results made anew from records.
+    """Return results that are recomputed from records.
 
     Args:
         replayed: The records, played again.
-        reported: What the evaluation said; what no record says is taken from it.
-        identity: Which evaluation it is, where it has not come to results yet.
+        reported: The evaluation's own results, the source of everything that records do not contain; None if
+            there are none.
+        identity: The identity of the evaluation, which is used if it has no results yet.
     """
     evaluations = tuple(recompute(replayed, reported))
     if reported is not None:

@@ -1,1 +1,1 @@
-"""What runs in a sandbox: an agent's process, its log, its files and its Python."""
+"""An agent in a sandbox: its process, its log, its files and its Python."""

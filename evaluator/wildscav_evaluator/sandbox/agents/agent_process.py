@@ -1,4 +1,4 @@
-"""An agent that runs: its process, its log, its wall clock, and its end. The same in every sandbox."""
+"""A running agent, the same in every sandbox: its process, its log, its wall clock, and its end."""
 
 import asyncio
 import os
@@ -13,22 +13,22 @@ from wildscav_evaluator.sandbox.agents.capped_log import CappedLog
 from wildscav_evaluator.sandbox.agents.tracebacks import last_words, overdue_stack
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, signal_name
 
-GRACE = 0.5  # s, for an ended agent's output to end; less than a match waits for the agent's last words
+GRACE = 0.5  # s for an ended agent's output to end; less than a match waits for the last words
 SHORT_OF_MEMORY = "this machine is short of memory: the kernel killed an agent that was within its limit"
-SIGNALLED = 128  # exit codes beyond are signals, by the custom of shells, bubblewrap and containers
+SIGNALLED = 128  # exit codes above are signals, by the convention of shells, bubblewrap and containers
 LAST_SIGNAL = 64
 
-# Numerics libraries start a thread a core each; matches run side by side, one a core.
+# By default, numerical libraries start one thread per core; but matches run in parallel, one per core.
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1"
 )
 
 
 def signal_of(code: int) -> int:
-    """Return the signal that an exit code tells of, 0 if none.
+    """Return the signal that an exit code stands for; 0 if none.
 
     Args:
-        code: As Python tells it (below 0 is a signal) or as shells and containers pass it on.
+        code: As Python reports it (negative for a signal), or as shells and containers do.
     """
     if code < 0:
         return -code
@@ -39,13 +39,13 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
     """Return the environment variables that every agent gets.
 
     Args:
-        launch: What is started.
-        address: Of the match server, as the agent sees it.
+        launch: The agent's launch.
+        address: The address of the match server, as the agent sees it.
     """
     return {
         **ONE_THREAD,
-        "PYTHONUNBUFFERED": "1",  # so that the log has the last words of an agent that is killed
-        "PYTHONDONTWRITEBYTECODE": "1",  # a submission's folder stays as it was digested
+        "PYTHONUNBUFFERED": "1",  # so that the log has the last output of an agent that is killed
+        "PYTHONDONTWRITEBYTECODE": "1",  # so that a submission's folder keeps its digest
         "WILDSCAV_ADDRESS": address,
         "WILDSCAV_TOKEN": launch.token,
         **({} if launch.start_limit is None else {"WILDSCAV_START_LIMIT": f"{launch.start_limit:g}"}),
@@ -53,32 +53,32 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
 
 
 def python_command(launch: Launch) -> list[str]:
-    """Return the command that an agent names itself, or that of its class with this machine's Python."""
+    """Return the agent's own command, or the command that runs its class with this machine's Python."""
     return list(launch.command) or [sys.executable, "-m", "wildscav.sdk", launch.entry_point]
 
 
 class AgentHandle(Protocol):
-    """A sandbox's handle on all that one agent started."""
+    """A sandbox's handle on everything that one agent started."""
 
     def processes(self) -> list[int]:
-        """Return the processes of the agent, as far as they are known."""
+        """Return the numbers of the agent's processes, as far as they are known."""
         ...
 
     async def kill(self) -> None:
-        """Kill every process of the agent. May be called often."""
+        """Kill every process of the agent. May be called repeatedly."""
         ...
 
     async def memory_kill(self, code: int) -> MemoryKill:
-        """Return for want of whose memory the kernel killed processes of an agent that ended with a code."""
+        """Return whose memory ran out if the kernel killed processes of an agent that ended so."""
         ...
 
     async def release(self) -> None:
-        """Remove what the sandbox set up for the agent; nothing of it runs any more. May be called twice."""
+        """Remove what the sandbox set up for the agent, whose processes have ended. May be called twice."""
         ...
 
 
 class AgentProcess:
-    """One agent's process and all that it started."""
+    """One agent's process and everything that it started."""
 
     def __init__(
         self,
@@ -88,24 +88,24 @@ class AgentProcess:
         handle: AgentHandle,
     ) -> None:
         self._process, self._handle = process, handle
-        self._folders = (host_python.CODE, launch.folder)  # what the agent's code is called
+        self._folders = (host_python.CODE, launch.folder)  # where the agent's code is, inside and outside
         stream, self._pipe = output
         self._log = CappedLog(launch.log, launch.limits.output)
-        self._limit = ""  # that ended it
+        self._limit = ""  # the limit that ended it
         self._stopping = False
         self._copying = asyncio.create_task(self._log.copy(stream))
         self._clock = asyncio.create_task(self._watch_clock(launch.limits.wall_clock))
 
     @property
     def pid(self) -> int:
-        """The number of its process, which is its session's, too."""
+        """The number of its process, which is also that of its session."""
         return self._process.pid
 
     async def ended(self) -> Ending:
         """Wait for the process to end. See ``RunningAgent.ended``."""
         code = await self._process.wait()
         kill = await self._handle.memory_kill(code)
-        # Whatever it left behind ends with it, and so does its output.
+        # Processes that it left behind end with it, and so does its output.
         await self._handle.kill()
         await self._finish_log()
         signalled = signal_of(code)
@@ -120,15 +120,15 @@ class AgentProcess:
         )
 
     def processes(self) -> list[int]:
-        """Return its processes. See ``RunningAgent.processes``."""
+        """Return the numbers of its processes. See ``RunningAgent.processes``."""
         return self._handle.processes()
 
     def overdue(self) -> str:
-        """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
+        """Return where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
         return overdue_stack(self._log.lines(), self._folders)
 
     async def stop(self) -> None:
-        """Kill all of the agent. See ``RunningAgent.stop``."""
+        """Kill all processes of the agent. See ``RunningAgent.stop``."""
         self._clock.cancel()
         await self._handle.kill()
         await self._process.wait()
@@ -142,13 +142,13 @@ class AgentProcess:
         await self._handle.kill()
 
     async def _finish_log(self) -> None:
-        # A child that outlives its parent may hold the pipe open: the log then ends without it.
+        # A child that outlives its parent may hold the pipe open; the log then ends without its output.
         _, late = await asyncio.wait([self._copying], timeout=GRACE)
         if late:
             self._copying.cancel()
             await asyncio.wait([self._copying])
         self._pipe.close()
-        await asyncio.sleep(0)  # in which it is closed
+        await asyncio.sleep(0)  # lets the loop close it
 
 
 async def start_process(
@@ -160,20 +160,20 @@ async def start_process(
     folder: Path,
     pass_fds: Sequence[int] = (),
 ) -> AgentProcess:
-    """Start a process in a session of its own, with its output into the launch's log.
+    """Start a process in its own session, with its output going to the launch's log.
 
     Args:
         arguments: The command.
-        launch: What is started.
-        handle: The sandbox's handle on it, made before.
-        environment: All of its variables.
+        launch: The agent's launch.
+        handle: The sandbox's handle on it.
+        environment: All of its environment variables.
         folder: Its working directory.
-        pass_fds: Files that stay open for it.
+        pass_fds: File descriptors that stay open for it.
 
     Raises:
         OSError: It could not be started; the handle is released.
     """
-    # A pipe of our own: asyncio's would keep `wait` waiting for every child that holds it open.
+    # Our own pipe: with asyncio's, `wait` would wait for every child that holds it open.
     ours, theirs = os.pipe()
     output = await _open_stream(ours)
     try:
@@ -197,7 +197,7 @@ async def start_process(
 
 
 async def _open_stream(pipe: int) -> tuple[asyncio.StreamReader, asyncio.ReadTransport]:
-    """Return the reading end of a pipe as a stream, and what closes it."""
+    """Return the reading end of a pipe as a stream, and the transport that closes it."""
     stream = asyncio.StreamReader()
     transport, _ = await asyncio.get_running_loop().connect_read_pipe(
         lambda: asyncio.StreamReaderProtocol(stream), os.fdopen(pipe, "rb", buffering=0)

@@ -1,23 +1,23 @@
-"""What an agent prints: kept in a file up to a limit, its last lines in memory."""
+"""The log of an agent's output: saved to a file up to a limit, with the last lines in memory."""
 
 import asyncio
 import os
 from pathlib import Path
 
-TAIL = 32_768  # bytes remembered for the reason of a failure
+TAIL = 32_768  # bytes kept in memory to explain a failure
 LAST_LINES = 20  # of the tail
 CHUNK = 65_536  # bytes
-BEYOND = 0.005  # s between chunks beyond the limit, so that a flood costs its writer and not us
-LINE = 200  # characters of a line
+DISCARD_DELAY = 0.005  # s between chunks beyond the limit, so that a flood slows its writer and not us
+LINE = 200  # characters of a line that are kept
 CUT = "[the log is cut here]"
 
 
 class CappedLog:
-    """Copies a stream into a file until the limit, and reads on, unhurriedly, so that the writer gets on.
+    """Copies a stream to a file up to a limit, then reads on slowly, so that the writer is not blocked.
 
     Args:
-        path: Of the file; what is in it stays.
-        limit: Bytes kept.
+        path: The file; output is appended to it.
+        limit: The number of bytes to keep.
     """
 
     def __init__(self, path: Path, limit: int) -> None:
@@ -25,13 +25,13 @@ class CappedLog:
         self._tail = b""
 
     async def copy(self, stream: asyncio.StreamReader) -> None:
-        """Copy until the stream ends. A log that cannot be written costs the log, never the match."""
+        """Copy until the stream ends. If the log cannot be written, the match still goes on."""
         while chunk := await stream.read(CHUNK):
             self._tail = (self._tail + chunk)[-TAIL:]
             if self._left > 0:
                 self._keep(chunk[: self._left])
             else:
-                await asyncio.sleep(BEYOND)
+                await asyncio.sleep(DISCARD_DELAY)
 
     def _keep(self, chunk: bytes) -> None:
         self._left -= len(chunk) if self._append(chunk) else self._left
@@ -39,7 +39,7 @@ class CappedLog:
             self._append(f"\n{CUT}\n".encode())
 
     def lines(self) -> list[str]:
-        """Return the last lines, as far as they are remembered."""
+        """Return the last lines, as far as they are in memory."""
         return [_shortened(line) for line in self._tail.decode("utf-8", "replace").splitlines()]
 
     def last_lines(self) -> tuple[str, ...]:
@@ -56,7 +56,7 @@ class CappedLog:
 
 
 def is_cut(path: Path) -> bool:
-    """Return whether a log that was written is not all that its agent printed."""
+    """Return whether a finished log was cut and so lacks some of its agent's output."""
     ending = f"\n{CUT}\n".encode()
     try:
         with path.open("rb") as file:
@@ -67,7 +67,7 @@ def is_cut(path: Path) -> bool:
 
 
 def _shortened(line: str) -> str:
-    """Return a line, or the whole words at its beginning."""
+    """Return a line, or the whole words at its beginning if it is too long."""
     if len(line) <= LINE:
         return line
     words = line[:LINE].rpartition(" ")[0]

@@ -1,4 +1,4 @@
-"""The Python that agents run with where they bring no image: this machine's own, read-only."""
+"""The Python for agents without their own image: that of this machine, read-only."""
 
 import os
 import sys
@@ -7,20 +7,20 @@ from pathlib import Path
 
 import wildscav
 
-SDK = Path("/wildscav-sdk")  # where an agent finds the package of the SDK; no machine has its Python there
+SDK = Path("/wildscav-sdk")  # the SDK's package for agents; no machine has its Python there
 CODE = Path("/submission")
 SOCKET = Path("/run/wildscav/match.sock")
-LINKED = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")  # links into /usr on most systems
-LOADER = ("/etc/ld.so.cache", "/etc/alternatives")  # where shared libraries are, and what has several names
+LINKED = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")  # symbolic links into /usr on most systems
+LOADER = ("/etc/ld.so.cache", "/etc/alternatives")  # the shared libraries, and alternative programs
 NOBODY = 65534  # the user who owns nothing
 ADDRESS = f"unix:{SOCKET}"
 
 
 @dataclass(frozen=True)
 class Runtime:
-    """What of this machine an agent sees."""
+    """The parts of this machine that an agent sees."""
 
-    folders: dict[Path, Path]  # where it is there, and where it is here
+    folders: dict[Path, Path]  # path in the sandbox: path on this machine
     links: dict[Path, str]
 
     def variables(self) -> dict[str, str]:
@@ -28,7 +28,7 @@ class Runtime:
         return {
             "PATH": f"{Path(sys.executable).parent}:/usr/local/bin:/usr/bin:/bin",
             "PYTHONPATH": str(SDK),
-            "HOME": "/tmp",  # noqa: S108 - the agent's own
+            "HOME": "/tmp",  # noqa: S108 - the agent's own folder
             "USER": "agent",
             "LANG": "C.UTF-8",
         }
@@ -55,7 +55,7 @@ def socket_path(address: str) -> Path:
     """Return the path of a unix socket's address.
 
     Raises:
-        ValueError: It is another kind of address, which a sandbox without network cannot reach.
+        ValueError: It is another kind of address, which a sandbox without a network cannot reach.
     """
     if not address.startswith("unix:"):
         raise ValueError(f"address is {address!r}: a sandboxed agent has no network, only a unix socket")
@@ -63,7 +63,7 @@ def socket_path(address: str) -> Path:
 
 
 def is_world_readable(folder: Path) -> bool:
-    """Return whether every user may read a folder with all that is in it."""
+    """Return whether every user may read a folder and everything in it."""
     return all(_readable(Path(entry)) for entry in _walk(folder))
 
 

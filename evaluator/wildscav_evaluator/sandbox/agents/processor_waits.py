@@ -1,9 +1,9 @@
 """How long an agent's processes were ready to run and had no processor: the machine's fault, not theirs.
 
 Linux counts for every thread how long it ran and how long it waited for a processor, in
-``/proc/PID/schedstat``. What counts here is the main thread of the process that waited longest. What the
-agent brings upon itself is left out: the time that its other threads ran, behind which the main one may have
-queued, and the moments in which it had all the processor time that its limit gives it.
+``/proc/PID/schedstat``. This module uses the main thread of the process that waited longest. Waits that the
+agent causes itself do not count: the time that its other threads ran, for which the main thread may have
+waited, and times in which the agent used all the processor time that its limit allows.
 """
 
 import asyncio
@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 INTERVAL = 0.25  # s between two samples
-USED_UP = 0.9  # of its limit on processor time, from which on an agent waits for itself
-TICKS = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100  # in a second, of a process's times
+USED_UP = 0.9  # share of its limit on processor time from which an agent's waits are its own fault
+TICKS = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100  # per second, in a process's times
 
 
 class Sample(NamedTuple):
-    """What the kernel has counted of one process."""
+    """The kernel's counters of one process."""
 
     main_ran: float  # s, its main thread
     main_waited: float  # s, its main thread
@@ -29,10 +29,10 @@ class Sample(NamedTuple):
 
 
 class WaitMeter:
-    """Samples one agent's processes, and tells how long they waited.
+    """Samples one agent's processes, and computes how long they waited for a processor.
 
     Args:
-        processes: Returns the numbers of the agent's processes as they are now.
+        processes: Returns the current numbers of the agent's processes.
         cpus: Cores' worth of processor time that the agent may use.
     """
 
@@ -40,7 +40,7 @@ class WaitMeter:
         self._processes, self._cpus = processes, cpus
         self._last: dict[int, Sample] = {}
         self._times = [time.monotonic()]
-        self._waited = [0.0]  # s in all, at those times
+        self._waited = [0.0]  # s in total, at those times
 
     async def run(self) -> None:
         """Take samples until cancelled."""
@@ -60,10 +60,10 @@ class WaitMeter:
         self._last = samples
         seconds = now - self._times[-1]
         self._times.append(now)
-        self._waited.append(self._waited[-1] + self._lacked(grown, seconds))
+        self._waited.append(self._waited[-1] + self._processor_wait(grown, seconds))
 
-    def _lacked(self, grown: list[Sample], seconds: float) -> float:
-        """Return how long the machine had no processor for the agent, of the time since the last sample."""
+    def _processor_wait(self, grown: list[Sample], seconds: float) -> float:
+        """Return for how long since the last sample the machine had no processor for the agent, s."""
         ran = sum(sample.ran for sample in grown)
         if not grown or ran >= USED_UP * self._cpus * seconds:
             return 0.0
@@ -76,12 +76,12 @@ class WaitMeter:
 
         Args:
             start: By the monotonic clock.
-            end: By the same.
+            end: By the same clock.
         """
         return self._until(end) - self._until(start)
 
     def _until(self, moment: float) -> float:
-        """Return how long it had waited at a moment, as if between two samples it had waited evenly."""
+        """Return how long it had waited up to a moment, s, interpolated linearly between samples."""
         after = bisect_right(self._times, moment)
         if after in (0, len(self._times)):
             return self._waited[0 if after == 0 else -1]
@@ -92,7 +92,7 @@ class WaitMeter:
 
 
 def take_sample(process: int) -> Sample | None:
-    """Return what the kernel has counted of a process; None if it is gone, or the kernel counts nothing."""
+    """Return the kernel's counters of a process; None if it is gone, or the kernel does not count."""
     with contextlib.suppress(OSError, ValueError, IndexError):
         folder = Path(f"/proc/{process}")
         ran, waited, _ = (folder / "schedstat").read_text("ascii").split()

@@ -1,4 +1,4 @@
-"""Copies of code for the eyes of agents: readable for a user who owns nothing."""
+"""Copies of submissions that agents can read as a user who owns nothing."""
 
 import os
 import shutil
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def readable_copy(folder: Path, private: Path) -> Path:
-    """Copy a folder into a private one, so that every user can read it who is shown it; return the copy.
+    """Copy a folder into a private one, readable for every user with access to it; return the copy.
 
     Raises:
         OSError: It could not be copied.
@@ -18,7 +18,7 @@ def readable_copy(folder: Path, private: Path) -> Path:
 
 
 def make_readable(folder: Path) -> None:
-    """Let every user read a folder and all that is in it, links aside."""
+    """Let every user read a folder and everything in it except symbolic links."""
     for base, _, files in os.walk(folder):
         Path(base).chmod(0o755)
         for name in files:

@@ -1,4 +1,4 @@
-"""What the output of an agent says about its failure: Python's tracebacks, read line by line.
+"""Finding the cause of a failure in an agent's output, from Python's tracebacks.
 
 Two kinds occur. An exception's traceback names the innermost frame last, and then the exception. The stacks
 that the SDK prints when an agent's time is up (``wildscav.sdk.watchdog``) name the innermost frame first.
@@ -14,11 +14,11 @@ TIME_IS_UP = re.compile(r"Timeout \(\d+:\d\d:\d\d(\.\d+)?\)!")
 THREAD = re.compile(r"(Current t|T)hread 0x[0-9a-f]+.* \(most recent call first\):")
 FRAME = re.compile(r'  File "(?P<file>[^"]+)", line (?P<line>\d+),? in (?P<function>.+)')
 SDK = re.compile(r"wildscav/sdk/\w+\.py$")
-CALLERS = 3  # frames of a stack that are told
+CALLERS = 3  # frames of a stack that are reported
 
 
 class Frame(NamedTuple):
-    """One line of code that was being run."""
+    """A frame of a traceback: the line of code that was being run."""
 
     file: str  # as Python names it
     line: int
@@ -26,15 +26,15 @@ class Frame(NamedTuple):
 
 
 def last_words(lines: Sequence[str], folders: Sequence[Path]) -> str:
-    """Return the exception that the output ends with and where it was raised, else the last line, or nothing.
+    """Return the last exception in the output and where it was raised; without one, the last line, if any.
 
     Args:
-        lines: Of the output.
-        folders: Of the agent's code, as it may be named; places outside are named where none is inside.
+        lines: The lines of the output.
+        folders: The folders of the agent's code; a place outside them is named only if no frame is inside.
     """
     starts = [number for number, line in enumerate(lines) if line.startswith(EXCEPTION)]
     if starts:
-        # The frames are indented; a message may have many lines after its first.
+        # The frames are indented; the exception's message may have several lines.
         for number in range(starts[-1] + 1, len(lines)):
             line = lines[number]
             if line.strip() and not line[0].isspace():
@@ -44,32 +44,32 @@ def last_words(lines: Sequence[str], folders: Sequence[Path]) -> str:
 
 
 def _where(frames: Sequence[Frame], folders: Sequence[Path]) -> str:
-    """Return where the first frame is that is in the agent's code, or the first of all, in brackets."""
+    """Return the place of the first frame in the agent's code, or of the first frame, in brackets."""
     own = [frame for frame in frames if _within(frame.file, folders)]
     return f" ({_place((own or frames)[0], folders)})" if frames else ""
 
 
 def overdue_stack(lines: Sequence[str], folders: Sequence[Path]) -> str:
-    """Return where the agent's code was when its time was up, in a few words; nothing if it was not printed.
+    """Return where the agent's code was when its time was up, in a few words; an empty text if not printed.
 
     Args:
-        lines: Of the output.
-        folders: Of the agent's code, as it may be named.
+        lines: The lines of the output.
+        folders: The folders of the agent's code.
     """
     starts = [number for number, line in enumerate(lines) if TIME_IS_UP.fullmatch(line)]
     if not starts:
         return ""
-    # The first traceback of a match is of the step that used its time up.
+    # The first such traceback of a match is from the step that used up the time.
     threads = _threads(lines[starts[0] + 1 :])
     stacks = [stack for frames in threads if (stack := _above_sdk(frames))]
-    stack = stacks[-1] if stacks else []  # the thread that the SDK runs in is the main one, which comes last
-    # What the agent called of others is left out, so that its own code is named.
+    stack = stacks[-1] if stacks else []  # the SDK runs in the main thread, which is printed last
+    # Frames of libraries that the agent called are left out, so that its own code is named.
     own = [frame for frame in stack if _within(frame.file, folders)]
     return ", called from ".join(_place(frame, folders) for frame in (own or stack)[:CALLERS])
 
 
 def _threads(lines: Sequence[str]) -> list[list[Frame]]:
-    """Return the stacks that stand at the beginning of some lines, one for each thread."""
+    """Return the stacks at the beginning of some lines, one per thread."""
     threads: list[list[Frame]] = []
     for line in lines:
         if THREAD.match(line):
@@ -82,7 +82,7 @@ def _threads(lines: Sequence[str]) -> list[list[Frame]]:
 
 
 def _above_sdk(frames: Sequence[Frame]) -> list[Frame]:
-    """Return the frames of a stack, innermost first, that the SDK's code called; none if it called none."""
+    """Return the frames of a stack, innermost first, that the SDK's code called, if any."""
     for number, frame in enumerate(frames):
         if SDK.search(frame.file):
             return list(frames[:number])
@@ -100,7 +100,7 @@ def _within(file: str, folders: Sequence[Path]) -> bool:
 
 
 def _place(frame: Frame, folders: Sequence[Path]) -> str:
-    """Return a place such as "agent.py:12, in act", files of the agent's own named as in its folder."""
+    """Return a place such as "agent.py:12, in act"; paths in the agent's folder are relative to it."""
     path = PurePosixPath(frame.file)
     for folder in folders:
         if path.is_relative_to(folder):

@@ -138,7 +138,7 @@ def test_a_fresh_evaluation_replaces_what_was_in_its_folder_and_no_more(
 
     refused = evaluate(wildscav, walker.folder, out=out, replays="none")
     assert refused.returncode == 2
-    assert "holds an evaluation that does not say which one it is" in complaint(refused)
+    assert "holds an evaluation that cannot be identified" in complaint(refused)
     assert (out / "records/old.wsr").exists()
 
     done = wildscav(

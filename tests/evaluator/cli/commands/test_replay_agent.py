@@ -82,10 +82,10 @@ def test_another_agent_is_found_out_at_its_first_other_step(
 
     assert refused.value.exit_code == 1
     assert str(refused.value) == (
-        "seat 0 (circler) acts otherwise than recorded in 13 of 20 steps, first in step 8: walk_speed 6 "
+        "seat 0 (circler) acts differently than recorded in 13 of 20 steps, first in step 8: walk_speed 6 "
         "recorded, 2.5 now"
     )
-    assert "may differ though it is the same" in capsys.readouterr().out
+    assert "may differ although its code is the same" in capsys.readouterr().out
 
 
 def test_a_seat_must_be_one_of_the_submission(submit: Submit, tmp_path: Path) -> None:
@@ -95,7 +95,7 @@ def test_a_seat_must_be_one_of_the_submission(submit: Submit, tmp_path: Path) ->
     )
     path = recorded(tmp_path / "match.wsr", circler, logs=tmp_path / "logs")
 
-    with pytest.raises(UserError, match=r"no seat in .* is that of 'other': the seats .* are 0 \(circler\)"):
+    with pytest.raises(UserError, match=r"no seat in .* belongs to 'other': the seats .* are 0 \(circler\)"):
         run_again(path, other, seats=[], logs=tmp_path / "again", sandbox="process")
     with pytest.raises(UserError, match=r"--seat is 1: the seats of submissions in .* are 0 \(circler\)"):
         run_again(path, circler, seats=[1], logs=tmp_path / "again", sandbox="process")
