@@ -1,4 +1,4 @@
-"""What every sandbox does: start an agent, tell how it ended, and leave nothing of it behind."""
+"""The interface of all sandboxes: start an agent, report how it ended, and leave nothing of it behind."""
 
 import signal
 from dataclasses import dataclass, field
@@ -11,26 +11,26 @@ from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 
 
 class SandboxError(UserError):
-    """A sandbox cannot keep what it promises on this machine, or cannot start an agent at all."""
+    """A sandbox cannot keep its promises on this machine, or cannot start an agent at all."""
 
 
 @dataclass(frozen=True)
 class Launch:
-    """All that a sandbox needs to start one agent for one match."""
+    """Everything that a sandbox needs to start one agent for one match."""
 
-    folder: Path  # the submission's; read-only for the agent, and its working directory
+    folder: Path  # of the submission; the agent's working directory, which it cannot change
     entry_point: str  # "module:Class"; empty if it has a command
-    address: str  # of the match server: "unix:/path" of a socket that is this seat's alone
+    address: str  # of the match server: "unix:/path" of the socket of this seat
     token: str  # of the seat
-    log: Path  # where what the agent prints goes
+    log: Path  # the file for the agent's output
     limits: Limits = field(default=DEFAULT_LIMITS)
-    image: str | None = None  # of a submission that was built or came as an image
+    image: str | None = None  # of a submission that was built into an image or is one
     command: tuple[str, ...] = ()  # to run instead of Python
     start_limit: float | None = None  # s that the agent has to start up
 
 
 class MemoryKill(Enum):
-    """For want of whose memory the kernel killed processes of an agent."""
+    """Whose memory ran out, if the kernel killed processes of an agent."""
 
     NONE = "it killed none"
     OWN = "the agent's: it was at its limit"
@@ -41,16 +41,16 @@ class MemoryKill(Enum):
 class Ending:
     """How an agent's process ended by itself, or by a limit."""
 
-    exit_code: int | None = None  # none if a signal ended it
+    exit_code: int | None = None  # None if a signal ended it
     killed_by: str = ""  # the signal, such as SIGKILL
-    out_of_memory: bool = False  # it was ended because it wanted more memory than it may have
+    out_of_memory: bool = False  # it was killed because it needed more memory than its limit
     limit: str = ""  # the limit that ended it, such as "wall clock"
-    last_words: str = ""  # the exception it died of, or its last line
-    last_lines: tuple[str, ...] = ()  # of its output
-    platform_fault: str = ""  # what of ours failed under it, in a line: the agent is not to blame
+    last_words: str = ""  # the exception that ended it, or its last line of output
+    last_lines: tuple[str, ...] = ()  # the last lines of its output
+    platform_fault: str = ""  # what failed in the platform, in one line; then the agent is not to blame
 
     def __str__(self) -> str:
-        """Return it in one line."""
+        """Return a description in one line."""
         if self.platform_fault:
             return self.platform_fault
         if self.out_of_memory:
@@ -66,19 +66,19 @@ class Ending:
 
 @dataclass(frozen=True)
 class Promise:
-    """One thing that a sandbox promises, and whether it is kept on this machine: tried, not assumed."""
+    """A promise of a sandbox, and whether a test on this machine showed that it is kept."""
 
     name: str
     kept: bool
-    found: str  # what was seen when it was tried
+    found: str  # what the test found
     remedy: str = ""  # what to install or set, if it is not kept
 
 
 class RunningAgent(Protocol):
-    """One agent that was started."""
+    """A handle on an agent that was started."""
 
     async def ended(self) -> Ending:
-        """Wait until the agent's process is gone by itself, or by a limit, and return how it ended."""
+        """Wait until the agent's process ends by itself or by a limit, and return how it ended."""
         ...
 
     def processes(self) -> list[int]:
@@ -86,7 +86,7 @@ class RunningAgent(Protocol):
         ...
 
     def overdue(self) -> str:
-        """Say where the agent's code was when its time was up, in a few words; nothing if it is not known."""
+        """Return where the agent's code was when its time was up; an empty text if it is not known."""
         ...
 
     async def stop(self) -> None:
@@ -102,14 +102,14 @@ class Sandbox(Protocol):
     runs_images: bool  # whether it runs images of this machine's container engine, besides folders
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
-        """Try everything that the sandbox promises on this machine, with these limits. Takes a second."""
+        """Test all promises of the sandbox on this machine, with these limits. Takes about a second."""
         ...
 
     async def start(self, launch: Launch) -> RunningAgent:
         """Start an agent.
 
         Raises:
-            SandboxError: A limit cannot be kept; says which.
+            SandboxError: A limit cannot be set; the message says which.
             OSError: No process could be started, or the log cannot be written.
         """
         ...

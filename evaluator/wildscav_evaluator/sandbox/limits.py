@@ -1,4 +1,4 @@
-"""What an agent may use of the machine."""
+"""The limits on an agent's use of the machine."""
 
 from typing import Annotated
 
@@ -8,9 +8,9 @@ MEBIBYTE = 1 << 20
 
 
 class Limits(BaseModel):
-    """The limits of one agent in one match. Sizes may be texts such as "512MiB".
+    """The limits of one agent in one match. Sizes may be strings such as "512MiB".
 
-    An agent's files lie in memory, so those in ``/tmp`` count as memory too.
+    An agent's files are in memory, so those in ``/tmp`` count as memory too.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -20,9 +20,9 @@ class Limits(BaseModel):
     processes: Annotated[int, Field(ge=16, le=100_000)] = 256  # processes and threads together
     open_files: Annotated[int, Field(ge=64, le=1_000_000)] = 1024  # of each process
     tmp_size: Annotated[ByteSize, Field(ge=MEBIBYTE)] = ByteSize(256 * MEBIBYTE)  # bytes in /tmp
-    output: Annotated[ByteSize, Field(ge=4096)] = ByteSize(1_000_000)  # bytes kept of what it prints
-    wall_clock: Annotated[float, Field(gt=0, le=604_800)] = 7200.0  # s from its start; a match ends it before
+    output: Annotated[ByteSize, Field(ge=4096)] = ByteSize(1_000_000)  # bytes of its output that are kept
+    wall_clock: Annotated[float, Field(gt=0, le=604_800)] = 7200.0  # s from its start, longer than a match
 
 
-# What a track's matches allow an agent unless their suite says otherwise.
+# The limits of a track's matches unless their suite sets others.
 DEFAULT_LIMITS = Limits()

@@ -1,8 +1,8 @@
-"""The sandbox that is none: a plain process, for development and for agents that one trusts.
+"""A sandbox without isolation: a plain process, for development and for trusted agents.
 
-The agent runs as the user who started the evaluation, sees that user's files and has the network. What is
-kept is the tidiness of the host: a session of its own, a bare environment, one thread for numerics, a
-bounded log, a wall clock, and an end together with the evaluation, whatever ends that.
+The agent runs as the user who started the evaluation, sees that user's files and can use the network. The
+sandbox only keeps the host tidy: a separate session, a minimal environment, one thread for numerical
+libraries, a bounded log, a wall clock, and an end together with the evaluation, however that ends.
 """
 
 import contextlib
@@ -15,14 +15,14 @@ from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess, agent_
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 
-KILL_ROUNDS = 1000  # the most looks at a session that keeps forking
+KILL_ROUNDS = 1000  # rounds, at most, of killing a session that keeps forking
 PASSED_ON = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "LD_LIBRARY_PATH")
 WARNING = (
-    "agents run as plain processes: they have your files, your network and all of the machine. "
-    "For code that you would not run yourself use --sandbox oci or bubblewrap (`wildscav doctor`)"
+    "agents run as plain processes: they can use your files, your network and the whole machine. "
+    "For code that you do not trust, use --sandbox oci or bubblewrap (`wildscav doctor`)"
 )
 
-# Like `python -m wildscav.sdk`, or like a submission's own command, but on Linux the kernel ends the agent
+# Like `python -m wildscav.sdk` or a submission's own command, except that on Linux the kernel kills the agent
 # when its parent is gone, so that not even a killed evaluation leaves agents behind.
 STARTER = """
 import ctypes, os, runpy, signal, sys
@@ -46,8 +46,8 @@ class ProcessSandbox:
     isolated = False
     runs_images = False
 
-    def promises(self, limits: Limits) -> tuple[Promise, ...]:  # noqa: ARG002 - it keeps none of them
-        """Say that nothing is promised. See ``Sandbox.promises``."""
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:  # noqa: ARG002 - it promises nothing
+        """Return no promises. See ``Sandbox.promises``."""
         return ()
 
     async def start(self, launch: Launch) -> AgentProcess:
@@ -70,18 +70,18 @@ class ProcessSandbox:
 
 
 def environment(launch: Launch) -> dict[str, str]:
-    """Return the agent's environment variables: what Python and the SDK need, nothing of the user's own."""
+    """Return the agent's environment variables: what Python and the SDK need, and no others of the user."""
     passed_on = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
     return passed_on | agent_variables(launch, launch.address)
 
 
 class SessionHandle:
-    """A handle on the session of processes that an agent is."""
+    """A handle on an agent: its session of processes."""
 
     session: int | None = None
 
     def processes(self) -> list[int]:
-        """Return the first process, which plays. See ``AgentHandle.processes``."""
+        """Return the first process, which runs the agent. See ``AgentHandle.processes``."""
         return [] if self.session is None else [self.session]
 
     async def kill(self) -> None:
@@ -90,24 +90,24 @@ class SessionHandle:
             kill_session(self.session)
 
     async def memory_kill(self, code: int) -> MemoryKill:  # noqa: ARG002
-        """Return none: nobody counts."""
+        """Return that none was killed, because nothing counts kills. See ``AgentHandle.memory_kill``."""
         return MemoryKill.NONE
 
     async def release(self) -> None:
-        """Do nothing: there is nothing besides the processes."""
+        """Do nothing: the sandbox sets up nothing besides the processes."""
 
 
 def kill_session(session: int) -> None:
-    """Kill every process of a session, in whatever process group it hides, zombies aside.
+    """Kill every process of a session, in all its process groups, except zombies.
 
-    A session's number is not given to a new process while the session has members, so none but its own
-    processes can be hit.
+    The kernel does not give a session's number to a new process while the session has members, so no other
+    processes can be killed.
     """
     if not Path("/proc/self/stat").exists():
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(session, signal.SIGKILL)
         return
-    # A process may fork while the list is read: look again until nobody is left.
+    # A process may fork while the list is read, so repeat until no process is left.
     for _ in range(KILL_ROUNDS):
         members = _members(session)
         for process in members:
@@ -118,7 +118,7 @@ def kill_session(session: int) -> None:
 
 
 def _members(session: int) -> list[int]:
-    """Return the living processes of a session, by Linux's /proc."""
+    """Return the living processes of a session, from Linux's /proc."""
     members = []
     for entry in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):

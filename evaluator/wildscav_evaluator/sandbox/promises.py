@@ -1,4 +1,4 @@
-"""Whether a sandbox keeps its promises on this machine: a probe is run in it, which tries to break each."""
+"""Testing a sandbox's promises on this machine, with a probe that runs in it and tries to break each."""
 
 import asyncio
 import contextlib
@@ -18,7 +18,7 @@ from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxErr
 from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits
 
 PROBE = Path(__file__).parent / "probe" / "agent.py"
-# Small enough to be tried quickly: what holds for these holds for others.
+# Small limits, which are quick to test. A sandbox that enforces these also enforces others.
 TRIED = {
     "cpus": 0.5,
     "memory": 128 * MEBIBYTE,
@@ -27,15 +27,15 @@ TRIED = {
     "output": 64 * 1024,
     "wall_clock": 30.0,
 }
-TOLERANCE = 1.3  # of processor time, which is shared out in slices
+TOLERANCE = 1.3  # factor for processor time, which is granted in slices
 NO_CAPABILITIES = "0" * 16
 HAS_FILTER = "2"
 
 
 def try_promises(sandbox: Sandbox, limits: Limits) -> tuple[Promise, ...]:
-    """Run the probe in a sandbox and return what it found, promise by promise.
+    """Run the probe in a sandbox, and return what it found for each promise.
 
-    Must not be called where an event loop runs.
+    Must not be called from a running event loop.
     """
     tried = limits.model_copy(update=TRIED)
     with _probe_folder(tried) as folder:
@@ -50,7 +50,7 @@ def try_promises(sandbox: Sandbox, limits: Limits) -> tuple[Promise, ...]:
 
 @contextmanager
 def _probe_folder(limits: Limits) -> Iterator[Path]:
-    """Make a folder with the probe, its orders, and a socket as a match has one."""
+    """Make a folder with the probe, its orders, and a socket like that of a match."""
     with leftovers.temporary_folder("probe-") as folder:
         code = folder / "code"
         code.mkdir(mode=0o755)
@@ -69,9 +69,9 @@ def _probe_folder(limits: Limits) -> Iterator[Path]:
 
 
 def _home_files() -> list[str]:
-    """Return what lies in the user's home, but for what leads to Python.
+    """Return the entries of the user's home folder, except those that lead to Python.
 
-    A user without a home, as containers have them, is said to live in the root, which agents have, too.
+    The home of a user without one, as in containers, is the root folder, which agents also have.
     """
     python, home = [Path(sys.base_prefix), Path(sys.prefix)], Path.home()
     entries = home.iterdir() if home.is_dir() and home != Path("/") else ()
@@ -79,7 +79,7 @@ def _home_files() -> list[str]:
 
 
 async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> dict[str, Any]:
-    """Return what the probe found, and what was found of it when it had ended."""
+    """Return the probe's findings, and what was left of it after its end."""
     log, token = folder / "log", secrets.token_hex()
     launch = Launch(
         folder=folder / "code",
@@ -112,7 +112,7 @@ def _processes_with(token: str) -> int:
 
 
 def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
-    """Yield every promise with what was found."""
+    """Yield every promise with the finding on it."""
     yield _promise("no network", found["interfaces"] == ["lo"], f"interfaces: {_words(found['interfaces'])}")
     yield _promise(
         "no files of this machine",
@@ -133,12 +133,12 @@ def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
     yield _promise("nothing is left of it", found["left"] == 0, f"{found['left']} processes")
 
 
-FEW = 8  # processes that a sandbox may have besides
+FEW = 8  # processes, at most, that an agent may see, including those of the sandbox
 FILTER = "install libseccomp2"
 
 
 def _judge_rights(found: dict[str, Any]) -> Iterator[Promise]:
-    """Yield what an agent may do, and what it never can."""
+    """Yield the promises on the agent's rights."""
     users = sorted(set(found["user"]))
     yield _promise("not root", 0 not in users, f"user and groups: {_words(users)}")
     yield _promise(
@@ -190,8 +190,8 @@ def _judge_limits(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
 
 
 GROUPS = (
-    "it takes control groups that you may set: run it as root, or where groups of version 2 are delegated to "
-    "you (`systemd-run --user --scope -p Delegate=yes wildscav …`)"
+    "this needs control groups that you may set: run it as root, or where groups of version 2 are "
+    "delegated to you (`systemd-run --user --scope -p Delegate=yes wildscav …`)"
 )
 
 

@@ -1,1 +1,1 @@
-"""The sandbox of containers, run by Docker or Podman."""
+"""The sandbox that runs agents in containers of Docker or Podman."""

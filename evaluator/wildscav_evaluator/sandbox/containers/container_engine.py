@@ -1,4 +1,4 @@
-"""The container engine of this machine: Docker or Podman, whichever works."""
+"""The container engine of this machine: Docker or Podman, depending on which works."""
 
 import asyncio
 import contextlib
@@ -22,37 +22,37 @@ from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import SandboxError
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
-CHOICE = "WILDSCAV_ENGINE"  # the variable that names the one to use
-PATIENCE = 120.0  # s for a command that makes, removes or looks up something
-OWNER = "wildscav.owner"  # label of containers: whose they are, as `wildscav.system.leftovers` names it
+CHOICE = "WILDSCAV_ENGINE"  # the environment variable that names the engine to use
+PATIENCE = 120.0  # s for a command of the engine to finish
+OWNER = "wildscav.owner"  # label of containers with their owner, as `wildscav.system.leftovers` names it
 KIND = "container"  # in the lists of owners
 NOT_THERE = re.compile(rb"no such container|no container with", re.IGNORECASE)
 UNDER_WAY = re.compile(rb"removal of container .* is already in progress")
-CREATION_TIME = 20.0  # s that the making of a container may take
-SETTLING = 2.0  # s in which Docker's daemon may still make what a killed command asked it for
-BARE = "localhost/wildscav-bare"  # an image of nothing, for agents that run with this machine's Python
+CREATION_TIME = 20.0  # s that creating a container may take
+SETTLING = 2.0  # s in which Docker's daemon may still create what a killed command requested
+BARE = "localhost/wildscav-bare"  # an empty image, for agents that run with this machine's Python
 INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
 LONGEST = 300  # characters of an error message that are shown
 
 
 @dataclass(frozen=True)
 class ContainerEngine:
-    """A container engine, and what it needs on this machine."""
+    """A container engine, and the options that it needs on this machine."""
 
     name: str
     options: tuple[str, ...] = field(default=())
-    all_users: bool = False  # whether containers may run as any user, whom nobody else is
+    all_users: bool = False  # whether each container may run as a user of its own
 
     @property
     def command(self) -> tuple[str, ...]:
-        """What every command of the engine begins with."""
+        """The first arguments of every command of the engine."""
         return (self.name, *self.options)
 
     async def run(self, *arguments: str, environment: Mapping[str, str] | None = None) -> str:
         """Run a command of the engine and return what it prints.
 
         Raises:
-            SandboxError: It failed; says how.
+            SandboxError: It failed; the message says how.
         """
         process = await asyncio.create_subprocess_exec(
             *self.command,
@@ -75,9 +75,9 @@ class ContainerEngine:
 
 
 def last_line(output: bytes) -> str:
-    """Return the last line that is not empty, or its beginning."""
+    """Return the last line that is not empty, shortened if it is too long."""
     lines = output.decode("utf-8", "replace").splitlines()
-    line = next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
+    line = next((line.strip() for line in reversed(lines) if line.strip()), "no message")
     return line if len(line) <= LONGEST else f"{line[:LONGEST]} …"
 
 
@@ -85,14 +85,14 @@ def find_engine() -> ContainerEngine:
     """Return the engine that works on this machine, or the one that WILDSCAV_ENGINE names.
 
     Raises:
-        SandboxError: None does; says what each lacks.
+        SandboxError: None works; the message says what each lacks.
     """
     return _find(*(os.environ.get(name, "") for name in (CHOICE, "DOCKER_HOST", "PATH")))
 
 
 @functools.cache
 def _find(asked: str, docker_host: str, path: str) -> ContainerEngine:
-    del path  # where programs are, which tests change
+    del path  # part of the cache's key only: it decides which programs are found
     if asked and asked not in ENGINES:
         raise SandboxError(f"{CHOICE} is {asked!r}, must be one of {', '.join(ENGINES)}")
     reasons = []
@@ -108,7 +108,7 @@ def _find(asked: str, docker_host: str, path: str) -> ContainerEngine:
 
 
 def _podman() -> ContainerEngine:
-    # crun cannot work with control groups of version 1, which runc can.
+    # crun does not support control groups of version 1; runc does.
     options = ("--runtime", "runc") if has_cgroup_v1() and shutil.which("runc") else ()
     engine = ContainerEngine("podman", options, all_users=os.getuid() == 0)
     _ask(engine, "version", "--format", "{{.Version}}")
@@ -120,14 +120,14 @@ def _docker(host: str) -> ContainerEngine:
     server = _ask(engine, "version", "--format", "{{json .Server}}")
     if any("podman" in str(part.get("Name", "")).lower() for part in server.get("Components") or ()):
         raise SandboxError(
-            "what answers is Podman, which takes no filter of system calls from there: use podman itself"
+            "its daemon is Podman, which ignores filters of system calls set by docker: use podman itself"
         )
     security = _ask(engine, "info", "--format", "{{json .SecurityOptions}}") or ()
     return replace(engine, all_users=not any("rootless" in one or "userns" in one for one in security))
 
 
 def _ask(engine: ContainerEngine, *arguments: str) -> Any:
-    """Return what an engine answers, read as JSON if it is."""
+    """Return the output of an engine's command, parsed if it is JSON."""
     answer = call(engine, *arguments)
     if answer.returncode != 0:
         raise SandboxError(last_line(answer.stderr))
@@ -164,10 +164,10 @@ def call(
 
 @functools.cache
 def bare_image(engine: ContainerEngine, folders: Sequence[str], links: tuple[tuple[str, str], ...]) -> str:
-    """Return an image of empty folders and links, made if it is not there yet.
+    """Return an image with only empty folders and links, which is created if it does not exist.
 
     Raises:
-        SandboxError: It could not be made.
+        SandboxError: It could not be created.
     """
     content = io.BytesIO()
     with tarfile.open(fileobj=content, mode="w") as archive:
@@ -190,7 +190,7 @@ def bare_image(engine: ContainerEngine, folders: Sequence[str], links: tuple[tup
 
 @functools.cache
 def image_command(engine: ContainerEngine, image: str) -> tuple[str, ...]:
-    """Return the command that an image runs by itself.
+    """Return the command that an image runs by default.
 
     Raises:
         SandboxError: It has none, or there is no such image.
@@ -198,12 +198,12 @@ def image_command(engine: ContainerEngine, image: str) -> tuple[str, ...]:
     settings = image_settings(engine, image)
     command = (*(settings.get("Entrypoint") or ()), *(settings.get("Cmd") or ()))
     if not command:
-        raise SandboxError(f"image {image} says nothing to run: it needs an ENTRYPOINT or a CMD")
+        raise SandboxError(f"image {image} has no command: it needs an ENTRYPOINT or a CMD")
     return command
 
 
 def image_settings(engine: ContainerEngine, image: str) -> dict[str, Any]:
-    """Return what an image says of how it is to be run.
+    """Return the settings with which an image is run.
 
     Raises:
         SandboxError: There is no such image.
@@ -219,12 +219,12 @@ def _digest(content: bytes) -> str:
 
 
 def enter_container(engine: ContainerEngine, name: str) -> None:
-    """Enter a container in this process's list, before it is made."""
+    """Enter a container in this process's list of leftovers, before it is created."""
     leftovers.enter(KIND, _entry(engine, name))
 
 
 def cross_out_container(engine: ContainerEngine, name: str) -> None:
-    """Note that a container is gone."""
+    """Remove a container that is gone from that list."""
     leftovers.cross_out(KIND, _entry(engine, name))
 
 
@@ -241,7 +241,7 @@ def remove_left_container(entry: str) -> None:
     """Remove a container that was entered in the list of a dead owner.
 
     Raises:
-        OSError: It may still be there.
+        OSError: It may still exist.
     """
     command, *options, name = json.loads(entry)
     engine = ContainerEngine(command, tuple(options))
@@ -250,7 +250,7 @@ def remove_left_container(entry: str) -> None:
     settled, end = now + (SETTLING if engine.name == "docker" else 0.0), now + PATIENCE
     while not _is_removed(engine, name, settled):
         if time.monotonic() > end:
-            raise OSError(f"{engine.name} does not get {name} removed")
+            raise OSError(f"{engine.name} could not remove {name}")
         time.sleep(0.1)
 
 
@@ -258,9 +258,9 @@ def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
     """Remove a container, and return whether it is gone for good.
 
     Args:
-        engine: Whose it is.
-        name: The container's.
-        settled: Until when (by the monotonic clock) one that is not there may still come to be.
+        engine: The engine of the container.
+        name: The container's name.
+        settled: The time (by the monotonic clock) until which a missing container may still be created.
 
     Raises:
         OSError: It cannot be removed.
@@ -270,7 +270,7 @@ def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
     except SandboxError as error:
         raise OSError(str(error)) from None
     if removed.returncode == 0:
-        # Docker's newer commands do not complain about what is not there.
+        # Newer versions of Docker do not complain about missing containers.
         return bool(removed.stdout.strip()) or time.monotonic() >= settled
     if NOT_THERE.search(removed.stderr):
         return time.monotonic() >= settled
@@ -280,7 +280,7 @@ def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
 
 
 def _wait_for_creation(name: str) -> None:
-    """Wait for an engine's command that is still making a container, its starter being dead already."""
+    """Wait for an engine's command that is still creating a container although its starter is dead."""
     end = time.monotonic() + CREATION_TIME
     while _is_created_now(name) and time.monotonic() < end:
         time.sleep(0.02)
@@ -302,12 +302,12 @@ def processes_of(identity: str) -> list[int]:
     """Return the processes of a container on this machine, by the names of their control groups.
 
     Args:
-        identity: That the engine has given to the container.
+        identity: The identity that the engine gave the container.
     """
     found = []
     for path in Path("/proc").glob("[0-9]*/cgroup"):
         with contextlib.suppress(OSError):
-            # Podman's monitor of a container is in a group named after it, too.
+            # Podman's monitor of a container is also in a group that is named after it.
             groups = path.read_text("ascii", "replace")
             if identity in groups and f"conmon-{identity}" not in groups:
                 found.append(int(path.parent.name))
@@ -316,19 +316,19 @@ def processes_of(identity: str) -> list[int]:
 
 @functools.cache
 def start_reaper(process: int) -> None:
-    """Have a process wait for the end of this one, and remove what it leaves behind if it was killed.
+    """Start a process that waits for the end of this one, and removes what it leaves behind if it is killed.
 
-    Containers belong to the engine: they would outlive a process that was killed until the next command
-    comes. The reaper is in a session of its own and nobody's child, so that it is not killed along.
+    Containers belong to the engine, so they would outlive a killed process until the next command. The reaper
+    is in its own session and not a child of this process, so that it is not killed together with it.
 
     Args:
-        process: This one, so that there is one reaper for each.
+        process: The number of this process, so that the cache starts one reaper per process.
     """
     del process
     program = "import wildscav_evaluator.sandbox; from wildscav.system import leftovers; leftovers.sweep()"
     sweep = [sys.executable, "-c", program]
     after = f"cat <&3; cd /; [ -e {shlex.quote(str(leftovers.own_folder()))} ] && exec {shlex.join(sweep)}"
-    reading, _ = os.pipe()  # the other end stays open as long as this process lives
+    reading, _ = os.pipe()  # the writing end stays open as long as this process lives
     quiet = [(os.POSIX_SPAWN_OPEN, output, os.devnull, os.O_WRONLY, 0) for output in (1, 2)]
     files = [(os.POSIX_SPAWN_DUP2, reading, 0), *quiet]
     command = ["sh", "-c", f"exec 3<&0; ({after}) &"]

@@ -1,7 +1,7 @@
-"""The sandbox of containers, by Docker or Podman.
+"""The sandbox that runs agents in containers of Docker or Podman.
 
-An agent runs in the image that it was built into, or came as; or, if it is a folder that needs nothing more,
-in an empty image with this machine's Python. Its limits and promises are those of bubblewrap: see
+An agent runs in the image that it was built into or that it is. If it is a folder without requirements, it
+runs in an empty image with this machine's Python. Its limits and promises are those of bubblewrap: see
 ``docs/security.md``.
 """
 
@@ -57,26 +57,23 @@ from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.linux.seccomp import container_profile
 from wildscav_evaluator.sandbox.linux.users import agent_user
 
-INIT = 1  # process of the sandbox itself, which buries the dead
-MOST_PROCESSES = 32_768  # of a user; what engines set for themselves
-ENGINE_FAILED = (
-    125,
-    126,
-    127,
-)  # exit codes of engines whose container did not start; agents may have them, too
-# Asking the engine takes longer than all else of an end, so it is asked where it could tell something new.
+INIT = 1  # the container's init process, which reaps zombies
+MOST_PROCESSES = 32_768  # of a user; the limit that engines set themselves
+# Exit codes of engines whose container did not start; agents may also end with them.
+ENGINE_FAILED = (125, 126, 127)
+# Asking the engine is the slowest part of an end, so it is asked only after exit codes with several causes.
 ASKED_ABOUT = (*ENGINE_FAILED, SIGNALLED + signal.SIGKILL)
-LOOK = 2.0  # s between two looks for the processes of a container
+SCAN_INTERVAL = 2.0  # s between two scans for the processes of a container
 NOT_RUN = "failed to exec pid1"
-NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or is not there
-NEVER = "0001-01-01"  # when a container started that did not
+NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or does not exist
+NEVER = "0001-01-01"  # the start time of a container that never started
 MOUNT_POINTS = (
     *("/proc", "/dev", "/sys", "/tmp", "/etc", "/run"),  # noqa: S108
     *(str(host_python.SOCKET.parent), str(GUARD)),
     str(host_python.CODE),
 )
 SBIN = Path("/sbin")
-# No writable folders but ours: neither for a read-only root, nor for the volumes of an image.
+# No writable folders but ours: Podman must not add any for a read-only root or for an image's volumes.
 PODMAN_ONLY = ("--read-only-tmpfs=false", "--image-volume", "ignore")
 _numbers = itertools.count()
 
@@ -89,7 +86,7 @@ class OciSandbox:
     runs_images = True
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
-        """Try everything. See ``Sandbox.promises``."""
+        """Test all promises. See ``Sandbox.promises``."""
         from wildscav_evaluator.sandbox.promises import try_promises
 
         return try_promises(self, limits)
@@ -118,7 +115,7 @@ class OciSandbox:
 
 
 class ContainerHandle:
-    """A handle on an agent by its container."""
+    """A handle on an agent: its container."""
 
     def __init__(self, engine: ContainerEngine, container: str) -> None:
         self.engine, self.container = engine, container
@@ -126,21 +123,21 @@ class ContainerHandle:
             tempfile.mkdtemp(prefix="container-", dir=leftovers.own_folder())
         )  # for the engine
         enter_container(engine, container)
-        self.identity = ""  # that the engine has given to the container
+        self.identity = ""  # the identity that the engine gave the container
         self.never_started = False
-        self.command = ""  # the program that the submission names, if it does
+        self.command = ""  # the program of the submission, if it names one
         self._removed = False
         self._found: list[int] = []  # its processes
-        self._looked = -LOOK  # when, by the monotonic clock
+        self._scanned_at = -SCAN_INTERVAL  # by the monotonic clock
 
     def processes(self) -> list[int]:
         """Return the processes of the container. See ``AgentHandle.processes``."""
-        if self.identity and time.monotonic() > self._looked + LOOK:
-            self._looked, self._found = time.monotonic(), processes_of(self.identity)
+        if self.identity and time.monotonic() > self._scanned_at + SCAN_INTERVAL:
+            self._scanned_at, self._found = time.monotonic(), processes_of(self.identity)
         return self._found
 
     async def kill(self) -> None:
-        """Remove the container, and with it every process. See ``AgentHandle.kill``."""
+        """Remove the container, and thereby all its processes. See ``AgentHandle.kill``."""
         if not self._removed:
             with contextlib.suppress(SandboxError):
                 await self.engine.run(*removal(self.engine, self.container))
@@ -148,7 +145,7 @@ class ContainerHandle:
                 cross_out_container(self.engine, self.container)
 
     async def memory_kill(self, code: int) -> MemoryKill:
-        """Return for want of whose memory the kernel killed, as it says or as the engine knows it.
+        """Return whose memory ran out, from the kernel's log or from the engine.
 
         See ``AgentHandle.memory_kill``.
         """
@@ -162,14 +159,15 @@ class ContainerHandle:
                 await self.engine.run("inspect", "--format", "{{json .State}}", self.container)
             )
             self.never_started = str(state.get("StartedAt", NEVER)).startswith(NEVER)
-            # With control groups of version 1, Podman does not notice. What kills an agent is then memory, or
-            # the agent itself: others cannot, and for a limit of ours there is another word.
+            # With control groups of version 1, Podman does not notice. Then SIGKILL came from a lack of
+            # memory or from the agent itself: nobody else can send it, and our own limits are reported
+            # separately.
             unnoticed = self.engine.name == "podman" and has_cgroup_v1() and logged is None
             return MemoryKill.OWN if state.get("OOMKilled") or unnoticed else MemoryKill.NONE
         return MemoryKill.NONE
 
     async def release(self) -> None:
-        """Remove what is left. See ``AgentHandle.release``."""
+        """Remove the container and its folder. See ``AgentHandle.release``."""
         await self.kill()
         await asyncio.to_thread(shutil.rmtree, self.folder, ignore_errors=True)
 
@@ -183,10 +181,10 @@ class Container:
     async def ended(self) -> Ending:
         """Wait for the container to end. See ``RunningAgent.ended``."""
         ending = await self._process.ended()
-        if self._handle.command and NOT_RUN in ending.last_words:  # Podman's init does not say what
+        if self._handle.command and NOT_RUN in ending.last_words:  # Podman's init does not name the program
             return replace(ending, last_words=f"cannot run {self._handle.command}: {ending.last_words}")
         if ending.exit_code in NO_COMMAND and self._handle.command:
-            return ending  # there is no such program in it, says the engine
+            return ending  # the engine reports that the image has no such program
         if ending.exit_code in ENGINE_FAILED and self._handle.never_started:
             engine = self._handle.engine.name
             return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
@@ -197,7 +195,7 @@ class Container:
         return self._process.processes()
 
     def overdue(self) -> str:
-        """Say where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
+        """Return where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
         return self._process.overdue()
 
     async def stop(self) -> None:
@@ -206,7 +204,7 @@ class Container:
 
 
 def _create_command(launch: Launch, handle: ContainerHandle) -> list[str]:
-    """Return the arguments that make an agent's container, without starting it."""
+    """Return the arguments that create an agent's container without starting it."""
     engine = handle.engine
     image, command = _image(launch, engine)
     clock, entry = _with_wall_clock(command, launch, engine)
@@ -229,12 +227,12 @@ def _create_command(launch: Launch, handle: ContainerHandle) -> list[str]:
 def _with_wall_clock(
     command: Sequence[str], launch: Launch, engine: ContainerEngine
 ) -> tuple[list[str], list[str]]:
-    """Return the options that keep a container's wall clock, and the command in it.
+    """Return the options that enforce a container's wall clock, and the command in it.
 
     Args:
-        command: In the image; none for its own.
-        launch: What is started.
-        engine: Which runs it.
+        command: The command in the image; empty for the image's own.
+        launch: The agent's launch.
+        engine: The engine that runs the container.
     """
     seconds = launch.limits.wall_clock
     if engine.name == "podman":
@@ -248,7 +246,7 @@ def _with_wall_clock(
 
 
 def _user(engine: ContainerEngine) -> str:
-    # Where there are few users, agents share the one who owns nothing.
+    # Where the engine cannot use any user, agents share the one who owns nothing.
     user = agent_user() if engine.all_users else host_python.NOBODY
     return f"{user}:{user}"
 
@@ -269,7 +267,7 @@ def _limits(limits: Limits, engine: ContainerEngine) -> list[str]:
         *("--ulimit", f"nofile={limits.open_files}:{limits.open_files}"),
         *("--ulimit", f"nproc={processes}:{processes}"),
     ]
-    # Podman would copy what the image has there, and with it who may write.
+    # Podman would copy the image's files there, with their permissions.
     kind = f"rw,nosuid,nodev,size={tmp},mode=1777" + (",notmpcopyup" if engine.name == "podman" else "")
     for place in ("/tmp", "/dev/shm"):  # noqa: S108
         options += ["--tmpfs", f"{place}:{kind}"]
@@ -277,7 +275,7 @@ def _limits(limits: Limits, engine: ContainerEngine) -> list[str]:
 
 
 def _variables(launch: Launch) -> list[str]:
-    """Return the options for an agent's variables. The token is in the engine's own: nobody lists it."""
+    """Return the options for an agent's variables. The token is passed unseen, by the environment."""
     variables = agent_variables(launch, host_python.ADDRESS) | {"HOME": "/tmp"}  # noqa: S108
     if launch.image is None:
         variables |= host_python.host_runtime().variables()
@@ -287,7 +285,7 @@ def _variables(launch: Launch) -> list[str]:
 
 
 def _image(launch: Launch, engine: ContainerEngine) -> tuple[str, list[str]]:
-    """Return an agent's image, and the command in it: none for an image's own."""
+    """Return an agent's image, and the command in it; an empty one for the image's own."""
     if launch.image is not None:
         return launch.image, []
     host = _host_runtime(engine)
@@ -298,21 +296,21 @@ def _image(launch: Launch, engine: ContainerEngine) -> tuple[str, list[str]]:
 
 
 def _host_runtime(engine: ContainerEngine) -> host_python.Runtime:
-    """Return this machine's Python, as an engine can mount it."""
+    """Return this machine's Python in the form in which an engine can mount it."""
     host = host_python.host_runtime()
-    # Docker puts its init into /sbin, which must not be a link into our /usr then.
+    # Docker puts its init into /sbin, so that must not be a link into our /usr.
     if engine.name == "docker":
         folders = {there: here for there, here in host.folders.items() if there != SBIN}
         links = {there: target for there, target in host.links.items() if there != SBIN}
-        # What Python finds libraries with.
+        # Python finds libraries with ldconfig.
         return host_python.Runtime(folders, links | {SBIN / "ldconfig": "/usr/sbin/ldconfig"})
     return host
 
 
 def _mounts(launch: Launch, handle: ContainerHandle) -> list[str]:
-    """Return the options for what is mounted: the socket; where no image has them, code and Python."""
+    """Return the options for mounts: the socket, and code and Python if the agent has no image."""
     socket = host_python.socket_path(launch.address)
-    socket.chmod(0o666)  # the folder that it is in keeps others from it
+    socket.chmod(0o666)  # its private folder protects it from others
     mounts = {host_python.SOCKET: socket}
     if handle.engine.name == "docker":
         mounts |= guard_files() if launch.image is None else _copied_guard(handle.folder)
@@ -329,17 +327,17 @@ def _mounts(launch: Launch, handle: ContainerHandle) -> list[str]:
 
 
 def _copied_guard(folder: Path) -> dict[Path, Path]:
-    """Copy the files of the guard for one container: an agent that may lock files shares none."""
+    """Copy the guard's files for one container, because an agent that may lock files must share none."""
     copies = folder / "guard"
     copies.mkdir()
     return {there: Path(shutil.copy(here, copies / there.name)) for there, here in guard_files().items()}
 
 
 def _plain(path: Path) -> str:
-    """Return a path as options of mounts take it.
+    """Return a path in the form that mount options accept.
 
     Raises:
-        SandboxError: They cannot.
+        SandboxError: They do not accept it.
     """
     if any(character in str(path) for character in ',"\n'):
         raise SandboxError(f"{path}: containers cannot mount a path with commas, quotes or line breaks")

@@ -1,11 +1,11 @@
-"""The wall clock of a container, kept even if everything outside of the container is killed.
+"""The wall clock of a container, enforced even if everything outside the container is killed.
 
-Podman has an option for it, which its monitor of the container keeps. Docker has none: there the first
-process of the container is ``timeout`` of this machine's coreutils, started by this machine's own loader,
-since an image may have neither. The kernel keeps the first process of a namespace from signals of the others,
-so that no agent can stop it; when it ends, the kernel kills all the others. Variables of an image that steer
-the loader, such as LD_PRELOAD, would put the image's code in its place: the guard runs without them, and a
-program of this machine gives them back to the command.
+Podman has an option for it, which its monitor of the container enforces. Docker has none. There the first
+process of the container is ``timeout`` from this machine's coreutils, started by this machine's loader, since
+an image may have neither. The kernel protects the first process of a namespace from signals of the others, so
+no agent can stop it; when it ends, the kernel kills all the others. Variables of an image that control the
+loader, such as LD_PRELOAD, could replace the guard with the image's code. So the guard runs without them, and
+a program of this machine restores them for the command.
 """
 
 import functools
@@ -19,11 +19,11 @@ from pathlib import Path
 from wildscav_evaluator.sandbox.agents.host_python import SOCKET
 from wildscav_evaluator.sandbox.base import SandboxError
 
-LATER = 5.0  # s after our own wall clock, which can tell what happened
-GUARD = SOCKET.parent / "guard"  # where its programs are in a container
-INIT_PLACES = ("/usr/libexec/docker", "/usr/local/bin", "/usr/bin")  # of Docker's init, beside the PATH
-LIBRARY = re.compile(r"(/\S+) \(0x")  # in what ldd prints
-# Variables by which the loader and the C library are told to take code or data from elsewhere.
+LATER = 5.0  # s after our own wall clock, which should act first because it can report the cause
+GUARD = SOCKET.parent / "guard"  # the folder of the guard's programs in a container
+INIT_PLACES = ("/usr/libexec/docker", "/usr/local/bin", "/usr/bin")  # of Docker's init, besides the PATH
+LIBRARY = re.compile(r"(/\S+) \(0x")  # in the output of ldd
+# Variables that make the loader and the C library take code or data from elsewhere.
 STEERING = re.compile(r"(LD|LC|MALLOC)_\w*|GCONV_PATH|GLIBC_TUNABLES|LANG(UAGE)?|LOCPATH|NLSPATH")
 
 
@@ -33,7 +33,7 @@ def podman_options(seconds: float) -> list[str]:
 
 
 def guard_files() -> Mapping[Path, Path]:
-    """Return the files that a guarded container of Docker needs: where they are there, and where here.
+    """Return the files that a guarded container of Docker needs, by their path in the container.
 
     Raises:
         SandboxError: This machine does not have them.
@@ -46,7 +46,7 @@ def guard_files() -> Mapping[Path, Path]:
     libraries = _libraries(timeout) | _libraries(env)
     if not any(map(_is_loader, libraries)):
         raise SandboxError(
-            f"the wall clock cannot be kept in a container of Docker: ldd finds no loader of {timeout}"
+            f"the wall clock cannot be kept in a container of Docker: ldd finds no loader for {timeout}"
         )
     files = programs | libraries
     return {GUARD / name: path.resolve() for name, path in files.items()}
@@ -63,12 +63,12 @@ def without(variables: Sequence[str]) -> list[str]:
 
 
 def guarded(command: Sequence[str], seconds: float, variables: Sequence[str] = ()) -> list[str]:
-    """Return a command as Docker runs it for a time at most, s, every orphan being buried.
+    """Return a command that Docker runs for a limited time, under an init process that reaps orphans.
 
     Args:
-        command: The agent's.
-        seconds: How long it may run.
-        variables: That the command has and the guard does not ("NAME=value").
+        command: The agent's command.
+        seconds: How long it may run, s.
+        variables: Variables ("NAME=value") that the command gets but the guard does not.
     """
     loader = next(path for path in guard_files() if _is_loader(path.name))
     run = [str(loader), "--library-path", str(GUARD)]
@@ -86,10 +86,10 @@ def _is_loader(name: str) -> bool:
 
 @functools.cache
 def _libraries(program: str) -> dict[str, Path]:
-    """Return the shared libraries of a program, with its loader, by name; none where that is not known."""
+    """Return the shared libraries of a program and its loader by name; empty if they are unknown."""
     try:
         listed = subprocess.run(
-            ["ldd", program],  # noqa: S607 - wherever the system has it
+            ["ldd", program],  # noqa: S607 - its path depends on the system
             capture_output=True,
             text=True,
             check=False,

@@ -1,1 +1,1 @@
-"""What Linux itself isolates with: namespaces, control groups and filters of system calls."""
+"""The isolation of Linux itself: namespaces, control groups and filters of system calls."""

@@ -1,6 +1,6 @@
-"""The sandbox of bubblewrap: namespaces of its own, a filter of system calls, and a control group.
+"""The sandbox of bubblewrap: separate namespaces, a filter of system calls, and a control group.
 
-An agent sees this machine's Python and its own code, both read-only, an own ``/tmp`` in memory, and one unix
+An agent sees this machine's Python and its own code, both read-only, its own ``/tmp`` in memory, and one unix
 socket. It runs as a user that owns nothing. See ``docs/security.md``.
 """
 
@@ -42,7 +42,7 @@ class BubblewrapSandbox:
     runs_images = False
 
     def promises(self, limits: Limits) -> tuple[Promise, ...]:
-        """Try everything. See ``Sandbox.promises``."""
+        """Test all promises. See ``Sandbox.promises``."""
         from wildscav_evaluator.sandbox.promises import try_promises
 
         return try_promises(self, limits)
@@ -66,7 +66,7 @@ class BubblewrapSandbox:
 
 
 async def _start(launch: Launch, handle: "CgroupHandle") -> AgentProcess:
-    """Start bubblewrap, without waiting for what comes of it."""
+    """Start bubblewrap, without waiting until it has started the agent."""
     filter_fd = os.memfd_create("seccomp")
     handle.status, status = os.pipe()
     try:
@@ -87,16 +87,16 @@ async def _start(launch: Launch, handle: "CgroupHandle") -> AgentProcess:
 
 
 class CgroupHandle:
-    """A handle on an agent by its control group."""
+    """A handle on an agent: its control group."""
 
     def __init__(self, group: AgentGroup) -> None:
         self.group = group
-        self.folder = Path()  # of the code, as the agent's user can read it
-        self.status: int | None = None  # where bubblewrap tells how it gets on; open as long as it may
+        self.folder = Path()  # the folder of the code, readable for the agent's user
+        self.status: int | None = None  # the pipe of bubblewrap's reports, open while it runs
         self._copy: Path | None = None
 
     def stage(self, folder: Path) -> None:
-        """Take a submission's folder, or a copy of it if the agent's user could not read it."""
+        """Set the folder of the code: the submission's, or a copy if the agent's user could not read it."""
         if os.getuid() == 0 and not host_python.is_world_readable(folder):
             self._copy = Path(tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder()))
             folder = readable_copy(folder, self._copy)
@@ -111,7 +111,7 @@ class CgroupHandle:
         await asyncio.to_thread(self.group.kill)
 
     async def memory_kill(self, code: int) -> MemoryKill:  # noqa: ARG002
-        """Return for want of whose memory the kernel killed. See ``AgentHandle.memory_kill``."""
+        """Return whose memory ran out. See ``AgentHandle.memory_kill``."""
         return self.group.memory_kill()
 
     async def release(self) -> None:
@@ -152,7 +152,7 @@ def _command(launch: Launch, handle: CgroupHandle, filter_fd: int, status_fd: in
 
 
 def _mounts(launch: Launch, folder: Path, tmp_size: int) -> list[str]:
-    """Return what is where. Whatever can be written to is in memory, and sized."""
+    """Return the options for mounts. Everything writable is in memory, with a limited size."""
     host = host_python.host_runtime()
     mounts = []
     for parent in _parents([*host.folders, host_python.CODE, host_python.SOCKET]):
@@ -163,10 +163,10 @@ def _mounts(launch: Launch, folder: Path, tmp_size: int) -> list[str]:
         mounts += ["--symlink", target, str(there)]
     socket = host_python.socket_path(launch.address)
     if os.getuid() == 0:
-        socket.chmod(0o666)  # the folder that it is in keeps others from it
+        socket.chmod(0o666)  # its private folder protects it from others
     return [
         *("--proc", "/proc", "--dev", "/dev"),
-        # Before the rest: the host's Python may be in a folder below it.
+        # Before the rest, because the host's Python may be in a folder below /tmp.
         *("--perms", "1777", "--size", str(tmp_size), "--tmpfs", "/tmp"),  # noqa: S108
         *mounts,
         *("--perms", "1777", "--size", str(tmp_size), "--tmpfs", "/dev/shm"),  # noqa: S108
@@ -177,16 +177,16 @@ def _mounts(launch: Launch, folder: Path, tmp_size: int) -> list[str]:
 
 
 def _parents(targets: Sequence[Path]) -> list[Path]:
-    """Return the folders above some targets, in the order to make them; bubblewrap's own would be closed."""
+    """Return the folders above some targets, parents first; bubblewrap would make them inaccessible."""
     parents = {parent for target in targets for parent in target.parents if parent != Path("/")}
     return sorted(parent for parent in parents if not any(parent.is_relative_to(path) for path in targets))
 
 
 def _user() -> tuple[list[str], list[str]]:
-    """Return bubblewrap's options, and a command before the agent's, that make it a user who owns nothing.
+    """Return options for bubblewrap, and a command prefix, that run an agent as a user who owns nothing.
 
-    Root can give each agent a number of its own, so that agents do not share what the kernel counts by user.
-    Others can only have it appear as nobody, in a user namespace.
+    Root can give each agent its own user number, so that agents do not share what the kernel counts by user.
+    Other users can only make it appear as nobody, in a user namespace.
     """
     if os.getuid() != 0:
         return ["--unshare-user", "--uid", str(host_python.NOBODY), "--gid", str(host_python.NOBODY)], []

@@ -1,8 +1,8 @@
 """Control groups: the kernel's limits on the memory, processes and processor time of a whole agent.
 
-Version 2 (https://docs.kernel.org/admin-guide/cgroup-v2.html) where the controllers are there, else
-version 1. Groups lie beneath that of whoever evaluates, or as near as the kernel allows, so that limits set
-on the evaluation hold for its agents, too.
+Version 2 (https://docs.kernel.org/admin-guide/cgroup-v2.html) if it has the controllers, otherwise version 1.
+Groups are placed below the evaluator's own, or as near as the kernel allows, so that limits on the evaluation
+also apply to its agents.
 """
 
 import contextlib
@@ -22,10 +22,12 @@ from wildscav_evaluator.sandbox.limits import Limits
 CONTROLLERS = ("cpu", "memory", "pids")
 PERIOD = 100_000  # µs in which an agent gets its share of processor time
 OVERHEAD = 2  # processes of the sandbox itself
-PREFIX = "wildscav-"  # then the owner of the group, as `wildscav.system.leftovers` names it, and a number
+PREFIX = "wildscav-"  # then the group's owner, as `wildscav.system.leftovers` names it, and a number
 KIND = "control group"  # in the lists of owners
-AT_ONCE = 1 << 20  # bytes; less is what the kernel kills for if it cannot be had (8 pages)
-KILL_TIME = 10.0  # s
+# Bytes below its limit from which a group's peak counts as having reached it. The kernel kills for requests
+# of up to 8 pages that do not fit, which is less.
+REACHED_LIMIT_MARGIN = 1 << 20
+KILL_TIME = 10.0  # s, at most, to kill a group
 MOUNTS = Path("/proc/self/mountinfo")
 OWN = Path("/proc/self/cgroup")
 _numbers = itertools.count()
@@ -33,12 +35,12 @@ _numbers = itertools.count()
 
 @dataclass(frozen=True)
 class Version1:
-    """Where version 1 has the controllers: a folder each, in which groups may be made."""
+    """Control groups of version 1: one folder per controller, in which groups may be created."""
 
     parents: Mapping[str, Path]
 
     def settings(self, limits: Limits) -> dict[str, dict[str, str]]:
-        """Return what to write into which file of which controller, in this order."""
+        """Return the values to write to each file of each controller, in order."""
         memory = {"memory.limit_in_bytes": str(int(limits.memory))}
         if (self.parents["memory"] / "memory.memsw.limit_in_bytes").exists():
             memory["memory.memsw.limit_in_bytes"] = str(int(limits.memory))
@@ -54,27 +56,27 @@ class Version1:
         }
 
     def memory_kill(self, group: Path) -> MemoryKill:
-        """Return for want of whose memory the kernel killed processes of a group.
+        """Return whose memory ran out, if the kernel killed processes of a group.
 
-        It counts kills for whatever reason. Whether the group's own limit was it, only the most that it ever
-        used tells: who never came to the limit was killed for others.
+        Version 1 counts kills without their reason. So the group's peak usage decides: if it never reached
+        its own limit, it was killed because others needed memory.
         """
         if not _counter(group / "memory.oom_control", "oom_kill"):
             return MemoryKill.NONE
         limit = _number(group / "memory.limit_in_bytes")
-        # Where swap is accounted for, it has the same limit together with memory.
+        # If swap is accounted for, memory and swap together have the same limit.
         most = max(_number(group / f"{kind}.max_usage_in_bytes") for kind in ("memory", "memory.memsw"))
-        return MemoryKill.OWN if most > limit - AT_ONCE else MemoryKill.MACHINES
+        return MemoryKill.OWN if most > limit - REACHED_LIMIT_MARGIN else MemoryKill.MACHINES
 
 
 @dataclass(frozen=True)
 class Version2:
-    """Where version 2 has a folder in which groups with all controllers may be made."""
+    """Control groups of version 2: the folder in which groups with all controllers may be created."""
 
     parents: Mapping[str, Path]  # one, under the name "memory"
 
     def settings(self, limits: Limits) -> dict[str, dict[str, str]]:
-        """Return what to write into which file."""
+        """Return the values to write to each file."""
         files = {
             "memory.max": str(int(limits.memory)),
             "pids.max": str(limits.processes + OVERHEAD),
@@ -85,10 +87,10 @@ class Version2:
         return {"memory": files}
 
     def memory_kill(self, group: Path) -> MemoryKill:
-        """Return for want of whose memory the kernel killed processes of a group.
+        """Return whose memory ran out, if the kernel killed processes of a group.
 
-        It counts kills for whatever reason under "oom_kill", and under "oom" that the group's own limit left
-        no room.
+        Version 2 counts all kills under "oom_kill", and under "oom" how often the group reached its own
+        limit.
         """
         events = group / "memory.events"
         if not _counter(events, "oom_kill"):
@@ -97,11 +99,11 @@ class Version2:
 
 
 class AgentGroup:
-    """The group of one agent: a folder for each controller that has one of its own.
+    """The group of one agent: one folder per controller that has its own hierarchy.
 
     Args:
-        version: Where groups are made.
-        limits: What it may use.
+        version: Where groups are created.
+        limits: The agent's limits.
 
     Raises:
         SandboxError: A limit could not be set.
@@ -124,11 +126,11 @@ class AgentGroup:
 
     @property
     def entrances(self) -> list[Path]:
-        """The files into which a process writes 0 to belong to the group."""
+        """The files to which a process writes 0 to join the group."""
         return [folder / "cgroup.procs" for folder in self._folders.values()]
 
     def memory_kill(self) -> MemoryKill:
-        """Return for want of whose memory the kernel killed processes of the group."""
+        """Return whose memory ran out, if the kernel killed processes of the group."""
         return self._version.memory_kill(self._folders["memory"])
 
     def members(self) -> list[int]:
@@ -140,16 +142,16 @@ class AgentGroup:
         _kill(self._folders["memory"])
 
     def remove(self) -> None:
-        """Remove the group, which has no processes any more."""
+        """Remove the group, whose processes have all ended."""
         if _remove_all(self._folders.values()):
             leftovers.cross_out(KIND, self._entry)
 
 
 def remove_left_group(entry: str) -> None:
-    """Remove a group that was entered in the list of a dead owner, and kill what is in it.
+    """Remove a group that was entered in the list of a dead owner, and kill its processes.
 
     Raises:
-        OSError: It is still there.
+        OSError: It still exists.
     """
     folders = [Path(folder) for folder in json.loads(entry)]
     for folder in folders:
@@ -162,10 +164,10 @@ leftovers.register(KIND, remove_left_group)
 
 
 def find_version() -> Version1 | Version2:
-    """Return where groups can be made.
+    """Return where groups can be created.
 
     Raises:
-        SandboxError: Nowhere; says why.
+        SandboxError: Nowhere; the message says why.
     """
     mounts = _mounts()
     paths = _own_paths()
@@ -189,7 +191,7 @@ REMEDY = (
 
 
 def _mounts() -> dict[str, Path]:
-    """Return where each controller of version 1 is mounted, and version 2 under the empty name."""
+    """Return the mount points of version 1's controllers, and that of version 2 under the empty name."""
     found = {}
     for line in MOUNTS.read_text("utf-8").splitlines():
         # "36 35 98:0 /root /mount options … - type source super-options"
@@ -213,13 +215,13 @@ def _own_paths() -> dict[str, str]:
 
 
 def _beneath(mount: Path, path: str) -> Path:
-    """Return the folder of a group, or the mount's own where only a part of the tree is mounted."""
+    """Return the folder of a group, or the mount point if only a part of the tree is mounted."""
     folder = mount / path.lstrip("/")
     return folder if folder.is_dir() else mount
 
 
 def _delegated(mount: Path, path: str) -> Path:
-    """Return the nearest group at or above a path that may have groups with all controllers in it."""
+    """Return the nearest group at or above a path that may contain groups with all controllers."""
     folder = _beneath(mount, path)
     for parent in (folder, *folder.parents):
         if _offers_controllers(parent) and os.access(parent / "cgroup.procs", os.W_OK):
@@ -230,7 +232,7 @@ def _delegated(mount: Path, path: str) -> Path:
 
 
 def _offers_controllers(folder: Path) -> bool:
-    """Return whether groups in a folder have all controllers, after having asked for it."""
+    """Return whether groups in a folder have all controllers, after trying to enable them."""
     control = folder / "cgroup.subtree_control"
     with contextlib.suppress(OSError):
         if set(CONTROLLERS) <= set(control.read_text("ascii").split()):
@@ -258,7 +260,7 @@ def _counter(file: Path, name: str) -> int:
 
 
 def _number(file: Path) -> int:
-    """Return the number in a file; 0 if it is not there."""
+    """Return the number in a file; 0 if the file does not exist."""
     try:
         return int(file.read_text("ascii"))
     except OSError:
@@ -285,14 +287,14 @@ def _kill(folder: Path) -> None:
 
 
 def _remove_all(folders: Iterable[Path]) -> bool:
-    """Remove groups, every one that can be removed, and return whether all are gone."""
+    """Remove as many of the groups as possible, and return whether all are gone."""
     gone = [_remove(folder) for folder in folders]
     return all(gone)
 
 
 def _remove(folder: Path) -> bool:
     """Remove a group, and return whether it is gone."""
-    for _ in range(100):  # the dead leave a group a little later than they die
+    for _ in range(100):  # processes leave their group a little after they end
         try:
             folder.rmdir()
         except FileNotFoundError:

@@ -1,7 +1,7 @@
-"""What the kernel's log says about processes that were killed for want of memory.
+"""Reading the kernel's log for processes that were killed because memory ran out.
 
-A container's control group is gone with the container, and with it what was counted there. The log stays, if
-one may read it: root may.
+A container's control group disappears with the container, and its counters with it. The log remains, but only
+root may read it.
 """
 
 import os
@@ -13,16 +13,16 @@ from wildscav_evaluator.sandbox.base import MemoryKill
 
 LOG = Path("/dev/kmsg")
 LONGEST = 8192  # bytes of a record
-# As mm/oom_kill.c writes it from Linux 5.0 on: the control group that was short of memory, unless all of the
-# machine was, and that of the process which was killed for it.
+# The format of mm/oom_kill.c since Linux 5.0: the control group that ran out of memory, unless the whole
+# machine did, and the control group of the process that was killed for it.
 KILL = re.compile(rb"oom-kill:.*,(?:oom_memcg=(?P<short>[^,]*)|global_oom),task_memcg=(?P<of>[^,]*)")
 
 
 def logged_kill(container: str) -> MemoryKill | None:
-    """Return for want of whose memory the kernel killed processes of a container; None if it may not be read.
+    """Return whose memory ran out when processes of a container were killed; None if the log is unreadable.
 
     Args:
-        container: Its identity, which is in the names of its control groups.
+        container: The container's identity, which is in the names of its control groups.
     """
     try:
         kills = {MemoryKill.NONE, *(read_kill(record, container) for record in _records())}
@@ -40,19 +40,19 @@ def read_kill(record: bytes, container: str) -> MemoryKill:
 
 
 def _records() -> Iterator[bytes]:
-    """Yield what is in the log.
+    """Yield the records of the log.
 
     Raises:
-        OSError: It is not there, or may not be read.
+        OSError: It does not exist, or may not be read.
     """
     log = os.open(LOG, os.O_RDONLY | os.O_NONBLOCK)
     try:
         while True:
             try:
                 yield os.read(log, LONGEST)
-            except BlockingIOError:  # all is read
+            except BlockingIOError:  # there are no more records
                 return
-            except BrokenPipeError:  # the oldest was overwritten meanwhile
+            except BrokenPipeError:  # the oldest record was overwritten meanwhile
                 continue
     finally:
         os.close(log)

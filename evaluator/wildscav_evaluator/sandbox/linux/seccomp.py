@@ -1,15 +1,15 @@
-"""Which system calls an agent may make: one policy, as bubblewrap's filter and as a container's profile.
+"""The system calls that an agent may make: one policy, as bubblewrap's filter and as a container's profile.
 
-A list of what is allowed, since nobody can list what will turn out to be dangerous. It began as Docker's
-default profile (https://docs.docker.com/engine/security/seccomp/) and leaves out what an agent has no use
-for: new namespaces, mounts, tracing and reading of other processes, watching files (which shows what others
+The policy lists what is allowed, since it is impossible to list everything that may be dangerous. It is based
+on Docker's default profile (https://docs.docker.com/engine/security/seccomp/), without what an agent does not
+need: new namespaces, mounts, tracing and reading of other processes, watching files (which shows what others
 do with shared ones), key rings, BPF, io_uring, kernel modules, clocks, and sockets other than unix and
-internet ones (AF_VSOCK, for one, leaves a machine whatever network it has). libseccomp makes bubblewrap's
-filter of it, which knows the numbers of calls on every processor.
+internet ones (AF_VSOCK, for example, reaches out of a virtual machine even if that has no network).
+libseccomp, which knows the numbers of calls on every processor, compiles it to bubblewrap's filter.
 
 An agent that runs with this machine's Python shares its files with other agents, read-only. Such an agent
-gets no file locks, since a lock on a shared file is a message to whoever looks at it. An image has files of
-its own, and its agent may lock them.
+gets no file locks, since others can see a lock on a shared file, so that it could carry messages. An image
+has its own files, and its agent may lock them.
 """
 
 import errno
@@ -19,21 +19,22 @@ from typing import Any
 
 from wildscav_evaluator.sandbox.base import SandboxError
 
-# What is not known here is "not implemented": C libraries then fall back to something older.
+# Unknown calls fail as "not implemented", so that C libraries fall back to older calls.
 UNKNOWN = errno.ENOSYS
 UNIX, INTERNET, INTERNET_6 = 1, 2, 10  # address families
 # CLONE_NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET
 NEW_NAMESPACES = 0x7E02_0000
 # Commands of fcntl that get, set and wait for locks: those of processes, and those of open files.
 LOCK_COMMANDS = (5, 6, 7, 36, 37, 38)
-# The others, but for F_SETLEASE, F_GETLEASE and F_NOTIFY, which tell what others do with a file, and the
-# hints on its use, which the kernel keeps with it: duplicating, flags, owners, signals, pipes and seals.
+# Other commands of fcntl: duplicating, flags, owners, signals, pipes and seals. Not allowed are F_SETLEASE,
+# F_GETLEASE and F_NOTIFY, which show what others do with a file, and hints on its use, which the kernel
+# stores with the file.
 FILE_COMMANDS = (*range(5), *range(8, 12), 15, 16, 1027, *range(1030, 1035))
-# Advice on how a file will be read, but for POSIX_FADV_DONTNEED (4), which throws it out of the memory that
-# all readers share: whoever reads it next can tell.
+# Advice on how a file will be read, except POSIX_FADV_DONTNEED (4), which evicts it from the page cache that
+# all readers share, so that the next reader can notice it.
 ADVICE = (0, 1, 2, 3, 5)
-ONLY_IF_CACHED = 0x8  # RWF_NOWAIT: read what is in that memory, or fail; it tells what others have read
-PERSONALITIES = (0, 8, 0x20000, 0x20008, 0xFFFF_FFFF)  # as everybody is, 32-bit, and asking
+ONLY_IF_CACHED = 0x8  # RWF_NOWAIT: read from the page cache or fail, which shows what others have read
+PERSONALITIES = (0, 8, 0x20000, 0x20008, 0xFFFF_FFFF)  # the default, 32-bit, and queries
 
 _ALLOWED = """
 accept accept4 access alarm arch_prctl bind brk capget capset chdir chmod chown clock_getres clock_gettime
@@ -63,7 +64,7 @@ timer_gettime timer_settime timerfd_create timerfd_gettime timerfd_settime times
 unlink unlinkat utime utimensat utimes vfork wait4 waitid write writev
 """
 ALLOWED = frozenset(_ALLOWED.split())
-# What is refused with "operation not permitted", so that who tries it understands.
+# Calls that fail with "operation not permitted", so that an author understands why.
 _REFUSED = """
 acct add_key bpf chroot clock_settime delete_module fanotify_init fanotify_mark finit_module fsmount fsopen
 init_module inotify_add_watch inotify_init inotify_init1 inotify_rm_watch io_uring_enter io_uring_register
@@ -76,16 +77,16 @@ REFUSED = frozenset(_REFUSED.split())
 
 
 def container_profile(*, locks: bool) -> dict[str, Any]:
-    """Return the policy as Docker and Podman read it.
+    """Return the policy in the format of Docker and Podman.
 
     Args:
-        locks: Whether the agent may lock files: if all that it sees are its own.
+        locks: Whether the agent may lock files, which is safe if it shares no files.
     """
     allow, refuse = "SCMP_ACT_ALLOW", "SCMP_ACT_ERRNO"
     rules: list[dict[str, Any]] = [
         {"names": sorted(ALLOWED), "action": allow},
         {"names": sorted(REFUSED), "action": refuse, "errnoRet": errno.EPERM},
-        # Docker 20 does not read the default's number, and threads start by clone where clone3 is unknown.
+        # Docker 20 ignores defaultErrnoRet, and threads start by clone only if clone3 is not implemented.
         {"names": ["clone3"], "action": refuse, "errnoRet": UNKNOWN},
         {"names": ["clone"], "action": allow, "args": [_masked(0, NEW_NAMESPACES, 0)]},
         {"names": ["preadv2"], "action": allow, "args": [_masked(5, ONLY_IF_CACHED, 0)]},
@@ -101,7 +102,7 @@ def container_profile(*, locks: bool) -> dict[str, Any]:
     return {"defaultAction": refuse, "defaultErrnoRet": UNKNOWN, "syscalls": rules}
 
 
-# Calls of which one argument, counted from 0, must be one of these.
+# Calls with an argument, counted from 0, that must have one of these values.
 EXACTLY = {
     "fadvise64": (3, ADVICE),
     "fcntl": (1, FILE_COMMANDS),
@@ -121,7 +122,7 @@ def _masked(index: int, mask: int, value: int) -> dict[str, Any]:
 
 @functools.cache
 def bpf_filter() -> bytes:
-    """Return the policy as a program of the kernel's filter machine, by libseccomp. It allows no file locks.
+    """Return the policy as a BPF program for the kernel, without file locks.
 
     Raises:
         SandboxError: libseccomp is not installed.
@@ -133,7 +134,7 @@ def bpf_filter() -> bytes:
     policy = library.SyscallFilter(library.ERRNO(UNKNOWN))
     processor = library.system_arch()
     for name in sorted(ALLOWED | REFUSED):
-        # An older library lacks newer calls; without a rule they are not implemented.
+        # Older libraries lack newer calls; without a rule these fail as not implemented.
         if int(library.resolve_syscall(processor, name)) >= 0:
             policy.add_rule(library.ALLOW if name in ALLOWED else library.ERRNO(errno.EPERM), name)
     policy.add_rule(library.ALLOW, "clone", library.Arg(0, library.MASKED_EQ, NEW_NAMESPACES, 0))

@@ -1,13 +1,13 @@
-"""The users that agents run as where root starts them."""
+"""The users as which agents run if root starts them."""
 
 import itertools
 import os
 
-OWN_USERS = 0x7000_0000  # the first of the numbers that agents are given; no user of a machine has such
-AT_ONCE = 128  # agents of one process
+OWN_USERS = 0x7000_0000  # the first user number of agents; no user of a machine has such a high number
+AT_ONCE = 128  # agents of one process at a time
 _slots = itertools.count()
 
 
 def agent_user() -> int:
-    """Return a user for one agent: its own, so that agents do not share what the kernel counts by user."""
+    """Return a user number for one agent, so that agents do not share what the kernel counts by user."""
     return OWN_USERS + os.getpid() * AT_ONCE + next(_slots) % AT_ONCE

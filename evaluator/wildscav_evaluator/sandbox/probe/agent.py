@@ -1,6 +1,6 @@
-"""What can be done from within a sandbox, tried and printed as JSON. It runs as an agent does.
+"""A probe that tries what an agent can do in a sandbox, and prints the findings as JSON.
 
-Nothing here does harm where it works: it is run to find out whether a sandbox keeps its promises.
+It runs as an agent, to find out whether a sandbox keeps its promises. Nothing in it does harm if it succeeds.
 """
 
 import contextlib
@@ -17,13 +17,13 @@ from typing import Any
 
 ORDERS: dict[str, Any] = json.loads(Path("orders.json").read_text("utf-8"))
 NEW_USER = 0x1000_0000
-BURN = 0.3  # s
+BURN = 0.3  # s of computing, to measure processor time
 MEBIBYTE = 1 << 20
 WRITABLE = ("/", "/tmp", "/dev", "/dev/shm", "/var/tmp", "/run", "/usr", "/etc", "/home", "/proc", "/sys")
 
 
 def status(name: str) -> str:
-    """Return a line of what the kernel says of this process."""
+    """Return a field of the kernel's status of this process."""
     for line in Path("/proc/self/status").read_text("ascii").splitlines():
         if line.startswith(f"{name}:"):
             return line.partition(":")[2].strip()
@@ -31,7 +31,7 @@ def status(name: str) -> str:
 
 
 def refused(function: str, *arguments: object) -> str:
-    """Call a function of the C library in a child; return why it was refused, nothing if it was not."""
+    """Call a function of the C library in a child; return why it was refused, or an empty text."""
     child = os.fork()
     if child == 0:
         library = ctypes.CDLL(None, use_errno=True)
@@ -41,7 +41,7 @@ def refused(function: str, *arguments: object) -> str:
 
 
 def writable_places() -> dict[str, int]:
-    """Return where files can be made, and how many bytes fit there."""
+    """Return the folders in which files can be created, with the size of their file systems in bytes."""
     found = {}
     for place in (*WRITABLE, os.getcwd()):
         path = Path(place, f"probe-{os.getpid()}")
@@ -54,7 +54,7 @@ def writable_places() -> dict[str, int]:
 
 
 def processes_possible(most: int) -> int:
-    """Return how many processes there can be, this one included; looks no further than a number."""
+    """Return how many processes can run, including this one; try no more than ``most``."""
     children: list[int] = []
     with contextlib.suppress(OSError):
         while len(children) < most:
@@ -70,7 +70,7 @@ def processes_possible(most: int) -> int:
 
 
 def memory_possible(most: int) -> int:
-    """Return how many bytes a process can use before it is ended; looks no further than a number."""
+    """Return how many bytes a process can use before it is killed; try no more than ``most``."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
@@ -88,7 +88,7 @@ def memory_possible(most: int) -> int:
 
 
 def cores_possible() -> float:
-    """Return how many cores' worth of time two processes get."""
+    """Return how many cores' worth of processor time two processes get."""
     started, before = time.monotonic(), os.times()
     for child in [os.fork() or _burn(started + BURN) for _ in range(2)]:
         os.waitpid(child, 0)
@@ -126,7 +126,7 @@ def _lines(path: str) -> list[str]:
 
 
 def main() -> None:
-    """Try everything, print what was found, and then more than may be printed."""
+    """Run all trials, print the findings, and then print more than the limit on output."""
     found = {}
     for name, trial in TRIALS.items():
         try:
@@ -138,7 +138,7 @@ def main() -> None:
     for _ in range(ORDERS["output"] // 1024):
         sys.stdout.write("x" * 1023 + "\n")
     sys.stdout.flush()
-    # Somebody stays behind.
+    # A child that stays behind, which the sandbox must end.
     if os.fork() == 0:
         os.setsid()
         time.sleep(60)

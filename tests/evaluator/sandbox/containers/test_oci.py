@@ -77,7 +77,7 @@ def test_the_service_of_podman_is_not_taken_for_docker(
         monkeypatch.setenv("DOCKER_HOST", address)
         monkeypatch.setenv(engine.CHOICE, "docker")
 
-        with pytest.raises(SandboxError, match=r"docker: what answers is Podman.*: use podman itself"):
+        with pytest.raises(SandboxError, match=r"docker: its daemon is Podman.*: use podman itself"):
             engine.find_engine()
     finally:
         service.terminate()

@@ -28,7 +28,7 @@ def test_a_timeout_without_a_loader_is_named(programs: Path, has_ldd: bool) -> N
     if has_ldd:
         (programs / "ldd").symlink_to("/usr/bin/ldd")
 
-    with pytest.raises(SandboxError, match=f"ldd finds no loader of {programs}/timeout"):
+    with pytest.raises(SandboxError, match=f"ldd finds no loader for {programs}/timeout"):
         wall_clock.guarded(["agent"], 60.0)
 
 
