@@ -1,4 +1,4 @@
-"""Who sits where: the seats of a match, their submissions, and the names they are shown by."""
+"""The seats of a match: their order, their submissions, and their display names."""
 
 from collections.abc import Sequence
 
@@ -11,20 +11,20 @@ BATTLE_ROBOTS = ("fighter", "gatherer")
 def battle_seats(dice: Dice, robots: int) -> tuple[str, ...]:
     """Return the seats of a battle of one submission against robots, mixed and placed at random.
 
-    Every kind of robot comes up as often as the others, give or take one; the submission may sit anywhere,
-    so that no agent can count on its seat.
+    Every kind of robot occurs as often as the others, give or take one. The submission's seat is random too,
+    so that no agent can rely on its seat.
     """
     seats = [BATTLE_ROBOTS[number % len(BATTLE_ROBOTS)] for number in range(robots)]
     return shuffled(dice, (*seats, SUBMISSION))
 
 
 def shuffled(dice: Dice, seats: Sequence[str]) -> tuple[str, ...]:
-    """Return seats in any order, all equally likely."""
-    dealt = list(seats)
-    for last in range(len(dealt) - 1, 0, -1):
+    """Return seats in random order, with all orders equally likely."""
+    order = list(seats)
+    for last in range(len(order) - 1, 0, -1):
         other = dice.integer(0, last)
-        dealt[last], dealt[other] = dealt[other], dealt[last]
-    return tuple(dealt)
+        order[last], order[other] = order[other], order[last]
+    return tuple(order)
 
 
 def submission_seats(seats: Sequence[str]) -> tuple[int, ...]:
@@ -35,7 +35,7 @@ def submission_seats(seats: Sequence[str]) -> tuple[int, ...]:
 def display_names(seats: Sequence[str], submissions: Sequence[str]) -> tuple[str, ...]:
     """Return a name for every seat: the submissions' in the order of their seats, the robots' with a number.
 
-    A submission that sits in several seats is numbered too.
+    A submission in several seats is numbered too.
     """
     waiting = iter(submissions)
     plain = [next(waiting) if filled_by == SUBMISSION else filled_by for filled_by in seats]

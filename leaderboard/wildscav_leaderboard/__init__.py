@@ -1,1 +1,1 @@
-"""The leaderboard: evaluations in a database, and the standings that follow from them."""
+"""The leaderboard: a database of evaluations, and the standings computed from it."""

@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
 def leaderboard(
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
-    track: Annotated[str | None, typer.Option(help="Only this track, or those that begin so.")] = None,
+    track: Annotated[
+        str | None, typer.Option(help="Only this track, or tracks whose names begin with this.")
+    ] = None,
     suite: Annotated[
         str | None,
-        typer.Option(help="Only this suite: spring also finds spring@19da5d55, a suite of your own."),
+        typer.Option(help="Only this suite; spring also finds your own suite spring@19da5d55."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -52,7 +54,7 @@ def leaderboard(
 
 
 def _nothing_found(everything: "list[Standings]", track: str | None, suite: str | None, db: Path) -> str:
-    """Return why there is no table, and what may have been meant."""
+    """Return why there is no table, with a suggestion of a similar name."""
     from wildscav_leaderboard.standings import is_meant
 
     for what, asked, known in (
@@ -63,7 +65,7 @@ def _nothing_found(everything: "list[Standings]", track: str | None, suite: str 
             near = did_you_mean(asked, known)
             return f"there are no evaluations of {what} {asked}{near} in {db}; it has {', '.join(known)}"
     wanted = "".join(f" of {what} {name}" for what, name in (("track", track), ("suite", suite)) if name)
-    return f"there are no evaluations{wanted} in {db}: `wildscav evaluate` puts them there"
+    return f"there are no evaluations{wanted} in {db}: `wildscav evaluate` stores them there"
 
 
 def _table(one: "Standings") -> Table:
@@ -71,7 +73,7 @@ def _table(one: "Standings") -> Table:
     from wildscav_evaluator.scores.number_format import NOTHING
 
     table = ranking.ranking_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
-    # Rows without a score come last, so the first row knows the metrics if any row does.
+    # Rows without a score come last, so the first row has the metrics if any row does.
     metrics = [_metric(score) for score in one.rows[0].evaluation.scores]
     ranking.add_metrics(table, metrics)
     ranking.add_columns(table, "matches\nfailed", "date")
@@ -88,7 +90,7 @@ def _table(one: "Standings") -> Table:
 
 
 def _versions(one: "Standings") -> str:
-    """Return by which versions all of a table was played, in a line."""
+    """Return in one line the versions with which a table's matches were played."""
     from wildscav_leaderboard.models import UNKNOWN_VERSION
 
     parts = {
@@ -101,7 +103,7 @@ def _versions(one: "Standings") -> str:
 
 
 def _signed(one: "Standings") -> str:
-    """Return whose ledgers are signed, and with which key, in a line."""
+    """Return in one line whose ledgers are signed, and with which key."""
     by_key: dict[str, list[str]] = {}
     for row in one.rows:
         if row.evaluation.key is not None:
@@ -113,7 +115,7 @@ def _signed(one: "Standings") -> str:
 
 
 def _conditions(one: "Standings") -> str:
-    """Return what agents ran in, in a line."""
+    """Return in one line the sandbox and the limits of the agents."""
     from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
     from wildscav_evaluator.output.results import KeptLimits
 

@@ -1,4 +1,4 @@
-"""Opening the database, and the one line that says why it cannot be opened."""
+"""Opening the database; its errors become one line for the user."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -14,7 +14,7 @@ from wildscav_leaderboard.schema import bring_up_to_date, is_current, is_newer, 
 
 
 def check_writable(path: Path) -> None:
-    """See whether ``writing`` would work, and leave nothing behind.
+    """Check that ``writing`` would work, and leave nothing behind.
 
     An old database is only opened. In the place of a new one a trial is made, in a folder of its own: another
     command may make the database, or its folder, at the same time.
@@ -37,10 +37,10 @@ def check_writable(path: Path) -> None:
 
 @contextmanager
 def writing(path: Path) -> Iterator[Session]:
-    """Open a database to write, made if it is missing. All is written at the end, or nothing.
+    """Open a database to write; create it if it is missing. At the end everything is written, or nothing.
 
     Raises:
-        UserError: It cannot be made or written, or is something else.
+        UserError: It cannot be created or written, or is not a leaderboard's database.
     """
     with _opened_to_write(path) as connection, Session(connection) as session:
         yield session
@@ -50,13 +50,13 @@ def writing(path: Path) -> Iterator[Session]:
 
 @contextmanager
 def _opened_to_write(path: Path, named: Path | None = None) -> Iterator[Connection]:
-    """Yield a connection in a transaction with our tables, made or brought up to date.
+    """Yield a connection in a transaction with our tables, which are created or upgraded.
 
-    All that is lost unless committed.
+    All of this is lost unless it is committed.
 
     Args:
         path: The database.
-        named: What errors call it, if not by its path.
+        named: The path to name in errors, if it is another.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -68,7 +68,7 @@ def _opened_to_write(path: Path, named: Path | None = None) -> Iterator[Connecti
         _engine(path) as engine,
         engine.connect() as connection,
     ):
-        # Takes the database at once, so that making tables is part of the transaction.
+        # Locks the database at once, so that the creation of tables is part of the transaction.
         connection.exec_driver_sql("BEGIN IMMEDIATE")
         if inspect(connection).get_table_names():
             _check_ours(path, connection)
@@ -79,14 +79,14 @@ def _opened_to_write(path: Path, named: Path | None = None) -> Iterator[Connecti
 
 @contextmanager
 def reading(path: Path) -> Iterator[Session]:
-    """Open a database to read. One of an older version is brought up to date first.
+    """Open a database to read. One of an older version is upgraded first.
 
     Raises:
-        UserError: It is missing, or not a leaderboard's.
+        UserError: It is missing, or not a leaderboard's database.
     """
     if not path.is_file():
         raise UserError(
-            f"there is no database {path}: `wildscav evaluate` makes it, or name another with --db", 2
+            f"there is no database {path}: `wildscav evaluate` creates it, or name another with --db", 2
         )
     with _one_line(path), _engine(path) as engine:
         with engine.connect() as connection:
@@ -100,7 +100,7 @@ def reading(path: Path) -> Iterator[Session]:
 
 
 def _check_ours(path: Path, connection: Connection) -> None:
-    """Refuse a database that has not all of our tables, or is of a version that is still to come."""
+    """Refuse a database that lacks some of our tables, or is of a newer version."""
     if not is_ours(connection):
         raise UserError(f"{path} is a database, but not a leaderboard's: name another with --db", 2)
     if is_newer(connection):
@@ -109,7 +109,7 @@ def _check_ours(path: Path, connection: Connection) -> None:
 
 @contextmanager
 def _nothing_half_made(path: Path) -> Iterator[None]:
-    """Remove an empty file that a database which came to nothing left behind, if it was not there before."""
+    """Remove the empty file that remains if a new database could not be created."""
     was_there = path.exists()
     try:
         yield

@@ -1,4 +1,4 @@
-"""The tables: submissions, their evaluations, and the matches of those."""
+"""The tables: submissions, evaluations, scores and matches."""
 
 from datetime import datetime
 from typing import Any
@@ -6,14 +6,15 @@ from typing import Any
 from sqlalchemy import JSON, ForeignKey, UniqueConstraint
 from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, mapped_column, relationship
 
-UNKNOWN = "unknown"  # sandbox of evaluations that were stored before it was
-# What an evaluation depends on besides its submission; only those that agree in all of it can be compared.
+UNKNOWN = "unknown"  # sandbox of evaluations from before it was stored
+# What an evaluation depends on besides its submission. Only evaluations with equal conditions can be
+# compared.
 CONDITIONS = (
     *("track", "suite", "seed"),
     *("engine_version", "simulation_version", "generator_version", "record_version"),
     *("sandbox", "limits"),
 )
-UNKNOWN_VERSION = 0  # of the parts of evaluations that were stored before theirs were
+UNKNOWN_VERSION = 0  # of evaluations from before versions were stored
 
 
 class Base(MappedAsDataclass, DeclarativeBase, kw_only=True):
@@ -21,7 +22,7 @@ class Base(MappedAsDataclass, DeclarativeBase, kw_only=True):
 
 
 class Submission(Base):
-    """An immutable, versioned, packaged agent: another content is another submission."""
+    """An immutable, versioned, packaged agent. Different content is a different submission."""
 
     __tablename__ = "submissions"
     __table_args__ = (UniqueConstraint("name", "version", "digest"),)
@@ -47,13 +48,13 @@ class Evaluation(Base):
     submission: Mapped[Submission] = relationship(back_populates="evaluations")
     track: Mapped[str]
     suite: Mapped[str]
-    seed: Mapped[str]  # decimal, wider than any integer column; of a hidden one, its commitment's beginning
+    seed: Mapped[str]  # decimal, since it may exceed any integer column; or the beginning of a commitment
     engine_version: Mapped[str]
     simulation_version: Mapped[int] = mapped_column(server_default=str(UNKNOWN_VERSION))
     generator_version: Mapped[int] = mapped_column(server_default=str(UNKNOWN_VERSION))
     record_version: Mapped[int] = mapped_column(server_default=str(UNKNOWN_VERSION))
     sandbox: Mapped[str] = mapped_column(server_default=UNKNOWN)  # in which agents ran
-    limits: Mapped[str] = mapped_column(server_default="{}")  # that it kept, as JSON; of older ones, nothing
+    limits: Mapped[str] = mapped_column(server_default="{}")  # that the sandbox enforced, as JSON
     started: Mapped[datetime]  # UTC
     faults: Mapped[int]  # matches in which something went wrong
     key: Mapped[str | None] = mapped_column(default=None)  # public key that its ledger is signed with
@@ -67,12 +68,12 @@ class Evaluation(Base):
 
 
 class Score(Base):
-    """One metric of an evaluation. The first is the one that ranks."""
+    """One metric of an evaluation. The first decides the rank."""
 
     __tablename__ = "scores"
 
     evaluation_id: Mapped[int] = mapped_column(ForeignKey("evaluations.id"), primary_key=True, init=False)
-    position: Mapped[int] = mapped_column(primary_key=True)  # 0 ranks
+    position: Mapped[int] = mapped_column(primary_key=True)  # 0 for the metric that decides the rank
     name: Mapped[str]
     title: Mapped[str]
     unit: Mapped[str]

@@ -1,4 +1,4 @@
-"""The version of a database's schema, and the way from an older one to today's."""
+"""The version of a database's schema, and its upgrade to the current one."""
 
 from pathlib import Path
 
@@ -10,27 +10,27 @@ from sqlalchemy import Connection, inspect
 
 from wildscav_leaderboard.models import Base
 
-UNNUMBERED = "1"  # version of the databases that do not name theirs
+UNNUMBERED = "1"  # version of databases without a version number
 
 
 def is_current(connection: Connection) -> bool:
-    """Return whether a database has today's schema."""
+    """Return whether a database has the current schema."""
     return _version(connection) == _scripts(_config(connection)).get_current_head()
 
 
 def is_ours(connection: Connection) -> bool:
-    """Return whether a database is a leaderboard's, of whatever version."""
+    """Return whether a database is a leaderboard's, of any version."""
     return set(Base.metadata.tables) <= set(inspect(connection).get_table_names())
 
 
 def is_newer(connection: Connection) -> bool:
-    """Return whether a database is of a version that is not known here."""
+    """Return whether a database is of a newer, unknown version."""
     known = {script.revision for script in _scripts(_config(connection)).walk_revisions()}
     return is_ours(connection) and _version(connection) not in known
 
 
 def bring_up_to_date(connection: Connection) -> None:
-    """Give an empty database, or ours of an older version, today's schema, in the open transaction."""
+    """Give an empty or older database of ours the current schema, in the open transaction."""
     config = _config(connection)
     if _named_version(connection) is None and is_ours(connection):
         command.stamp(config, UNNUMBERED)
@@ -38,7 +38,7 @@ def bring_up_to_date(connection: Connection) -> None:
 
 
 def _version(connection: Connection) -> str | None:
-    """Return the version of a database; none if it is not ours."""
+    """Return the version of a database; None if it is not ours."""
     named = _named_version(connection)
     return UNNUMBERED if named is None and is_ours(connection) else named
 

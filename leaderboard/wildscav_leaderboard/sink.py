@@ -1,4 +1,4 @@
-"""The sink that plugs into ``wildscav evaluate`` and puts its results into the database."""
+"""The result sink that stores the results of ``wildscav evaluate`` in the database."""
 
 from datetime import datetime
 from pathlib import Path
@@ -14,16 +14,16 @@ from wildscav_leaderboard.models import Evaluation, MatchResult, Score, Submissi
 
 
 class DatabaseSink:
-    """Stores evaluations. The same evaluation again replaces the one before."""
+    """Stores evaluations. An evaluation that is stored again replaces the previous one."""
 
     def __init__(self, path: str) -> None:
         self._path = Path(path)
 
     def check(self) -> None:
-        """See whether the database can be written; one that is not there yet is not made.
+        """Check that the database can be written, without creating a missing one.
 
         Raises:
-            UserError: It cannot, or is not a leaderboard's.
+            UserError: It cannot be written, or is not a leaderboard's.
         """
         check_writable(self._path)
 
@@ -61,7 +61,7 @@ def _store(session: Session, whole: results.Results, evaluation: results.Evaluat
 
 
 def _conditions(whole: results.Results, track: str) -> dict[str, Any]:
-    """Return all that an evaluation depends on besides its submission."""
+    """Return everything that an evaluation depends on besides its submission."""
     limits = whole.limits.get(track, results.KeptLimits())
     return {
         "track": track,
@@ -77,7 +77,7 @@ def _conditions(whole: results.Results, track: str) -> dict[str, Any]:
 
 
 def _submission(session: Session, evaluation: results.Evaluation) -> Submission:
-    """Return the submission's row, made at its first evaluation."""
+    """Return the submission's row, which is created at its first evaluation."""
     known = session.scalars(
         select(Submission).where(
             Submission.name == evaluation.submission,

@@ -1,4 +1,4 @@
-"""Standings: who leads on a track, by the latest evaluation of every submission."""
+"""Standings: the ranking on each track, from the latest evaluation of every submission."""
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby
@@ -11,41 +11,42 @@ from wildscav_leaderboard.models import CONDITIONS, Evaluation
 
 
 class Row(NamedTuple):
-    """One submission's place."""
+    """One submission's place in the standings."""
 
-    rank: int | None  # 1 leads; equal scores share a rank; none without a score
+    rank: int | None  # 1 is the best; equal scores share a rank; None without a score
     evaluation: Evaluation
 
 
 class Standings(NamedTuple):
-    """The order on one suite of one track, of evaluations that can be compared.
+    """The ranking of comparable evaluations on one suite of one track.
 
-    Only those of one seed on one version of the engine, its rules, its map generator and its records played
-    the same matches, and only in one sandbox with one set of limits did their agents have the same means.
+    Evaluations played the same matches only if their seed and their versions of the engine, its rules, its
+    map generator and its records are equal. Their agents had equal conditions only in the same sandbox with
+    the same limits.
     """
 
     track: str
     suite: str
     seed: str
     engine_version: str
-    simulation_version: int  # 0 of evaluations that were stored before it was; the next two as well
+    simulation_version: int  # 0 if it was not stored yet; the next two as well
     generator_version: int
     record_version: int
     sandbox: str
-    limits: str  # that it kept, as JSON
+    limits: str  # that the sandbox enforced, as JSON
     rows: tuple[Row, ...]
 
 
 def is_meant(asked: str | None, name: str) -> bool:
-    """Return whether a track or suite is the one that is asked for: by its name, or by how that begins."""
+    """Return whether a track or suite matches the requested name or prefix; None matches all."""
     return asked is None or name.startswith(asked)
 
 
 def standings(session: Session, track: str | None = None, suite: str | None = None) -> Iterator[Standings]:
-    """Yield the standings of all that can be compared, or of the tracks and suites that are meant.
+    """Yield the standings of each set of comparable evaluations on the requested tracks and suites.
 
-    A submission stands there once, under its name, with its latest evaluation: a newer version replaces an
-    older one even if it is worse, since it is the one that its author stands by.
+    A submission appears once, under its name, with its latest evaluation. A newer version replaces an older
+    one even if it is worse, since it is its author's current choice.
     """
     wanted = (
         select(Evaluation)
@@ -56,7 +57,7 @@ def standings(session: Session, track: str | None = None, suite: str | None = No
     found = [
         one for one in session.scalars(wanted) if is_meant(track, one.track) and is_meant(suite, one.suite)
     ]
-    for key, group in groupby(sorted(found, key=_place_of), _key):
+    for key, group in groupby(sorted(found, key=_sort_key), _key):
         latest = {evaluation.submission.name: evaluation for evaluation in group}
         yield Standings(rows=tuple(rank(latest.values())), **dict(zip(CONDITIONS, key, strict=True)))
 
@@ -65,8 +66,8 @@ def _key(one: Evaluation) -> tuple[Any, ...]:
     return tuple(getattr(one, name) for name in CONDITIONS)
 
 
-def _place_of(one: Evaluation) -> tuple[int, tuple[Any, ...]]:
-    """Return what the standings are ordered by: the tracks as the engine lists them."""
+def _sort_key(one: Evaluation) -> tuple[int, tuple[Any, ...]]:
+    """Return the sort key of the standings: the engine's order of the tracks, then the conditions."""
     from wildscav_engine.tracks import TRACKS
 
     tracks = list(TRACKS)
@@ -74,7 +75,7 @@ def _place_of(one: Evaluation) -> tuple[int, tuple[Any, ...]]:
 
 
 def rank(evaluations: Iterable[Evaluation]) -> Iterator[Row]:
-    """Yield evaluations from first to last; those without a score come last and have no rank."""
+    """Yield evaluations from best to worst; those without a score come last and have no rank."""
     ordered = sorted(evaluations, key=lambda one: (_order(one), one.submission.name))
     place, before = 0, None
     for number, evaluation in enumerate(ordered, start=1):

@@ -8,7 +8,7 @@ from wildscav_leaderboard.standings import Row, Standings
 
 
 def document(one: Standings) -> dict[str, Any]:
-    """Return the standings on one suite of one track as the values that JSON has."""
+    """Return the standings on one suite of one track as values of JSON's types."""
     conditions = {name: getattr(one, name) for name in CONDITIONS}
     return conditions | {"limits": json.loads(one.limits), "rows": [_row(row) for row in one.rows]}
 

@@ -1,1 +1,1 @@
-"""Scores: what matches say of a submission, computed anew from records, and compared."""
+"""Scores: computing them from matches, recomputing them from records, and comparing them."""

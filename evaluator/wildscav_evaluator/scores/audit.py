@@ -1,8 +1,8 @@
-"""Whether an output folder bears its results out: its parts agree, nothing is missing, all is accounted for.
+"""Checking that an output folder supports its results: its parts agree, and nothing is missing.
 
-Records prove what the actions in them came to. The rest (who played, in what, and that nothing was left out)
-must at least be the same in ``results.json``, ``evaluation.json`` and the ledger. It is proven only if an
-organizer signed the ledger.
+Records prove which scores their actions give. The rest (who played, in which sandbox, and that nothing was
+left out) must at least be the same in ``results.json``, ``evaluation.json`` and the ledger. It is proven only
+if an organizer signed the ledger.
 """
 
 from collections import Counter
@@ -24,19 +24,19 @@ from wildscav_evaluator.scores.compare import check_comparison
 from wildscav_evaluator.scores.expected_matches import expected_matches, match_counts
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 
-MOST_NAMED = 20  # matches that are missing, one by one
-SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key")  # in results and identity
+MOST_NAMED = 20  # missing matches that are named individually
+SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key")  # in both files
 
 
 @dataclass(frozen=True)
 class AuditedFolder:
-    """What an output folder says of an evaluation."""
+    """The contents of an evaluation's output folder, except its records."""
 
     out: Path
     reported: Results
-    identity: Identity | None  # none if it does not say
-    ledger: Ledger | None  # none if it is missing or broken
-    fault: str  # why there is no ledger to rely on
+    identity: Identity | None  # None if its file is missing
+    ledger: Ledger | None  # None if it is missing or broken
+    fault: str  # why there is no reliable ledger, or empty
     key: str | None  # the public key that must have signed the ledger
 
     @property
@@ -46,23 +46,23 @@ class AuditedFolder:
 
 
 def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
-    """Read what an output folder says besides its results.
+    """Read the identity and the ledger of an output folder.
 
     Args:
         out: The folder.
         reported: Its results.
-        key: The public key that must have signed its ledger; none if that does not matter.
+        key: The public key that must have signed its ledger; None to accept any.
 
     Raises:
-        UserError: Its results are of tracks that there are not, or tell something twice.
+        UserError: Its results have an unknown track, or an evaluation twice.
     """
     names = Counter((one.track, one.submission) for one in reported.evaluations)
     for (track, submission), count in names.items():
         if track not in TRACKS:
             raise UserError(f"{out / RESULTS_FILE}: there is no track {printable(track)!r}")
         if count > 1:
-            raise UserError(f"{out / RESULTS_FILE}: {printable(submission)} is in it twice on {track}")
-    ledger, fault = None, f"there is no {out / LEDGER_FILE}: nothing shows that nothing was left out"
+            raise UserError(f"{out / RESULTS_FILE}: {printable(submission)} has two results on {track}")
+    ledger, fault = None, f"there is no {out / LEDGER_FILE}: nothing shows that no match was left out"
     try:
         ledger = read_ledger(out)
         if key is not None:
@@ -74,10 +74,10 @@ def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
 
 
 def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed]) -> Iterator[str]:
-    """Yield, in a line each, what an output folder claims and does not bear out.
+    """Yield one line for each claim of an output folder that its contents do not support.
 
     Args:
-        folder: What it says.
+        folder: The folder's contents.
         replayed: Its records, played again.
 
     Raises:
@@ -95,10 +95,10 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed]) -> Iterat
 
 
 def _of_identity(folder: AuditedFolder) -> Iterator[str]:
-    """Compare the results with what was to be evaluated."""
+    """Compare the results with the evaluation's identity."""
     reported, identity = folder.reported, folder.identity
     if identity is None:
-        yield f"there is no {folder.out / IDENTITY_FILE}: nothing says who was to play"
+        yield f"there is no {folder.out / IDENTITY_FILE}: without it, the entrants are not known"
         return
     for name in SAME:
         if getattr(reported, name) != getattr(identity, name):
@@ -115,11 +115,11 @@ def _of_identity(folder: AuditedFolder) -> Iterator[str]:
     for track, name in sorted(entered.keys() | found.keys()):
         who = f"{name} on {track}"
         if (track, name) not in found:
-            yield f"{who}: {IDENTITY_FILE} says that it takes part, but there are no results"
+            yield f"{who}: {IDENTITY_FILE} names it as an entrant, but there are no results"
         elif (track, name) not in entered:
-            yield f"{who}: there are results, but {IDENTITY_FILE} does not say that it takes part"
+            yield f"{who}: there are results, but {IDENTITY_FILE} does not name it as an entrant"
         elif found[track, name] != entered[track, name]:
-            yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name other versions or files of it"
+            yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name different versions or files of it"
 
 
 def _shown(part: Results | Identity, name: str) -> str:
@@ -130,11 +130,11 @@ def _shown(part: Results | Identity, name: str) -> str:
 def _of_suite(
     folder: AuditedFolder, replayed: Sequence[Replayed], expected: Mapping[str, Sequence[MatchSpec]] | None
 ) -> Iterator[str]:
-    """See that all entrants played the same matches, and those that were to be played."""
+    """Check that all entrants played the same matches, and that these are the planned ones."""
     specs: dict[tuple[str, int], MatchSpec] = {}
     for one in replayed:
         if one.spec is not None and specs.setdefault((one.track, one.index), one.spec) != one.spec:
-            yield f"{one.record}: another submission played another match {one.index} of {one.track}"
+            yield f"{one.record}: another submission played a different match {one.index} of {one.track}"
     identity = folder.identity
     if identity is None or set(identity.tracks) != set(folder.reported.tracks):
         return
@@ -151,7 +151,7 @@ def _of_suite(
 
 
 def _of_rows(folder: AuditedFolder, counts: Mapping[str, int]) -> Iterator[str]:
-    """See that every match of the suite is there, and that its parts agree with each other."""
+    """Check that every match of the suite is in the results, and that its values are consistent."""
     for evaluation in folder.reported.evaluations:
         who, count = f"{evaluation.submission} on {evaluation.track}", counts.get(evaluation.track, 0)
         indices = [row.index for row in evaluation.matches]
@@ -176,14 +176,14 @@ def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Ite
         if not row.seats or MatchRow.of(row.index, row.seats, row.record) != played:
             yield f"{who}: its summary is not that of its seats"
         if any(seat.fault == "platform" for seat in row.seats) or row.fault == "platform":
-            yield f"{who}: it was played, and yet called the platform's fault"
+            yield f"{who}: it was played, but is marked as the platform's fault"
         return
     if (row.status, row.fault) != (FAILED, "platform"):
-        yield f"{who}: there is no record of it, though it is said to have been played"
+        yield f"{who}: there is no record of it, though the results say that it was played"
     elif not folder.signed:
         yield (
-            f"{who}: there is no record of it; that the platform failed is shown only by a ledger that "
-            "the organizer signed (--key)"
+            f"{who}: there is no record of it; only a ledger that the organizer signed (--key) "
+            "can prove that the platform failed"
         )
 
 
@@ -194,7 +194,7 @@ def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[st
 
 
 def _of_ledger(folder: AuditedFolder) -> Iterator[str]:
-    """Compare the results with all that happened."""
+    """Compare the results with the ledger."""
     reported, ledger = folder.reported, folder.ledger
     if folder.fault:
         yield folder.fault
@@ -203,7 +203,7 @@ def _of_ledger(folder: AuditedFolder) -> Iterator[str]:
     if folder.identity is not None and ledger.identity != folder.identity:
         yield f"{IDENTITY_FILE} is not what {LEDGER_FILE} was opened with"
     if ledger.closed is None:
-        yield f"{LEDGER_FILE} is not closed: the evaluation did not come to its end, or its end was cut off"
+        yield f"{LEDGER_FILE} is not closed: the evaluation was not completed, or its end was cut off"
     elif ledger.closed.results != sha256_of(folder.out / RESULTS_FILE):
         yield f"{RESULTS_FILE} is not the file that {LEDGER_FILE} was closed with"
     ended = ledger.ended
@@ -216,14 +216,14 @@ def _of_ledger(folder: AuditedFolder) -> Iterator[str]:
             if not times:
                 yield f"{match}: is in the results, but not in {LEDGER_FILE}"
             elif (times[-1].row, times[-1].timing) != (row.model_copy(update={"replay": None}), timing):
-                yield f"{match}: {RESULTS_FILE} and {LEDGER_FILE} tell otherwise of it"
+                yield f"{match}: {RESULTS_FILE} and {LEDGER_FILE} disagree about it"
             yield from _of_ended(folder.out, match, times)
     for match in ended:
         yield f"{match}: is in {LEDGER_FILE}, but not in the results"
 
 
 def _of_ended(out: Path, match: str, times: Sequence[Ended]) -> Iterator[str]:
-    """See that a match was played once, and that its record is the one that was entered."""
+    """Check that a match was played once, and that its record is the one in the ledger."""
     if any(one.record is not None for one in times[:-1]):
         yield f"{match}: was played more than once"
     last = times[-1] if times else None

@@ -1,4 +1,4 @@
-"""What has changed since the last evaluation of a submission, by the matches that both versions played."""
+"""The change since the last evaluation of a submission, from the matches that both versions played."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,23 +10,23 @@ from wildscav_evaluator.output.numbered_folders import NUMBERED, identity_in, nu
 from wildscav_evaluator.output.results import Evaluation, Results, read_results
 from wildscav_evaluator.scores.compare import Comparison, compare_evaluations
 
-MOST_SEARCHED = 50  # evaluations to look back
+MOST_SEARCHED = 50  # earlier evaluations, at most
 
 
 class Change(FileModel):
     """One submission on one track, now and when it was last evaluated with other files."""
 
     folder: str  # of the earlier evaluation
-    version: str  # that was evaluated there
+    version: str  # the version that was evaluated there
     comparison: Comparison  # first: now, second: then
 
 
 def changes_since_last(results: Results, out: Path) -> tuple[Change, ...]:
-    """Compare every submission with what it was at its last evaluation on the same matches.
+    """Compare every submission with its last evaluation on the same matches with other files.
 
     Args:
-        results: Of this evaluation.
-        out: Its folder. Of one without a number, nothing is known of what came before.
+        results: The results of this evaluation.
+        out: Its folder. If that has no number, its predecessors are not known.
     """
     wanted = {(one.submission, one.track): one for one in results.evaluations}
     found: dict[tuple[str, str], Change] = {}
@@ -58,11 +58,11 @@ def _earlier(results: Results, out: Path) -> Iterator[tuple[Path, Results]]:
         try:
             yield folder, read_results(folder / RESULTS_FILE)
         except (UserError, OSError):
-            continue  # it was not played to its end
+            continue  # it was not completed
 
 
 def _same(earlier: Results, now: Results, on: Evaluation) -> bool:
-    """Return whether two evaluations played the same matches of a track, with the same means."""
+    """Return whether two evaluations played the same matches of a track, under the same conditions."""
     return (
         (earlier.versions, earlier.suite, earlier.seed, earlier.commitment, earlier.rounds, earlier.sandbox)
         == (now.versions, now.suite, now.seed, now.commitment, now.rounds, now.sandbox)

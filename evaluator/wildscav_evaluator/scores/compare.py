@@ -1,4 +1,4 @@
-"""Which of two submissions is better, by the matches that both played."""
+"""Deciding which of two submissions is better, from the matches that both played."""
 
 import contextlib
 from collections.abc import Iterator
@@ -13,7 +13,8 @@ from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import interval
 
-# Even if one wins every pair, fewer are won by luck in more than one case of twenty: 2 · 0.5⁵ is 6 %.
+# With fewer pairs, one submission wins all of them by chance in more than one case of twenty: 2 · 0.5⁵ is 6
+# %.
 FEWEST_PAIRS = 6
 
 Verdict = Literal["first", "second", "tied", "too few"]
@@ -28,7 +29,7 @@ class Difference(FileModel):
     difference: float  # mean of first - second, match by match
     low: float  # of the paired bootstrap 95 % interval of that mean
     high: float
-    verdict: Verdict  # who is better
+    verdict: Verdict  # which submission is better
 
 
 class Comparison(FileModel):
@@ -37,13 +38,13 @@ class Comparison(FileModel):
     track: str
     first: str
     second: str
-    pairs: int  # matches that both played to a result
-    dropped: int  # matches that one of them did not, by the platform's fault
-    differences: tuple[Difference, ...]  # the first is that of the score
+    pairs: int  # matches for which both have a result
+    dropped: int  # matches for which one of them has none, by the platform's fault
+    differences: tuple[Difference, ...]  # by metric; the first is the score
 
     @property
     def verdict(self) -> Verdict:
-        """Who is better by the score; too few if nothing was compared."""
+        """The submission with the better score; "too few" if nothing was compared."""
         return self.differences[0].verdict if self.differences else "too few"
 
 
@@ -51,9 +52,9 @@ class Comparisons(FileModel):
     """The file of a comparison."""
 
     format: Literal[2] = 2
-    versions: Versions  # by which they were played
+    versions: Versions  # with which they were played
     suite: str
-    seed: str  # or the beginning of a hidden one's commitment
+    seed: str  # or the beginning of the commitment, if it is hidden
     rounds: int
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits]  # of each agent in it, by track
@@ -61,7 +62,7 @@ class Comparisons(FileModel):
 
 
 def compare(results: Results, first: str, second: str) -> Comparisons:
-    """Compare two submissions on every track of an evaluation that both are in."""
+    """Compare two submissions on every track of an evaluation in which both take part."""
     by_name = {(one.submission, one.track): one for one in results.evaluations}
     return Comparisons(
         versions=results.versions,
@@ -114,13 +115,13 @@ def _differences(
 
 
 def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verdict:
-    """Return who is better, by the interval of first - second.
+    """Return which submission is better, given the interval of first - second.
 
     Args:
-        low: The interval's lower end.
-        high: Its upper end.
-        pairs: How many matches it rests on.
-        lower_is_better: Whether the metric is one of which less is better.
+        low: The lower end of the interval.
+        high: The upper end of the interval.
+        pairs: The number of matches behind it.
+        lower_is_better: Whether lower values of the metric are better.
     """
     if pairs < FEWEST_PAIRS:
         return "too few"
@@ -130,11 +131,11 @@ def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verd
 
 
 def check_comparison(out: Path, results: Results) -> str:
-    """Return why a folder's comparison is not the one that its results make; nothing if it is, or has none.
+    """Return why a folder's comparison does not follow from its results; an empty text if it does.
 
     Args:
-        out: The folder.
-        results: In it.
+        out: The folder; it may have no comparison.
+        results: The results in it.
     """
     path = out / COMPARISON_FILE
     try:
@@ -142,9 +143,9 @@ def check_comparison(out: Path, results: Results) -> str:
     except FileNotFoundError:
         return ""
     except FileModelError as error:
-        return f"{path} is no comparison: {error}"
+        return f"{path} is not a comparison: {error}"
     names = list(dict.fromkeys(one.submission for one in results.evaluations))
-    with contextlib.suppress(KeyError, ValueError):  # of results that lack something
+    with contextlib.suppress(KeyError, ValueError):  # raised if the results lack a submission or metric
         if len(names) == 2 and reported == compare(results, *names):
             return ""
     return f"{COMPARISON_FILE} is not what {RESULTS_FILE} gives"

@@ -1,4 +1,4 @@
-"""What an evaluation played, as its output folder tells: its suite, its seed, and so its matches."""
+"""The matches that an evaluation should have played, from the suite and the seed in its output folder."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ from wildscav_evaluator.suites.suite_file import read_suite
 
 
 def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[MatchSpec]] | None:
-    """Return the matches of the suite that was played, by track; none while its seed is hidden.
+    """Return the matches of the suite that was played, by track; None while its seed is hidden.
 
     Raises:
         UserError: The suite's own file, or the opened secret, is not that of the results.
@@ -43,10 +43,10 @@ def match_counts(out: Path, reported: Results) -> Mapping[str, int]:
 
 
 def played_suite(out: Path, reported: Results) -> Suite:
-    """Return the suite of an evaluation, an organizer's own by the copy of its file.
+    """Return the suite of an evaluation; an organizer's own is read from the copy of its file.
 
     Raises:
-        UserError: The copy is missing or is another, or the suite's package is installed in another version.
+        UserError: The copy is missing or is another suite, or the suite's package has another version.
     """
     name = reported.suite.partition("@")[0]
     if name in SUITES and not (out / SUITE_FILE).exists():
@@ -55,12 +55,12 @@ def played_suite(out: Path, reported: Results) -> Suite:
         return SUITES[name]
     suite = read_suite(out / SUITE_FILE)
     if suite.label != reported.suite:
-        raise UserError(f"{out / SUITE_FILE} is suite {suite.label}, but {reported.suite} was played")
+        raise UserError(f"{out / SUITE_FILE} is the suite {suite.label}, but {reported.suite} was played")
     return suite
 
 
 def opened_secret(out: Path, reported: Results) -> SuiteSeed | None:
-    """Return the seed of an evaluation whose secret was opened; none if it was not yet.
+    """Return the seed of an evaluation whose secret was opened; None if it is still hidden.
 
     Raises:
         UserError: The secret is not the one that was committed to.
@@ -82,10 +82,10 @@ def check_opened(out: Path, commitment: str) -> int:
         commitment: As it was published.
 
     Returns:
-        How many records there are.
+        The number of records.
 
     Raises:
-        UserError: It did not, or its secret was not opened.
+        UserError: It played other matches, or its secret was not opened.
     """
     reported = read_results(out / RESULTS_FILE)
     if reported.commitment != commitment:
@@ -97,11 +97,11 @@ def check_opened(out: Path, commitment: str) -> int:
         raise UserError(f"{out} was evaluated {played}, not with {commitment}")
     expected = expected_matches(out, reported)
     if expected is None:
-        raise UserError(f"the secret of {out} is not opened yet: `wildscav secret open FILE {out}` does it")
+        raise UserError(f"the secret of {out} is not opened: use `wildscav secret open FILE {out}`")
     paths = record_paths(out)
     for path in paths:
         if not _is_expected(path, expected):
-            raise UserError(f"{path} is not of a match that follows from the secret")
+            raise UserError(f"{path} is not of a match that the secret determines")
     return len(paths)
 
 

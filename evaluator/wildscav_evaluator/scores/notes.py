@@ -1,7 +1,7 @@
-"""What to tell an author whose agent plays to the end, but not by the rules.
+"""Notes for an author whose agent plays to the end, but sends invalid actions or is late.
 
-Fields that a track does not have are counted in the results and not told: an agent for several tracks may
-well set them.
+Fields that a track does not have are counted in the results without a note, because an agent for several
+tracks may set them.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,7 +12,7 @@ from wildscav_evaluator.output.results import Evaluation, MatchTiming
 
 
 def evaluation_actions_note(evaluation: Evaluation) -> str | None:
-    """Return a line on a submission's invalid actions on one track, if there were any."""
+    """Return a line about a submission's invalid actions on one track, or None if there were none."""
     seats = [seat for row in evaluation.matches for seat in row.seats]
     return invalid_actions_note(
         f"{evaluation.submission} on {evaluation.track}",
@@ -22,11 +22,11 @@ def evaluation_actions_note(evaluation: Evaluation) -> str | None:
 
 
 def evaluation_lateness_note(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
-    """Return a line on a submission's late steps that are the machine's fault, if there were any.
+    """Return a line about a submission's late steps that are the machine's fault; None if there are none.
 
     Args:
-        evaluation: Of the submission on one track.
-        timings: Of all matches.
+        evaluation: The evaluation of the submission on one track.
+        timings: The timings of all matches.
     """
     key = (evaluation.submission, evaluation.track)
     late: dict[str, Sequence[int]] = {}
@@ -41,11 +41,11 @@ def evaluation_lateness_note(evaluation: Evaluation, timings: Iterable[MatchTimi
 
 
 def lateness_note(who: str, late: Mapping[str, Sequence[int]]) -> str:
-    """Return a line on late steps that are the machine's fault.
+    """Return a line about late steps that are the machine's fault.
 
     Args:
-        who: Whose they are.
-        late: Their numbers, from 0 as in the results, by what is said before them.
+        who: The name of the agent.
+        late: The numbers of the steps, from 0 as in the results, by the text to write before them.
     """
     count = sum(map(len, late.values()))
     where = "; ".join(f"{before}{_ranges(steps)}" for before, steps in late.items())
@@ -56,7 +56,7 @@ def lateness_note(who: str, late: Mapping[str, Sequence[int]]) -> str:
 
 
 def _ranges(steps: Sequence[int]) -> str:
-    """Return the numbers of steps, given from 0, in words that count from 1, such as "step 3, 7–9"."""
+    """Return the numbers of steps, given from 0, as text that counts from 1, such as "steps 3, 7–9"."""
     ranges: list[list[int]] = []
     for step in sorted(number + 1 for number in steps):
         if ranges and step == ranges[-1][-1] + 1:
@@ -68,10 +68,10 @@ def _ranges(steps: Sequence[int]) -> str:
 
 
 def invalid_actions_note(who: str, *, actions: int, invalid: int) -> str | None:
-    """Return a line on an agent's invalid actions, if there were any.
+    """Return a line about an agent's invalid actions, or None if there were none.
 
     Args:
-        who: Whose they are.
+        who: The name of the agent.
         actions: How many actions it sent in time.
         invalid: How many of them had a number out of its range.
     """

@@ -1,8 +1,8 @@
-"""How the values of metrics are written in tables, on the dashboard and in progress lines."""
+"""The format of metrics' values in tables, on the dashboard and in progress lines."""
 
 from wildscav_evaluator.output.results import MetricInfo
 
-NOTHING = "-"  # where there is no value
+NOTHING = "-"  # shown if there is no value
 
 
 def number(value: float, metric: MetricInfo) -> str:
@@ -17,6 +17,6 @@ def signed(value: float, metric: MetricInfo) -> str:
 
 
 def unit_and_title(metric: MetricInfo) -> str:
-    """Return a metric's unit and title, to stand after a number."""
+    """Return a metric's unit and title, to be written after a number."""
     unit = f"{metric.unit} " if metric.unit and not metric.title.endswith("rate") else ""
     return f"{unit}{metric.title}"

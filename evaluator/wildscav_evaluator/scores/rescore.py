@@ -1,7 +1,7 @@
-"""Scores from records alone: every match played again, every table computed anew.
+"""Scores from records alone: playing every match again, and recomputing every table.
 
-What agents and files say of themselves counts for nothing here: a record's metrics are those of its match as
-the engine plays it now, and it counts only if that is the match recorded, step for step.
+Nothing that agents or files claim is trusted here. A record's metrics are those of its match as the engine
+plays it now, and a record counts only if that equals the recorded match, step by step.
 """
 
 import os
@@ -31,39 +31,39 @@ from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.seats import submission_seats
 
-RECORDED = "recorded"  # status of a match of which nothing but its record is known
+RECORDED = "recorded"  # status of a match of which only the record is known
 
 
 @dataclass(frozen=True)
 class Replayed:
-    """One record, and what came of its match when it was played again."""
+    """One record, and the result of playing its match again."""
 
     record: str  # path in the output folder
     track: str
     index: int  # in the suite
     submission: str
     spec: MatchSpec | None = None
-    seats: Mapping[int, dict[str, float]] | None = None  # metrics of the submission's; none if it is no good
-    fault: str = ""  # why it does not
-    versions: Versions | None = None  # that the record says it was played by
+    seats: Mapping[int, dict[str, float]] | None = None  # metrics by seat; None if the record is invalid
+    fault: str = ""  # why the record is not valid
+    versions: Versions | None = None  # with which it was played, according to the record
 
     @property
     def key(self) -> tuple[str, str, int]:
-        """Which match of the evaluation it is."""
+        """The track, submission and index of the match."""
         return self.track, self.submission, self.index
 
     @property
     def metrics(self) -> dict[str, float] | None:
-        """Those of the match; none if the record does not hold."""
+        """The metrics of the match; None if the record is not valid."""
         return None if self.seats is None else mean_metrics(list(self.seats.values()))
 
 
 def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
-    """Play records again, and yield what came of each, in their order.
+    """Play records again, and yield the result of each, in their order.
 
     Args:
         paths: The records.
-        jobs: How many to play at once, each in a process of its own; a single one is played in this process.
+        jobs: How many to play at once, each in its own process; if 1, they are played in this process.
     """
     if jobs == 1:
         yield from map(replay_one, paths)
@@ -72,7 +72,7 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
     before = active_children()
     with ProcessPoolExecutor(count, spawn, become_worker, (os.getpid(),)) as pool:
         try:
-            # The first alone, so that the others find compiled whatever it had to compile.
+            # The first alone, so that the others find the compiled code in the cache.
             with starting_workers():
                 first = pool.submit(replay_one, paths[0])
             yield first.result()
@@ -80,14 +80,14 @@ def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
                 others = pool.map(replay_one, paths[1:])
             yield from others
         except BaseException:
-            # Nobody waits any more for what they are at, which may take long.
+            # Stop the workers: what they are playing may take long and is no longer needed.
             for worker in set(active_children()).difference(before):
                 worker.terminate()
             raise
 
 
 def replay_one(path: Path) -> Replayed:
-    """Play a record again. Whatever is wrong with it, the others are still to be played."""
+    """Play a record again; return its faults instead of raising, so that the others are still played."""
     name, place = parse_name(path), f"{RECORDS}/{path.name}"
     if name is None:
         return Replayed(place, "", 0, "", fault="it is not named as evaluations name records")
@@ -102,7 +102,7 @@ def replay_one(path: Path) -> Replayed:
         fault = describe(error)
     if fault:
         return replace(reported, fault=printable(fault))
-    # The record holds: its result is that of the match played again.
+    # The record is valid: its result is that of the match played again.
     seats = {seat: dict(record.result.seats[seat].metrics) for seat in submission_seats(record.spec.seats)}
     versions = Versions(
         engine=record.engine_version,
@@ -114,12 +114,12 @@ def replay_one(path: Path) -> Replayed:
 
 
 def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Evaluation]:
-    """Return the evaluations that some records make, every number anew.
+    """Return the evaluations that follow from some records, with every number recomputed.
 
     Args:
         replayed: The records, played again.
-        reported: What the evaluation said: its order, the versions, and how agents behaved, which no record
-            says.
+        reported: The evaluation's own results, the source of what records do not contain: the order of the
+            evaluations, the versions of the submissions, and the behaviour of agents.
     """
     held = {one.key: one for one in replayed if one.seats is not None}
     before = {(one.track, one.submission): one for one in (reported.evaluations if reported else ())}
@@ -162,12 +162,12 @@ def _row(index: int, reported: MatchRow | None, recorded: Replayed | None) -> Ma
 def disagreements(
     replayed: Sequence[Replayed], reported: Results, expected: Mapping[str, Sequence[MatchSpec]] | None
 ) -> Iterator[str]:
-    """Yield in a line each what an evaluation said and its records do not bear out.
+    """Yield one line for each of an evaluation's results that its records do not support.
 
     Args:
         replayed: The records, played again.
-        reported: What the evaluation said.
-        expected: The matches of the suite, by track, where they are known.
+        reported: The evaluation's own results.
+        expected: The matches of the suite by track; None if they are not known.
     """
     for one in replayed:
         if one.spec is not None and expected is not None:
@@ -193,7 +193,7 @@ def _differences(reported: Evaluation, found: Evaluation) -> Iterator[str]:
         elif _scored(before) != _scored(row):
             yield f"{who}, match {row.index}: the results say {_metrics(before)}, its record {_metrics(row)}"
     if reported.metrics != found.metrics:
-        yield f"{who}: its metrics are described otherwise"
+        yield f"{who}: its metrics are described differently"
     for name in {**reported.summary, **found.summary}:
         if reported.summary.get(name) != found.summary.get(name):
             was, now = _statistics(reported, name), _statistics(found, name)
@@ -201,7 +201,7 @@ def _differences(reported: Evaluation, found: Evaluation) -> Iterator[str]:
 
 
 def _scored(row: MatchRow) -> tuple[object, ...]:
-    """Return what of a match a record can bear out."""
+    """Return the part of a match's result that a record can prove."""
     return row.metrics, row.record, [(seat.seat, seat.metrics) for seat in row.seats]
 
 

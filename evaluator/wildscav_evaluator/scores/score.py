@@ -1,4 +1,4 @@
-"""Scores: what the matches of an evaluation say about a submission, and how sure that is."""
+"""Scores: the means of a submission's metrics over its matches, and their uncertainty."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -11,11 +11,11 @@ from wildscav_evaluator.output.results import MatchRow, MetricInfo, Summary
 
 RESAMPLES = 10_000
 CONFIDENCE = 0.95
-SEED = 0  # of all resampling: an interval is a function of the values alone, and anybody can recompute it
+SEED = 0  # of all resampling, so that an interval depends on the values alone and can be recomputed
 
 
 def summary(metrics: Iterable[MetricInfo], rows: Iterable[MatchRow]) -> dict[str, Summary]:
-    """Return every metric over the matches that came to a result, an agent's failures included."""
+    """Return every metric over the matches that have a result, including those in which the agent failed."""
     played = [row.metrics for row in rows if row.metrics is not None]
     if not played:
         return {}
@@ -26,10 +26,10 @@ def summarize(values: Sequence[float]) -> Summary:
     """Return mean, sample standard deviation and bootstrap interval of a metric over matches.
 
     Args:
-        values: The metric in every match played, in the order of the suite; one at least.
+        values: The metric in every match played, in the order of the suite; at least one.
     """
     count = len(values)
-    # Exact sums: no result depends on how a sum was split.
+    # Exact sums, so that the result does not depend on how a sum is split.
     mean = math.fsum(values) / count
     squares = math.fsum((value - mean) ** 2 for value in values)
     deviation = math.sqrt(squares / (count - 1)) if count > 1 else None
@@ -38,13 +38,13 @@ def summarize(values: Sequence[float]) -> Summary:
 
 
 def interval(values: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the bootstrap interval of the mean; of a single value, just that value.
+    """Return the bootstrap interval of the mean; for a single value, that value twice.
 
     The percentile bootstrap (Efron & Tibshirani, *An Introduction to the Bootstrap*, 1993, chapter 13), with
     the percentiles set further out for small samples, where it is too narrow (Hesterberg, "What Teachers
     Should Know About the Bootstrap", *The American Statistician* 69, 2015, section 4.3). Of a handful of
-    values that is all that the resamples span. Equal counts resample the same matches, so that the intervals
-    of submissions that played the same suite rest on the same draws.
+    values, that interval spans all resamples. Equal counts resample the same matches, so that the intervals
+    of submissions that played the same suite are based on the same draws.
     """
     count = len(values)
     if count == 1:
@@ -57,11 +57,11 @@ def interval(values: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def expanded_tail(count: int) -> float:
-    """Return the share of the resamples that lies beyond each end of the interval.
+    """Return the share of the resamples beyond each end of the interval.
 
     Args:
-        count: Values in the sample, two at least.
+        count: The number of values in the sample, at least two.
     """
     quantile = special.stdtrit(count - 1, (1.0 - CONFIDENCE) / 2.0)  # of Student's distribution
     tail = special.ndtr(quantile * math.sqrt(count / (count - 1)))
-    return round(float(tail), 6)  # the same whatever the library's last digit
+    return round(float(tail), 6)  # rounded, so that the library's last digit does not matter

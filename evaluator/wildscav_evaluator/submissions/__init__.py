@@ -1,1 +1,1 @@
-"""Submissions: folders, archives and images, checked before anything of them runs."""
+"""Submissions: folders, archives and images, checked before any of their code runs."""

@@ -1,8 +1,8 @@
-"""Submissions as archives: unpacked by the rule that an archive is written by an adversary.
+"""Submissions as archives, which are unpacked as if an adversary had written them.
 
-Names must stay inside, there are plain files and folders alone, and bytes are counted as they come out,
-whatever the archive says of them. That happens in a process with limits, since the headers of an archive may
-ask for any memory and time. Nothing is left of an archive that is refused.
+Names must stay inside the folder, only plain files and folders are allowed, and bytes are counted as they are
+unpacked, regardless of what the archive claims. Unpacking happens in a process with limits, since the headers
+of an archive may demand any amount of memory and time. Nothing is left of an archive that is refused.
 """
 
 import contextlib
@@ -39,39 +39,39 @@ BROKEN = (
 
 
 class ArchiveError(UserError):
-    """An archive is not one that a submission may come in."""
+    """An archive is not valid as a submission."""
 
     def __init__(self, message: str) -> None:
         super().__init__(message, exit_code=2)
 
 
 class TooLargeError(Exception):
-    """A file has more content than there is room for."""
+    """A file has more content than is allowed."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One thing in an archive."""
+    """One entry of an archive."""
 
     name: str
-    kind: str  # "file", "folder", or what it is that is not allowed
+    kind: str  # "file", "folder", or a description of a kind that is not allowed
     executable: bool
-    open: Callable[[], IO[bytes] | None]  # its content, of a file
+    open: Callable[[], IO[bytes] | None]  # opens the content of a file
 
 
 def is_archive(path: Path) -> bool:
-    """Return whether a path's name is that of an archive."""
+    """Return whether a path has the suffix of an archive."""
     return path.name.lower().endswith(SUFFIXES)
 
 
 def unpack(archive: Path) -> Path:
-    """Return a folder with an archive's content: made once for each content, and read from then on.
+    """Return a folder with an archive's content, from the cache if the same content was unpacked before.
 
-    A single folder that holds everything, as many programs pack it, is left out.
+    If a single folder holds everything, as many programs pack it, that folder is returned.
 
     Raises:
-        ArchiveError: One line that says which entry is wrong, and what is allowed.
-        OSError: It cannot be read, or there is no room.
+        ArchiveError: An entry is not allowed; one line says which, and what is allowed.
+        OSError: It cannot be read, or the disk is full.
     """
     size = archive.stat().st_size
     if size > LARGEST:
@@ -102,17 +102,17 @@ def _unpack_new(archive: Path, target: Path) -> None:
 
 
 def unpack_into(archive: str, folder: str, largest_content: int, most_entries: int) -> None:
-    """Unpack an archive into an empty folder, in the process that calls it.
+    """Unpack an archive into an empty folder, in the calling process.
 
     Args:
-        archive: Its path.
-        folder: The folder's.
-        largest_content: Bytes of all files in it.
-        most_entries: How many there may be.
+        archive: The path of the archive.
+        folder: The path of the folder.
+        largest_content: Bytes, at most, of all files in it.
+        most_entries: The number of entries, at most.
 
     Raises:
-        ArchiveError: One line that says which entry is wrong, and what is allowed.
-        OSError: It cannot be read, or there is no room.
+        ArchiveError: An entry is not allowed; one line says which, and what is allowed.
+        OSError: It cannot be read, or the disk is full.
     """
     try:
         _write_all(Path(archive), Path(folder), largest_content, most_entries)
@@ -138,7 +138,7 @@ def _write_all(archive: Path, folder: Path, largest_content: int, most_entries: 
             if entry.kind == "folder":
                 (folder / path).mkdir(parents=True, exist_ok=True)
                 continue
-            # Where letters' case makes no difference, one would take the other's place.
+            # On file systems that ignore case, one file would replace the other.
             if str(path).lower() in seen:
                 raise ArchiveError(f"{archive}: {_shown(entry.name)} is there twice")
             seen.add(str(path).lower())
@@ -152,7 +152,7 @@ def _write(archive: Path, entry: Entry, path: Path, left: int) -> int:
     """Write a file's content and return its size in bytes.
 
     Raises:
-        TooLargeError: It is more than is left.
+        TooLargeError: It is larger than ``left``.
     """
     written = 0
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -170,17 +170,19 @@ def _write(archive: Path, entry: Entry, path: Path, left: int) -> int:
 
 
 def _checked_path(archive: Path, entry: Entry) -> Path | None:
-    """Return where in its folder an entry belongs, none if that is the folder itself."""
+    """Return an entry's path in its folder; None if it is the folder itself."""
     name, where = entry.name, f"{archive}: {_shown(entry.name)}"
     if entry.kind not in ("file", "folder"):
         raise ArchiveError(f"{where} is {entry.kind}: an archive may have plain files and folders only")
     if not name.isprintable() or "\\" in name or len(name.encode("utf-8", "replace")) > LONGEST_NAME:
-        raise ArchiveError(f"{where} is no name of a file here: printable, without \\, {LONGEST_NAME} bytes")
+        raise ArchiveError(
+            f"{where} is not allowed: a name must be printable, without \\, at most {LONGEST_NAME} bytes"
+        )
     path = PurePosixPath(name)
     if path.is_absolute() or ".." in path.parts or (path.parts and path.parts[0].endswith(":")):
-        raise ArchiveError(f"{where} leads out of the archive's own folder")
+        raise ArchiveError(f"{where} leads out of the archive's folder")
     if len(path.parts) > DEEPEST:
-        raise ArchiveError(f"{where} lies more than {DEEPEST} folders deep")
+        raise ArchiveError(f"{where} is more than {DEEPEST} folders deep")
     return Path(*path.parts) if path.parts else None
 
 
@@ -202,14 +204,14 @@ def _zip_entries(archive: Path) -> Generator[Entry, None, None]:
 
 
 def _kind(mode: int) -> str:
-    """Return what a zip says a file is; many programs say nothing."""
+    """Return the kind of a file from its mode in a zip, which many programs leave 0."""
     if stat.S_IFMT(mode) in (0, stat.S_IFREG):
         return "file"
     return "a link" if stat.S_ISLNK(mode) else "a special file"
 
 
 def _tar_entries(archive: Path) -> Generator[Entry, None, None]:
-    # As a stream: the archive is unpacked as far as it is read, and no further.
+    # As a stream, so that the archive is unpacked only as far as it is read.
     with tarfile.open(archive, "r|gz") as file:
         for info in file:
             kind = "file" if info.isreg() else "folder" if info.isdir() else "a special file"
@@ -220,7 +222,7 @@ def _tar_entries(archive: Path) -> Generator[Entry, None, None]:
 
 
 def _shown(name: str) -> str:
-    """Return a name that can be printed, and in a line."""
+    """Return a name in a printable form on one line."""
     text = name.encode("unicode_escape").decode("ascii")
     return repr(text if len(text) <= 80 else f"{text[:77]}...")
 

@@ -1,4 +1,4 @@
-"""Submissions as container images: built from a folder, or brought along."""
+"""Submissions as container images: built from a folder, or prebuilt."""
 
 import contextlib
 import functools
@@ -42,20 +42,20 @@ from wildscav_evaluator.submissions.submission import (
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
 REQUIREMENTS = "requirements.txt"
 BASE = "localhost/wildscav/agent-base"
-PYTHON = "WILDSCAV_PYTHON_IMAGE"  # the variable that names the image with Python to make the base of
+PYTHON = "WILDSCAV_PYTHON_IMAGE"  # the environment variable that names the base's image with Python
 PACKAGE = Path(__file__).parents[1]
-# An installed wheel has them in the package; a checkout has them at its top.
+# An installed wheel has them in the package; a checkout has them in its root folder.
 DOCKERFILES = next(
     (place for place in (PACKAGE / "docker", PACKAGE.parents[1] / "docker") if place.is_dir()),
     PACKAGE / "docker",
 )
-LARGEST_VARIABLES = 65_536  # bytes, names and all; a system takes 128 KiB in one and 2 MiB in all
-LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, beside the file
+LARGEST_VARIABLES = 65_536  # bytes, names included; Linux accepts 128 KiB in one and 2 MiB in all
+LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, without the file's content
 
 
 @functools.cache
 def sdk_digest() -> str:
-    """Return the digest of the SDK that images get."""
+    """Return the digest of the SDK that is installed in images."""
     package = Path(wildscav.__file__).parent
     digest = hashlib.blake2b(digest_size=4)
     for path in sorted(package.rglob("*.py")):
@@ -64,13 +64,13 @@ def sdk_digest() -> str:
 
 
 def base_name(python: str) -> str:
-    """Return what the image with the SDK is called: another SDK, or on another Python, has another name."""
+    """Return the name of the image with the SDK, which depends on the SDK and its Python."""
     suffix = f"-{hashlib.blake2b(python.encode(), digest_size=4).hexdigest()}" if python else ""
     return f"{BASE}:{wildscav.__version__}-{sdk_digest()}{suffix}"
 
 
 def built_name(submission: Submission) -> str:
-    """Return what the image of a submission is called: another content, or another SDK, has another name."""
+    """Return the name of a submission's image, which depends on its content and the SDK."""
     return f"localhost/wildscav/{submission.name}:{submission.digest[:16]}-{sdk_digest()}"
 
 
@@ -81,16 +81,16 @@ def build_image(
     options: Sequence[str] = (),
     dockerfile: Path | None = None,
 ) -> str:
-    """Build the image of a submission and return its name. Its packages are installed now, not in matches.
+    """Build the image of a submission and return its name. This installs its packages.
 
     Args:
-        submission: A folder's.
-        base: The image to build on; the SDK's own if none, which is made if it is not there.
-        options: For the engine's build, such as proxies.
-        dockerfile: Another than ``docker/agent.Dockerfile``.
+        submission: A submission that is a folder.
+        base: The image to build on; if None, the SDK's own, which is built if it does not exist.
+        options: Options for the engine's build, such as proxies.
+        dockerfile: A Dockerfile to use instead of ``docker/agent.Dockerfile``.
 
     Raises:
-        SandboxError: There is no engine, or the build failed; the engine has said why.
+        SandboxError: There is no engine, or the build failed; the engine has printed why.
     """
     engine = find_engine()
     if base is None:
@@ -103,7 +103,7 @@ def build_image(
                 _build(engine, base, folder, _dockerfile("base.Dockerfile"), [*own, *options])
     name = built_name(submission)
     with leftovers.temporary_folder("build-") as folder:
-        # Exactly what its digest is of, for every user to read.
+        # Exactly the files that its digest covers, readable for every user.
         context = folder / "context"
         shutil.copytree(
             submission.folder, context, ignore=shutil.ignore_patterns(*IGNORED_FOLDERS), symlinks=True
@@ -125,8 +125,8 @@ def _build(
     engine: ContainerEngine, name: str, context: Path, dockerfile: Path, options: Sequence[str]
 ) -> None:
     command = [*engine.command, "build", "--file", str(dockerfile), "--tag", name, *options]
-    if subprocess.run([*command, str(context)], check=False).returncode != 0:  # it tells its user itself
-        raise SandboxError(f"{name} could not be built: {engine.name} has said above why")
+    if subprocess.run([*command, str(context)], check=False).returncode != 0:  # it prints its own errors
+        raise SandboxError(f"{name} could not be built: {engine.name} printed the reason above")
 
 
 def _exists(engine: ContainerEngine, name: str) -> bool:
@@ -134,7 +134,7 @@ def _exists(engine: ContainerEngine, name: str) -> bool:
 
 
 def with_images(submissions: Sequence[Submission], sandbox: str) -> tuple[Submission, ...]:
-    """Return submissions as a sandbox runs them: in containers, those that were built are images.
+    """Return submissions as a sandbox runs them: for containers, with the images that were built.
 
     Raises:
         SubmissionError: One needs packages and was not built, or is an image and the sandbox runs none.
@@ -162,15 +162,15 @@ def _with_image(submission: Submission, sandbox: str) -> Submission:
 
 
 def lacks_packages(submission: Submission) -> bool:
-    """Return whether a submission asks for packages and is no image, which has them."""
+    """Return whether a submission requires packages and is not an image that has them."""
     return submission.image is None and (submission.folder / REQUIREMENTS).is_file()
 
 
 def load_image(reference: str) -> Submission:
-    """Return a prebuilt image as a submission, by its ``/submission/submission.toml``. Nothing of it runs.
+    """Return a prebuilt image as a submission, by its ``/submission/submission.toml``. None of its code runs.
 
     Raises:
-        SubmissionError: There is no such image here, or it has no proper manifest.
+        SubmissionError: There is no such image here, or it has no valid manifest.
         SandboxError: There is no engine.
     """
     engine = find_engine()
@@ -178,7 +178,7 @@ def load_image(reference: str) -> Submission:
     if found.returncode != 0 or reference.startswith("-"):
         raise SubmissionError(f"there is no image {reference} on this machine ({last_line(found.stderr)})")
     identity = found.stdout.decode("ascii").strip()
-    # By its identity from here on: a name can be given to another image at any moment.
+    # Its identity is used from here on, because its name may be given to another image at any time.
     _check_settings(engine, identity, reference)
     digest = identity.removeprefix("sha256:")[:32]
     folder = cache_folder("images") / digest
@@ -188,12 +188,12 @@ def load_image(reference: str) -> Submission:
 
 
 def _check_settings(engine: ContainerEngine, image: str, reference: str | None = None) -> None:
-    """Refuse an image that nobody could run, or that asks for what agents do not get.
+    """Refuse an image that cannot be run, or that needs what agents do not get.
 
-    An engine would keep what an agent writes to a volume on this machine's disk.
+    An engine would save what an agent writes to a volume on this machine's disk.
 
     Raises:
-        SubmissionError: It has volumes, no command, or too many variables; says what.
+        SubmissionError: It has volumes, no command, or too many variables; the message says which.
     """
     settings, name = image_settings(engine, image), f"image {reference or image}"
     if volumes := sorted(settings.get("Volumes") or ()):
@@ -202,7 +202,7 @@ def _check_settings(engine: ContainerEngine, image: str, reference: str | None =
             "build it without VOLUME; what it writes belongs into /tmp"
         )
     if not (settings.get("Entrypoint") or settings.get("Cmd")):
-        raise SubmissionError(f"{name} says nothing to run: it needs an ENTRYPOINT or a CMD")
+        raise SubmissionError(f"{name} has no command: it needs an ENTRYPOINT or a CMD")
     size = sum(len(variable.encode()) for variable in settings.get("Env") or ())
     if size > LARGEST_VARIABLES:
         raise SubmissionError(
@@ -226,7 +226,7 @@ def _manifest_in(engine: ContainerEngine, image: str, reference: str) -> bytes:
     manifest = _first_file(packed)
     if manifest is None:
         raise SubmissionError(
-            f"image {reference} has no /submission/{MANIFEST}: it tells name, version and tracks"
+            f"image {reference} has no /submission/{MANIFEST}: it gives name, version and tracks"
         )
     if len(manifest) > LARGEST_MANIFEST:
         raise SubmissionError(
@@ -236,24 +236,24 @@ def _manifest_in(engine: ContainerEngine, image: str, reference: str) -> bytes:
 
 
 def _beginning(engine: ContainerEngine, *arguments: str) -> bytes:
-    """Return as much of what a command of the engine prints as a manifest can take."""
+    """Return the beginning of the output of an engine's command, enough for the largest manifest."""
     with subprocess.Popen(
         [*engine.command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
     ) as process:
         if process.stdout is None:
-            raise RuntimeError("an engine's command has a pipe")
+            raise RuntimeError("the output of an engine's command is a pipe")
         content = process.stdout.read(LARGEST_MANIFEST + LARGEST_HEADERS)
         process.kill()
     return content
 
 
 def _first_file(packed: bytes) -> bytes | None:
-    """Return the beginning of the first plain file of a tar archive, which may be cut off; None: no file."""
+    """Return the beginning of the first plain file of a possibly truncated tar archive; None without one."""
     with contextlib.suppress(tarfile.TarError), tarfile.open(fileobj=io.BytesIO(packed)) as archive:
         for entry in archive:
             content = archive.extractfile(entry) if entry.isreg() else None
             if content is not None:
-                # More than is allowed is enough to see that it is more.
+                # One byte more than allowed is enough to see that it is too large.
                 size = min(entry.size, LARGEST_MANIFEST + 1)
                 return packed[entry.offset_data : entry.offset_data + size]
     return None

@@ -1,6 +1,6 @@
-"""The SDK as a wheel, made of what is installed here: the base of agents' images gets it.
+"""The SDK as a wheel, made from the installed package, for the base of agents' images.
 
-It holds the package ``wildscav`` alone; what a match server needs besides is not in it.
+It contains only the package ``wildscav``, not what a match server needs in addition.
 """
 
 import base64
@@ -42,7 +42,7 @@ def write_sdk_wheel(folder: Path) -> Path:
 
 
 def _metadata() -> str:
-    """Return what pip needs to know: the version, and what the SDK depends on, without any extra."""
+    """Return the metadata for pip: the version and the dependencies of the SDK, without extras."""
     known = distribution("wildscav")
     message = Message()
     message["Metadata-Version"] = "2.1"

@@ -1,4 +1,4 @@
-"""A submission: a folder with ``submission.toml`` and code, checked before anything runs."""
+"""A submission: a folder with ``submission.toml`` and code, checked before any code runs."""
 
 import hashlib
 import os
@@ -14,14 +14,14 @@ from wildscav.errors import UserError
 from wildscav_evaluator.submissions.archives import SUFFIXES, is_archive, unpack
 
 MANIFEST = "submission.toml"
-LARGEST_MANIFEST = 16_384  # bytes: to read one that is made for it costs 260 MB and half a second
+LARGEST_MANIFEST = 16_384  # bytes; the most expensive one of this size takes 260 MB and half a second to read
 LONGEST_SHOWN = 100  # characters of a value in an error
-# What tools leave behind is no part of a submission.
+# Folders that tools leave behind are not part of a submission.
 IGNORED_FOLDERS = frozenset({"__pycache__", ".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache"})
 
 _NAME = r"^[a-z0-9][a-z0-9-]{1,39}$"
 _ENTRY_POINT = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$"
-# In the words of a person who has the file open, where pydantic's would show a pattern.
+# Hints for people, in place of pydantic's messages, which would show a pattern.
 _HINTS = {
     "name": "2 to 40 of a-z, 0-9 and -, a letter or digit first",
     "version": 'text of 1 to 40 of A-Z, a-z, 0-9 and . + - _, a letter or digit first, such as "1.0.0"',
@@ -40,24 +40,24 @@ _Word = Annotated[str, Field(max_length=4096, pattern=r"^[^\x00]*$")]
 
 
 class SubmissionError(UserError):
-    """A submission's folder or file is not as it must be."""
+    """A submission's folder or one of its files is not valid."""
 
     def __init__(self, message: str) -> None:
         super().__init__(message, exit_code=2)
 
 
 class Manifest(BaseModel):
-    """What ``submission.toml`` says."""
+    """The content of ``submission.toml``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Annotated[str, Field(pattern=_NAME)]
     version: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9.+_-]{0,39}$")]
-    entry_point: Annotated[str | None, Field(pattern=_ENTRY_POINT)] = None  # of an agent in Python
-    command: Annotated[tuple[_Word, ...] | None, Field(min_length=1, max_length=100)] = None  # of any other
+    entry_point: Annotated[str | None, Field(pattern=_ENTRY_POINT)] = None  # for an agent in Python
+    command: Annotated[tuple[_Word, ...] | None, Field(min_length=1, max_length=100)] = None  # for any other
     tracks: Annotated[tuple[str, ...], Field(min_length=1)]
     sensors: dict[str, dict[str, Any]] = {}
-    # What only people read.
+    # Fields for people only.
     author: Annotated[str | None, Field(max_length=200)] = None
     authors: Annotated[tuple[_Name, ...] | None, Field(min_length=1, max_length=50)] = None
     description: Annotated[str | None, Field(max_length=2000)] = None
@@ -92,7 +92,7 @@ class Submission:
     folder: Path  # absolute
     manifest: Manifest
     digest: str  # of every file in the folder, or of the image; 32 hexadecimal digits
-    image: str | None = None  # that it was built into, or came as
+    image: str | None = None  # the image that it was built into or is
 
     @property
     def name(self) -> str:
@@ -104,7 +104,7 @@ def load_submission(folder: Path) -> Submission:
     """Read and check a submission: a folder, or an archive of one. None of its code runs.
 
     Raises:
-        SubmissionError: One line that says which file and field, what is wrong, and what is allowed.
+        SubmissionError: It is not valid; one line says which file and field, and what is allowed.
     """
     if folder.is_file() and is_archive(folder):
         folder = unpack(folder)
@@ -124,7 +124,7 @@ def read_manifest(path: Path) -> Manifest:
     """Read and check a manifest.
 
     Raises:
-        SubmissionError: One line that says which field, what is wrong, and what is allowed.
+        SubmissionError: It is not valid; one line says which field, and what is allowed.
     """
     return _parse(path, _read_toml(path))
 
@@ -138,7 +138,7 @@ def _read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except RecursionError:
         raise SubmissionError(f"{path} is not valid TOML: it is nested too deeply") from None
-    except ValueError as error:  # of TOML, of UTF-8, or a number with thousands of digits
+    except ValueError as error:  # invalid TOML or UTF-8, or a number with thousands of digits
         raise SubmissionError(f"{path} is not valid TOML: {error}") from error
 
 
@@ -156,7 +156,7 @@ def _parse(path: Path, content: Mapping[str, Any]) -> Manifest:
         )
     if manifest.entry_point is not None and manifest.command is not None:
         raise SubmissionError(
-            f"{path}: command: stands beside entry_point: give entry_point for an agent in Python, or "
+            f"{path}: command: excludes entry_point: give entry_point for an agent in Python, or "
             "command for any other program"
         )
     return manifest
@@ -180,7 +180,7 @@ def _explain(error: Any) -> str:
 
 
 def _shown(value: object) -> str:
-    """Return a value as it stands in an error: no longer than can be read."""
+    """Return a value for an error message, shortened if it is too long."""
     try:
         text = repr(value)
     except RecursionError:
@@ -203,9 +203,9 @@ def _check_program(path: Path, manifest: Manifest) -> None:
 
 
 def _check_command(path: Path, program: str) -> None:
-    """Refuse a program that is named by a path and is no executable file of the submission.
+    """Refuse a relative path that is not an executable file of the submission.
 
-    One without a slash is looked up on the PATH of the sandbox.
+    A name without a slash is looked up in the PATH of the sandbox.
     """
     if not program:
         raise SubmissionError(f"{path}: command: is {program!r}, must name a program")
@@ -219,11 +219,11 @@ def _check_command(path: Path, program: str) -> None:
 
 
 def folder_digest(folder: Path) -> str:
-    """Return a digest of the paths and contents of a folder's files, but for what tools leave behind.
+    """Return a digest of the paths and contents of a folder's files, except what tools leave behind.
 
     Raises:
-        SubmissionError: A link leads out of the folder, to what may change or never end, or around in a
-            circle; or something is no file at all.
+        SubmissionError: A link leads out of the folder or in a circle; or an entry is not a file, a folder or
+            a link.
     """
     digest = hashlib.blake2b(digest_size=16)
     for path in sorted(folder.rglob("*")):
@@ -234,7 +234,7 @@ def folder_digest(folder: Path) -> str:
             _check_link(path, folder)
         elif not (path.is_file() or path.is_dir()):
             raise SubmissionError(
-                f"{path} is a pipe, a socket or a device: a submission has files, folders and links alone"
+                f"{path} is a pipe, a socket or a device: a submission may have only files, folders and links"
             )
         if not path.is_file():
             continue
@@ -246,10 +246,10 @@ def folder_digest(folder: Path) -> str:
 
 
 def _check_link(path: Path, folder: Path) -> None:
-    """Refuse a link that leads out of a folder, or around in a circle."""
+    """Refuse a link that leads out of a folder or in a circle."""
     try:
         target = path.resolve()
     except (RuntimeError, OSError):
-        raise SubmissionError(f"{path} is a link that leads around in a circle") from None
+        raise SubmissionError(f"{path} is a link that leads in a circle") from None
     if not target.is_relative_to(folder.resolve()):
         raise SubmissionError(f"{path} is a link that leads out of the submission's folder")

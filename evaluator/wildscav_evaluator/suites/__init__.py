@@ -1,1 +1,1 @@
-"""Suites: which matches evaluate a submission, and where their seeds come from."""
+"""Suites: the matches that evaluate a submission, and the origin of their seeds."""

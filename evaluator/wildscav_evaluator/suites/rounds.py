@@ -26,8 +26,8 @@ def match_count(suite: Suite, track: str, rounds: int) -> int:
     count = settings.maps * settings.episodes * rounds
     if count > MOST_MATCHES:
         raise UserError(
-            f"suite {suite.name} has {count:,} matches of {track} in {rounds:,} rounds, {MOST_MATCHES:,} are "
-            "allowed",
+            f"suite {suite.name} has {count:,} matches of {track} in {rounds:,} rounds; at most "
+            f"{MOST_MATCHES:,} are allowed",
             exit_code=2,
         )
     return count

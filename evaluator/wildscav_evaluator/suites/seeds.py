@@ -1,8 +1,8 @@
 """The seed of a suite: public, or hidden behind a commitment until it is opened.
 
 A secret is a small file that nobody can guess. Its commitment is the SHA-256 of the file, as ``sha256sum``
-prints it: published beforehand it binds the organizer, who can play no other seed later, and tells nobody
-anything. Opening a secret is publishing the file.
+prints it. Published beforehand, it binds the organizer to this seed without revealing it. To open a secret is
+to publish the file.
 """
 
 import hashlib
@@ -14,31 +14,31 @@ from wildscav.errors import UserError
 from wildscav_engine.storage.files import read_limited
 
 SHORTEST, LONGEST = 32, 4096  # bytes of a secret
-LARGEST = 1 << 20  # bytes of a file that is looked at
+LARGEST = 1 << 20  # bytes of a file that is read
 
 
 @dataclass(frozen=True)
 class SuiteSeed:
-    """What the matches of a suite follow from."""
+    """The seed that determines the matches of a suite."""
 
     value: int
-    commitment: str | None = None  # 64 hexadecimal digits; none of a public seed
+    commitment: str | None = None  # 64 hexadecimal digits; None for a public seed
 
     @property
     def label(self) -> str:
-        """What may be shown of it."""
+        """The public part of the seed."""
         return label(None if self.commitment else self.value, self.commitment)
 
 
 def label(seed: int | None, commitment: str | None) -> str:
-    """Return what may be shown of a seed: itself, or the beginning of its commitment."""
+    """Return the public part of a seed: the seed itself, or the beginning of its commitment."""
     if commitment is not None:
         return f"hidden:{commitment[:12]}"
     return "unknown" if seed is None else str(seed)
 
 
 def read_secret(path: Path) -> SuiteSeed:
-    """Return the seed that a secret stands for.
+    """Return the seed that a secret determines.
 
     Raises:
         UserError: The file cannot be read, or is too short or too long to be a secret.
@@ -61,7 +61,7 @@ def read_secret(path: Path) -> SuiteSeed:
 
 
 def commitment_of(content: bytes) -> str:
-    """Return what binds to a secret and does not tell it, 64 hexadecimal digits."""
+    """Return the commitment to a secret, which does not reveal it, 64 hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
 
 

@@ -1,7 +1,7 @@
-"""An organizer's own suite: a TOML file that says which maps and matches a suite draws.
+"""An organizer's own suite: a TOML file that describes which maps and matches a suite draws.
 
-All that a ``MapConfig`` and a ``MatchSpec`` can say, it can: fields that are the same in every map or match,
-and lists of values of which each draws one.
+It may set every field of a ``MapConfig`` and a ``MatchSpec``: either to one value for all maps or matches, or
+to a list of values from which each map or match draws one.
 """
 
 import tomllib
@@ -41,7 +41,7 @@ from wildscav_evaluator.suites.match_drawing import choose
 from wildscav_evaluator.suites.suite import SUITES, Suite, TrackSettings
 
 SUFFIX = ".toml"
-SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that its file may not give
+SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that the file may not set
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
 Count = Annotated[int, Field(ge=1, le=10_000)]
@@ -55,24 +55,24 @@ Choices = dict[str, Annotated[list[Any], Field(min_length=1)]]  # by the field's
 
 
 class Section(BaseModel):
-    """Base of everything in the file."""
+    """Base of the models of the file and its parts."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 class MapSection(Section):
-    """What maps are drawn."""
+    """The maps to draw."""
 
     fields: Fields = {}
     choose: Choices = {}
 
 
 class TrackSection(Section):
-    """What is played on one track."""
+    """The matches of one track."""
 
     maps: Maps  # how many to draw, or the numbers of known ones
     episodes: Count = 1  # on each map
-    shuffle: bool = True  # whether the seats are dealt anew for each match
+    shuffle: bool = True  # whether to shuffle the seats of each match
     match: Fields = {}
     choose: Choices = {}
     limits: Limits = DEFAULT_LIMITS  # of agents
@@ -129,10 +129,10 @@ class SuiteFile(Section):
 
 
 def find_suite(name: str) -> Suite:
-    """Return the suite of a name, or of a TOML file.
+    """Return the suite with a name, or from a TOML file.
 
     Raises:
-        UserError: There is none, or the file is not as it must be.
+        UserError: There is none, or the file is not valid.
     """
     if name in SUITES:
         return SUITES[name]
@@ -145,10 +145,10 @@ def find_suite(name: str) -> Suite:
 
 
 def read_suite(path: Path) -> Suite:
-    """Read an organizer's own suite and check all that it may draw.
+    """Read an organizer's own suite, and check every value that it may draw.
 
     Raises:
-        UserError: The file cannot be read, or one line that says which field is wrong, and how.
+        UserError: The file cannot be read or is not valid; one line says which field is wrong, and how.
     """
     try:
         source = read_config(path, f"{__name__}:try_suite")
@@ -158,10 +158,10 @@ def read_suite(path: Path) -> Suite:
 
 
 def try_suite(path: str) -> None:
-    """Read a suite's file in the process that calls it.
+    """Read a suite's file in the calling process.
 
     Raises:
-        UserError: It is not as it must be.
+        UserError: It is not valid.
         OSError: It cannot be read.
     """
     _parsed(Path(path), read_limited(Path(path), LARGEST))
@@ -172,7 +172,7 @@ def _parsed(path: Path, source: bytes) -> Suite:
         content = tomllib.loads(source.decode())
     except RecursionError:
         raise UserError(f"{path} is not valid TOML: it is nested too deeply", 2) from None
-    except ValueError as error:  # of TOML, of UTF-8, or a number with thousands of digits
+    except ValueError as error:  # invalid TOML or UTF-8, or a number with thousands of digits
         raise UserError(f"{path} is not valid TOML: {error}", 2) from error
     try:
         return _suite(SuiteFile.model_validate(_grouped(content)), source)
@@ -185,7 +185,7 @@ def _parsed(path: Path, source: bytes) -> Suite:
 
 
 def _grouped(content: Fields) -> Fields:
-    """Return a file's content with the fields of the map beside its choices, as tracks have them."""
+    """Return a file's content with the map's fields separated from its choices, as in a ``MapSection``."""
     fields = content.get("map")
     if not isinstance(fields, dict):
         return content
@@ -215,7 +215,7 @@ def _track_settings(track: str, part: TrackSection) -> TrackSettings:
 def _drawer(
     kind: type[AnySpec], fields: Fields, choices: Mapping[str, list[Any]], where: str
 ) -> Callable[[Dice], AnySpec]:
-    """Return what draws specs of some kind, after a look at every value that it may draw.
+    """Return a function that draws specs of some kind, after checking every value that it may draw.
 
     Raises:
         ValueError: A field or a value is not allowed.
@@ -252,7 +252,7 @@ def _made(kind: type[AnySpec], fields: Fields, chosen: Fields, where: str) -> An
 
 
 def _allowed(kind: type[AnySpec], error: ValidationError) -> str:
-    """Return which fields there are, if one was given that there is not."""
+    """Return the list of known fields if the error is an unknown field; otherwise an empty text."""
     if not any(fault["type"] == "extra_forbidden" and len(fault["loc"]) == 1 for fault in error.errors()):
         return ""
     return f"; its fields are {', '.join(name for name in kind.model_fields if name not in SET_BY_SUITE)}"
@@ -262,14 +262,14 @@ def _put(fields: Fields, path: str, value: Any, where: str) -> None:
     """Set a field by its path, such as ``supplies.waves.0.radius``.
 
     Raises:
-        ValueError: There is no such place.
+        ValueError: There is no such field.
     """
     names = path.split(".")
     last = names[-1]
     place: Any = fields
     try:
         for name, following in pairwise(names):
-            # In a list that is not given, nothing is found.
+            # A missing list becomes an empty one, in which no index exists.
             missing: Any = [] if following.isdecimal() else {}
             place = place[int(name)] if isinstance(place, list) else place.setdefault(name, missing)
         place[int(last) if isinstance(place, list) else last] = value

@@ -1,4 +1,4 @@
-"""What Alembic runs in: the connection that it is given, in the transaction that is open there."""
+"""Alembic's environment: it runs on the given connection, in its open transaction."""
 
 from alembic import context
 

@@ -107,11 +107,11 @@ FORGERIES = {
     "the worst match dropped": (drop, "ada on navigation: match {worst} of the suite is not in the results"),
     "losses blamed on the platform": (
         blame,
-        "ada on navigation, match 1: there is no record of it; that the platform failed is shown only by",
+        "ada on navigation, match 1: there is no record of it; only a ledger that the organizer signed",
     ),
     "a competitor vanished": (
         vanish,
-        "bob on navigation: evaluation.json says that it takes part, but there are no results",
+        "bob on navigation: evaluation.json names it as an entrant, but there are no results",
     ),
     "a record of other actions": (
         replace_record,
@@ -123,13 +123,13 @@ FORGERIES = {
     ),
     "another submission": (
         other_files,
-        "ada on navigation: results.json and evaluation.json name other versions or files of it",
+        "ada on navigation: results.json and evaluation.json name different versions or files of it",
     ),
     "another sandbox": (shut_in, "results.json says sandbox oci, evaluation.json process"),
-    "agents that crashed": (excuse, "navigation-000-bob: results.json and ledger.jsonl tell otherwise of it"),
+    "agents that crashed": (excuse, "navigation-000-bob: results.json and ledger.jsonl disagree about it"),
     "quicker agents": (
         answer_faster,
-        "navigation-000-ada: results.json and ledger.jsonl tell otherwise of it",
+        "navigation-000-ada: results.json and ledger.jsonl disagree about it",
     ),
     "matches of two competitors swapped": (
         swap,

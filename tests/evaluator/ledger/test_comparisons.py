@@ -45,4 +45,4 @@ def test_a_comparison_is_what_its_results_give(
     assert "comparison.json is not what results.json gives" in rescored(compared, key.public)
 
     path.write_text("[" * 100_000)
-    assert f"{path} is no comparison: Invalid JSON" in rescored(compared)
+    assert f"{path} is not a comparison: Invalid JSON" in rescored(compared)

@@ -122,14 +122,14 @@ def test_results_and_identity_cannot_be_taken_away(signed: Forgery, rescored: Re
 
     (signed.out / "results.json").write_bytes(results)
     (signed.out / "evaluation.json").unlink()
-    assert "nothing says who was to play" in rescored(signed)
+    assert "without it, the entrants are not known" in rescored(signed)
 
 
 def test_results_that_tell_what_there_is_not_are_one_clear_line(signed: Forgery, rescored: Rescored) -> None:
     ada, bob = signed.results.evaluations
 
     signed.tell(evaluations=(ada, bob, bob))
-    assert "bob is in it twice on navigation" in rescored(signed)
+    assert "bob has two results on navigation" in rescored(signed)
 
     signed.tell(evaluations=(ada.model_copy(update={"track": "chess"}), bob))
     assert "there is no track 'chess'" in rescored(signed)

@@ -45,7 +45,7 @@ def test_no_line_of_a_signed_ledger_can_be_changed_or_taken_out(
 
     path.unlink()
     assert "nothing there is signed" in rescored(signed, key.public)
-    assert "nothing shows that nothing was left out" in rescored(signed)
+    assert "nothing shows that no match was left out" in rescored(signed)
 
 
 def test_a_platform_fault_that_the_organizer_signed_is_borne_out(
@@ -61,7 +61,7 @@ def test_a_platform_fault_that_the_organizer_signed_is_borne_out(
     run_rescore(signed.out, 1, key.public)
 
     assert "6 records played again: all agree" in capsys.readouterr().out
-    assert "is shown only by a ledger that the organizer signed" in rescored(signed)
+    assert "only a ledger that the organizer signed" in rescored(signed)
 
 
 def test_the_ledger_tells_the_whole_evaluation(signed: Forgery, key: SigningKey) -> None:

@@ -185,7 +185,7 @@ def run(submission: Submission, image: str, folder: Path) -> Ending:
 @pytest.mark.parametrize(
     ("instructions", "complaint"),
     [
-        ("ENTRYPOINT []\nCMD []\n", "says nothing to run: it needs an ENTRYPOINT or a CMD"),
+        ("ENTRYPOINT []\nCMD []\n", "has no command: it needs an ENTRYPOINT or a CMD"),
         (
             f'CMD ["agent"]\nENV ONE={"x" * 40_000}\nENV TWO={"x" * 40_000}\n',
             r"has 80,\d+ bytes of environment variables \(ENV\), must have at most 65,536",

@@ -72,7 +72,7 @@ def test_a_program_in_any_language_may_be_the_agent(tmp_path: Path) -> None:
         ('entry_point = "agent:Walker"', "", "entry_point: is missing: text of the form"),
         ("\n", "\ncommand = 'node'\n", "command: is 'node', must be a list of texts"),
         ("\n", "\ncommand = []\n", "command: is [], must be a list of texts"),
-        ("\n", "\ncommand = ['node']\n", "command: stands beside entry_point: give entry_point for"),
+        ("\n", "\ncommand = ['node']\n", "command: excludes entry_point: give entry_point for"),
         ('entry_point = "agent:Walker"', 'command = [""]', "command: is '', must name a program"),
         ('entry_point = "agent:Walker"', 'command = ["./go"]', "command: is './go', but there is no file"),
         ('entry_point = "agent:Walker"', 'command = ["../go"]', "command: is '../go', but there is no file"),
@@ -175,13 +175,15 @@ def test_a_link_out_of_the_folder_is_refused(tmp_path: Path, target: str) -> Non
 
 def test_a_link_that_leads_around_in_a_circle_is_refused(tmp_path: Path) -> None:
     (make(tmp_path) / "link").symlink_to("link")
-    with pytest.raises(SubmissionError, match="link is a link that leads around in a circle"):
+    with pytest.raises(SubmissionError, match="link is a link that leads in a circle"):
         load_submission(tmp_path)
 
 
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(make(tmp_path) / "pipe")
-    with pytest.raises(SubmissionError, match="pipe is a pipe, a socket or a device: a submission has files"):
+    with pytest.raises(
+        SubmissionError, match="pipe is a pipe, a socket or a device: a submission may have only files"
+    ):
         load_submission(tmp_path)
 
 

@@ -104,7 +104,7 @@ def test_an_opened_secret_shows_that_its_matches_were_played(
 ) -> None:
     file, out = evaluated
     commitment = read_secret(file).commitment
-    assert "is not opened yet" in secret("check", out, commitment).stderr
+    assert "is not opened: use" in secret("check", out, commitment).stderr
 
     opened = secret("open", file, out)
     checked = secret("check", out, commitment)
@@ -152,7 +152,9 @@ def test_results_that_name_the_commitment_and_other_matches_are_found_out(
     (forged / "results.json").write_text(json.dumps(told))
     (forged / OPENED_FILE).write_bytes(other.read_bytes())
 
-    with pytest.raises(UserError, match=r"navigation-000-homing\.wsr is not of a match that follows"):
+    with pytest.raises(
+        UserError, match=r"navigation-000-homing\.wsr is not of a match that the secret determines"
+    ):
         check_opened(forged, told["commitment"])
 
 

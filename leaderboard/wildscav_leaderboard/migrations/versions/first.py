@@ -1,4 +1,4 @@
-"""Submissions, their evaluations, and the scores and matches of those."""
+"""Version 1: submissions, their evaluations, and the scores and matches of evaluations."""
 
 import sqlalchemy as sa
 from alembic import op

@@ -1,4 +1,4 @@
-"""What agents ran in belongs to an evaluation: its sandbox, and the limits that this kept."""
+"""Version 2: the sandbox of an evaluation, and the limits that it enforced."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -10,8 +10,8 @@ KEY = ("submission_id", "track", "suite", "seed", "engine_version")
 
 
 def upgrade() -> None:
-    """Add the columns; of older evaluations nobody knows what agents ran in."""
-    # The constraint had no name, and this one gives it one to be dropped by.
+    """Add the columns; for older evaluations their values are unknown."""
+    # The old constraint has no name; the convention gives it one, so that it can be dropped.
     with op.batch_alter_table(
         "evaluations", naming_convention={"uq": "uq_%(table_name)s_%(column_0_name)s"}
     ) as table:

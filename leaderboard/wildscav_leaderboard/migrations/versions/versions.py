@@ -1,4 +1,4 @@
-"""The versions of simulation, map generator and records, and the key that signed an evaluation."""
+"""Version 3: the versions of simulation, map generator and records, and the key that signed an evaluation."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -12,7 +12,7 @@ CONDITIONS = ("sandbox", "limits")
 
 
 def upgrade() -> None:
-    """Add the columns; of older evaluations nobody knows the versions, and none was signed."""
+    """Add the columns; the versions of older evaluations are unknown, and none of them is signed."""
     with op.batch_alter_table("evaluations") as table:
         for name in VERSIONS:
             table.add_column(sa.Column(name, sa.Integer, nullable=False, server_default="0"))
