@@ -181,9 +181,7 @@ def test_a_link_that_leads_around_in_a_circle_is_refused(tmp_path: Path) -> None
 
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(make(tmp_path) / "pipe")
-    with pytest.raises(
-        SubmissionError, match="pipe is a pipe, a socket or a device: a submission may have only files"
-    ):
+    with pytest.raises(SubmissionError, match="pipe is a pipe, a socket or a device: a submission may"):
         load_submission(tmp_path)
 
 
