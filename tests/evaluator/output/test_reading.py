@@ -65,7 +65,7 @@ def test_large_results_are_read_like_small_ones(tmp_path: Path) -> None:
         ("evaluation.json", b'{"submissions":[' + b"0," * 15_000_000 + b"0]}", "is not of this version"),
         (LEDGER_FILE, b"\n" * 30_000_000, "line 1: not an entry"),
         (LEDGER_FILE, b"[" * 30_000_000 + b"\n", "line 1: not an entry"),
-        ("suite.toml", b".".join([b"a"] * 50_000) + b"=1\n", "to read it would cost too much"),
+        ("suite.toml", b".".join([b"a"] * 50_000) + b"=1\n", "reading it would cost too much"),
     ],
 )
 def test_what_would_eat_time_or_memory_is_refused_in_a_line(

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav.system.limited_process import PROCESSOR
+from wildscav.system.limited_process import PROCESSOR_TIME
 from wildscav_evaluator.submissions import archives
 from wildscav_evaluator.submissions.archives import ArchiveError, unpack
 from wildscav_evaluator.submissions.submission import SubmissionError, load_submission
@@ -277,5 +277,5 @@ def test_what_would_eat_time_or_memory_is_refused_in_a_line(
         unpack(tmp_path / name)
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert "\n" not in str(caught.value)
-    assert used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime < PROCESSOR + 5
+    assert used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime < PROCESSOR_TIME + 5
     assert list(cache.iterdir()) == []
