@@ -213,7 +213,7 @@ def test_a_record_of_another_map_generator_says_so(record: Path, tmp_path: Path)
     for name in ("verify", "replay"):
         done = wildscav(name, tmp_path / "old.wsr")
         assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-        assert "played on a map of generator version 1, but this engine makes" in done.stderr
+        assert "played on a map of generator version 1, but this engine has" in done.stderr
         assert "play it with the engine that made it (0.0.9)" in done.stderr
 
 
