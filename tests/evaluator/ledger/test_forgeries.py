@@ -110,7 +110,7 @@ def test_only_the_submission_itself_shows_that_it_acted_so(
         run_again(path, ada, seats=[], logs=tmp_path, sandbox="process")
     assert "warning" not in capsys.readouterr().out
     other = replace(ada, digest="0" * 32)
-    with pytest.raises(UserError, match="acts otherwise"):
+    with pytest.raises(UserError, match="acts differently"):
         run_again(path, other, seats=[], logs=tmp_path, sandbox="process")
     assert "warning: these are not the files of ada that were evaluated" in capsys.readouterr().out
 
