@@ -1,7 +1,8 @@
 """Constants of the engine: the size of an agent's body and the limits of its motion.
 
 Organizers cannot change them, because they determine which places of a map can be reached. The radius, the
-height, the eye height and the speed are those of the original game, which never published the others.
+height, the eye height and the walking speed (see ``actions.py``) are those of the original game, which never
+published the others.
 """
 
 BODY_RADIUS = 0.45  # m
