@@ -147,6 +147,7 @@ def evaluated(pages: Path, hills: Path) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_environments_know_the_track_its_rewards_and_the_sensors(hills: Path) -> None:
     done = run(hills, [sys.executable, "-c", ENVIRONMENTS])
     assert done.returncode == 0, done.stderr
@@ -206,6 +207,7 @@ def test_a_match_can_be_played_on_the_track(pages: Path, hills: Path, tmp_path: 
 
 
 ORBIT = """\
+from pathlib import Path
 import numpy as np
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -221,8 +223,9 @@ walked = match.state.agents.walked[0]
 assert (walked[:4] > 1.0).all() and walked[4] == 0.0, walked
 turns = np.array(match.actions_played)[:, :, 2]
 assert np.median(turns[:, 0]) == 2.0, turns[:, 0]
-write_record("orbit.wsrec", match, seats)
-assert verify_record(read_record("orbit.wsrec")).holds
+record = Path("orbit.wsr")
+write_record(record, match, seats)
+assert verify_record(read_record(record)).holds
 plain = Match(spec.model_copy(update={"seats": ("fighter", "walker", "gatherer", "seeker", "submission")}))
 plain.play_out()
 print(plain.digest, match.state.agents.robot[0].tolist())
@@ -231,8 +234,6 @@ PLAIN = """\
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.compilation.cache_folders import cache_folder
-from wildscav_engine.compilation.sources import PACKAGE
 
 game_map = MapSpec(config=MapConfig(size=60, houses=0, relief=0), seed=3)
 seats = ("fighter", "walker", "gatherer", "seeker", "submission")
