@@ -6,7 +6,7 @@ from pathlib import Path
 from wildscav.server.http2 import allowance
 from wildscav.server.http2.calls import STREAMS
 from wildscav.server.http2.inbound import HEADER_LIMIT
-from wildscav.server.http2.stream import WAITING
+from wildscav.server.http2.stream import UNREAD_LIMIT
 from wildscav_evaluator.matches.play import SEAT_ENDPOINT
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions import archives
@@ -50,14 +50,15 @@ def test_the_limits_of_archives_are_told() -> None:
 def test_what_a_connection_may_cost_is_told() -> None:
     for words in (
         (
-            f"{allowance.UNKNOWN:g} on a connection before it has joined, {allowance.MOST:,g} after, "
-            f"and {allowance.A_SECOND:g} a second more; a header counts as {allowance.HEADERS_COST:g}; "
-            f"each message that the server sends earns at least {allowance.A_MESSAGE:g}"
+            f"{allowance.UNKNOWN_ALLOWANCE:g} on a connection before it has joined, "
+            f"{allowance.KNOWN_ALLOWANCE:,g} after, and {allowance.REFILL_PER_SECOND:g} a second more; "
+            f"a header counts as {allowance.HEADERS_COST:g}; "
+            f"each message that the server sends earns at least {allowance.REFILL_PER_MESSAGE:g}"
         ),
         f"{HEADER_LIMIT >> 10} KiB a call",
         f"in an evaluation {SEAT_ENDPOINT.connections}, and {SEAT_ENDPOINT.visits} in a whole match",
         f"{STREAMS} streams each",
-        f"{WAITING} messages ahead",
+        f"{UNREAD_LIMIT} messages ahead",
     ):
         assert words in PAGE, words
     assert (allowance.SHARE, allowance.READ_COST) == (0.25, 0.25)
