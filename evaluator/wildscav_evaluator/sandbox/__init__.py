@@ -1,4 +1,4 @@
-"""Sandboxes: the ways to run an agent. One file each, all behind one interface."""
+"""Sandboxes: the ways to run an agent, one file each, behind one interface (``base.py``)."""
 
 from typing import Any
 
@@ -20,10 +20,10 @@ __all__ = [
 
 
 def make_sandbox(name: str, kind: Any) -> Sandbox:
-    """Return the sandbox of a class as an entry point names it.
+    """Return the sandbox of the class that an entry point names.
 
     Raises:
-        ValueError: It is none.
+        ValueError: It is not the class of a sandbox of that name.
     """
     missing = [
         part for part in ("name", "isolated", "runs_images", "promises", "start") if not hasattr(kind, part)
@@ -36,7 +36,7 @@ def make_sandbox(name: str, kind: Any) -> Sandbox:
     return sandbox
 
 
-# The strongest first. Those of other packages run agents only where they are asked for.
+# The strongest first. Sandboxes of other packages are used only when they are asked for by name.
 SANDBOXES: Registry[Sandbox] = Registry(
     "wildscav.sandboxes",
     {

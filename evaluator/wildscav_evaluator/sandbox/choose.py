@@ -25,7 +25,7 @@ PROGRAMS = ("podman", "docker", "runc", "crun", "bwrap", "setpriv")
 
 @dataclass(frozen=True)
 class Choice:
-    """A sandbox, and what to tell about it."""
+    """The sandbox to use, and the warnings to show with it."""
 
     sandbox: Sandbox
     warnings: tuple[str, ...] = ()
@@ -37,15 +37,15 @@ def choose(
     """Return the sandbox to use.
 
     Args:
-        asked: Its name; none for the strongest that works here.
+        asked: Its name; None for the strongest that works on this machine.
         sandboxes: Those to choose from, the strongest first.
-        limits: That it must keep.
-        images: Whether submissions are images, which only containers run.
+        limits: The limits that it must keep.
+        images: Whether a submission is an image, which only containers run.
 
-    What earlier commands left behind that were killed is removed first.
+    First, the leftovers of commands that were killed are removed.
 
     Raises:
-        SandboxError: What was asked for does not keep its promises; says which.
+        SandboxError: The sandbox asked for does not keep its promises; the message says which.
     """
     leftovers.sweep()
     if asked is not None:
@@ -68,8 +68,8 @@ def choose(
 def missing_promises(sandbox: Sandbox, limits: Limits) -> str:
     """Return which promises a sandbox breaks on this machine, nothing if it keeps all.
 
-    That all are kept is remembered until the machine starts anew or a program changes; a limit that cannot be
-    set stops every start anyway.
+    Success is remembered until the machine restarts or a program changes. A limit that cannot be set stops
+    every start in any case.
     """
     if not sandbox.isolated:
         return ""
@@ -90,7 +90,7 @@ def describe_broken(promise: Promise) -> str:
 
 
 def _memory(sandbox: Sandbox, limits: Limits) -> Path:
-    """Return the file whose being there says that a sandbox kept all promises, as things are."""
+    """Return the file that exists if the sandbox kept all promises under the present circumstances."""
     places = [shutil.which(name) or "" for name in PROGRAMS]
     facts = [
         sandbox.name,

@@ -1,4 +1,4 @@
-"""What the suites ask on each track: how everything of a match but its map and seed is drawn."""
+"""Drawing the matches of the suites on each track: everything except their maps and seeds."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -13,19 +13,19 @@ Choice = TypeVar("Choice")
 
 
 def choose(dice: Dice, choices: tuple[Choice, ...]) -> Choice:
-    """Return one of the choices, all equally likely."""
+    """Return one of the choices, with equal probability."""
     return choices[dice.integer(0, len(choices) - 1)]
 
 
 def navigation(time_limit: float) -> Callable[[Dice], MatchSpec]:
-    """Start and target are random outdoor places of the map; nothing else is drawn."""
+    """Return a function that draws matches of navigation; they differ only in map and seed."""
     return lambda _: MatchSpec(track="navigation", time_limit=time_limit)
 
 
 def gathering(
     time_limit: float, offset: float, radii: tuple[float, ...], spacings: tuple[float, ...]
 ) -> Callable[[Dice], MatchSpec]:
-    """One wave around a place near the middle of the map.
+    """Return a function that draws matches with one wave of supplies near the middle of the map.
 
     Args:
         time_limit: Seconds of game time.
@@ -51,13 +51,13 @@ def gathering(
 def battle(
     time_limit: float, robots: int, radius: float, refresh_time: float, refresh_radii: tuple[float, ...]
 ) -> Callable[[Dice], MatchSpec]:
-    """One submission against robots, with one refresh around a random indoor place.
+    """Return a function that draws matches of one submission against robots, with one refresh of supplies.
 
     Args:
         time_limit: Seconds of game time.
-        robots: Opponents.
+        robots: Number of opponents.
         radius: Metres; standard deviation of the first heat map, around the middle of the map.
-        refresh_time: Seconds into the match.
+        refresh_time: Seconds into the match; the refresh is around a random indoor place.
         refresh_radii: Metres; standard deviations of the second heat map.
     """
 
@@ -79,33 +79,33 @@ def battle(
 
 
 def capture(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
-    """A hidden target, looked for by one submission and seekers, as one team.
+    """Return a function that draws matches in which one submission and seekers look for a hidden target.
 
     Args:
         time_limit: Seconds of game time.
-        robots: Teammates.
+        robots: Number of teammates.
     """
     seats = (SUBMISSION, *("seeker",) * robots)
     return lambda _: MatchSpec(track="capture", time_limit=time_limit, seats=seats)
 
 
 def royale(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
-    """One submission against robots, each alone; supplies and safe zone are the track's own.
+    """Return a function that draws matches of one submission against robots, each on its own.
 
     Args:
         time_limit: Seconds of game time.
-        robots: Opponents.
+        robots: Number of opponents.
     """
     return lambda dice: MatchSpec(track="royale", time_limit=time_limit, seats=battle_seats(dice, robots))
 
 
-def usual(track: str, time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
-    """One submission against the robots of any track, placed at random.
+def track_defaults(track: str, time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+    """Return a function that draws matches of one submission against a track's robots, in random seats.
 
     Args:
         track: Its name.
-        time_limit: Seconds of game time, at most; less where that is usual for the track.
-        robots: Opponents at most; fewer where that is usual for the track.
+        time_limit: Seconds of game time at most; less if the track's default is less.
+        robots: Number of opponents at most; fewer if the track's default is fewer.
     """
 
     def draw(dice: Dice) -> MatchSpec:

@@ -7,9 +7,9 @@ from wildscav_evaluator.suites.suite import Suite, TrackSettings
 
 
 def large_map(dice: Dice) -> MapConfig:
-    """A map like the original's large ones: 500 m, 12 to 15 houses of two or three storeys.
+    """Return the config of a map like the original's large ones: 500 m, 12 to 15 houses of 2 or 3 storeys.
 
-    The land itself is anything from smooth downs to rugged mountains.
+    The terrain ranges from smooth hills to rugged mountains.
     """
     return MapConfig(
         size=500,
@@ -35,7 +35,7 @@ OFFICIAL = Suite(
             draw=gathering(600.0, 20.0, (10.0, 30.0, 50.0, 70.0), (5.0, 10.0, 15.0, 20.0)),
         ),
         "battle": TrackSettings(maps=10, episodes=1, draw=battle(900.0, 9, 100.0, 600.0, (30.0, 50.0, 70.0))),
-        # Not in the original competition; as long as its nearest kin there.
+        # Not in the original competition; as long as navigation, the most similar track there.
         "capture": TrackSettings(maps=10, episodes=10, draw=capture(300.0, 3)),
         "royale": TrackSettings(maps=10, episodes=1, draw=royale(900.0, 9)),
     },

@@ -1,4 +1,4 @@
-"""The suite for a look at an agent: few short matches on small maps."""
+"""The suite for a first impression of an agent: a few short matches on small maps."""
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.specs.map_spec import MapConfig
@@ -10,17 +10,17 @@ from wildscav_evaluator.suites.match_drawing import (
     gathering,
     navigation,
     royale,
-    usual,
+    track_defaults,
 )
 from wildscav_evaluator.suites.suite import Suite, TrackSettings
 
 
 def small_map(dice: Dice) -> MapConfig:
-    """Return the config of a map that is quickly made: 60 to 100 m, a house or a few."""
+    """Return the config of a map that is generated quickly: 60 to 100 m with up to three houses."""
     size = choose(dice, (60, 80, 100))
     return MapConfig(
         size=size,
-        # On 60 m of steep country there is not always room for more.
+        # On 60 m of steep terrain there is not always space for more.
         houses=dice.integer(2, 3) if size > 60 else 1,
         density="high" if dice.integer(0, 1) else "low",
         storeys=(1, 2),
@@ -38,9 +38,9 @@ _CHOSEN = {
     "battle": TrackSettings(maps=3, episodes=1, draw=battle(60.0, 5, 40.0, 40.0, (10.0, 20.0))),
     "royale": TrackSettings(maps=3, episodes=1, draw=royale(60.0, 5)),
 }
-# Tracks that it says nothing about are played as their own class says.
+# Every other installed track is played with the defaults of its class.
 _OTHERS = {
-    name: TrackSettings(maps=3, episodes=1, draw=usual(name, 60.0, 5))
+    name: TrackSettings(maps=3, episodes=1, draw=track_defaults(name, 60.0, 5))
     for name in TRACKS
     if name not in _CHOSEN
 }

@@ -1,12 +1,12 @@
 """Suites: the seeded lists of matches that evaluate a submission on a track.
 
-A suite is made from (track, suite name, seed) without making any map, and is the same for every
-submission: all play the same matches, so that their scores can be compared match by match.
+A suite is drawn from (track, suite name, seed) without generating any map, and is the same for every
+submission. All play the same matches, so that their scores can be compared match by match.
 
 A suite is an object that ``SUITES`` names, or another package in the entry-point group ``wildscav.suites``;
 an organizer's own may also be a TOML file (``suite_file.py``).
 
-Map seeds with the top bit set (2**63 and above) are kept for evaluation. Training draws its map seeds
+Map seeds with the top bit set (2**63 and above) are reserved for evaluation. Training draws its map seeds
 below 2**63, so no agent has trained on a map of a suite.
 """
 
@@ -22,28 +22,30 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.sandbox.limits import Limits
 
-EVALUATION_MAPS = 1 << 63  # the bit that marks a map seed as kept for evaluation
+EVALUATION_MAPS = 1 << 63  # the bit that reserves a map seed for evaluation
 
 
 class TrackSettings(NamedTuple):
-    """What a suite asks on one track."""
+    """The maps and matches of a suite on one track."""
 
     maps: int
     episodes: int  # on each map
-    draw: Callable[[Dice], MatchSpec]  # everything of a match but its map and seed
-    known_maps: tuple[MapSpec, ...] = ()  # as many as ``maps``: played instead of maps drawn
+    draw: Callable[[Dice], MatchSpec]  # draws everything of a match except its map and seed
+    known_maps: tuple[MapSpec, ...] = ()  # as many as ``maps``; played instead of drawn maps
 
 
 @dataclass(frozen=True)
 class Suite:
-    """A way to evaluate: what kind of maps, and a course for every track."""
+    """A suite: its kind of maps, and its matches on every track."""
 
     name: str
     title: str
     map_config: Callable[[Dice], MapConfig]
     tracks: Mapping[str, TrackSettings]
     source: bytes | None = None  # the file of an organizer's own suite
-    limits: Mapping[str, Limits] = field(default_factory=dict)  # of agents, for tracks that have their own
+    limits: Mapping[str, Limits] = field(
+        default_factory=dict
+    )  # of agents, for tracks with limits of their own
     version: str = ""  # of the package that it comes from, if that is not Wildscav
 
     @property
@@ -58,7 +60,7 @@ class Suite:
 
         Args:
             track: One of ``tracks``.
-            seed: Any whole number; each gives other maps and matches.
+            seed: Any integer; each gives different maps and matches.
 
         Raises:
             UserError: The matches do not all ask for the same metrics, so that they have no mean.
@@ -83,7 +85,7 @@ def check_suite(name: str, found: Any) -> Suite:
     """Return the suite that an entry point names, with the version of its package.
 
     Raises:
-        ValueError: It is none.
+        ValueError: It is not a suite of that name.
     """
     if not isinstance(found, Suite):
         raise ValueError("it is no Suite")
@@ -109,7 +111,7 @@ def suite(track: str, name: str, seed: int) -> tuple[MatchSpec, ...]:
     Args:
         track: A name in ``wildscav_engine.tracks.TRACKS``.
         name: A name in ``SUITES``.
-        seed: Any whole number; each gives other maps and matches.
+        seed: Any integer; each gives different maps and matches.
 
     Raises:
         ValueError: There is no such suite, or it does not have the track.
