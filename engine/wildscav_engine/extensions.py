@@ -1,12 +1,12 @@
-"""What can be added by name: tracks, sensors, robots and more, ours and those of other packages.
+"""Extensions found by name: tracks, sensors, robots and more, built in or from other packages.
 
-Ours are listed here (those of higher layers where they belong). Another package adds one by an entry point in
-the group of its kind, such as::
+The built-in ones are listed here, except those of higher layers, which their own modules list. Another
+package adds an extension by an entry point in the group of its kind, such as::
 
     [project.entry-points."wildscav.sensors"]
     sonar = "my_package.sonar:Sonar"
 
-Whatever asks for a thing by its name imports it then, so that a name costs nothing until it is used.
+An extension is imported when it is first requested by name, so unused extensions cost nothing.
 """
 
 import importlib
@@ -22,11 +22,11 @@ Extension = TypeVar("Extension")
 Maker = Callable[[str, Any], Any]
 
 OWN_PACKAGE = "wildscav"
-PREFIX = "wildscav."  # of the names of all groups
+PREFIX = "wildscav."  # with which the names of all groups begin
 NAMES = re.compile(r"[a-z][a-z0-9_-]{0,39}")
 NAMES_RULE = "must be a lower-case letter and up to 39 more letters, digits, - and _"
 
-# In the order in which people read them.
+# In the order in which they are shown.
 BUILT_IN: Mapping[str, Mapping[str, str]] = {
     "wildscav.tracks": {
         "navigation": "wildscav_engine.tracks.navigation:Navigation",
@@ -55,7 +55,7 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
     },
     "wildscav.metrics": {},
 }
-# What makes a thing out of what an entry point names; ValueError says that it is not what it must be.
+# Functions that convert the object of an entry point to an extension; they raise ValueError if it is invalid.
 MAKERS: Mapping[str, str] = {
     "wildscav.tracks": "wildscav_engine.simulation.track:make_track",
     "wildscav.sensors": "wildscav_engine.sensors.base:check_sensor",
@@ -65,41 +65,42 @@ MAKERS: Mapping[str, str] = {
 
 
 class ExtensionError(Exception):
-    """A package adds something that cannot be used; the message names the package and says why."""
+    """A package's extension cannot be used; the message names the package and the reason."""
 
 
 class Origin(NamedTuple):
-    """The package that something comes from."""
+    """The package that provides an extension."""
 
     package: str
     version: str
 
     def __str__(self) -> str:
-        """Return it as people read it."""
+        """Return the package and its version for people."""
         return f"{self.package} {self.version}".strip()
 
 
 class Addition(NamedTuple):
-    """Something that another package adds."""
+    """An extension that another package adds."""
 
     group: str
     name: str
     origin: Origin
-    problem: str = ""  # why it cannot be used, if it cannot
+    problem: str = ""  # why it cannot be used; empty if it can
 
 
 class Registry(Mapping[str, Extension], Generic[Extension]):
-    """The things of one kind by their names: ours in their order, then those of other packages by name."""
+    """The extensions of one kind by name: built-in ones in order, then those of other packages by name."""
 
     def __init__(
         self, group: str, built_in: Mapping[str, str] | None = None, maker: Maker | None = None
     ) -> None:
-        """Look things up in a group.
+        """Create the registry of a group.
 
         Args:
             group: The name of the group of entry points.
-            built_in: Ours, each as ``module:object``; by default those that are listed in this file.
-            maker: Makes a thing of its name and what its entry point names; by default this file's.
+            built_in: The built-in extensions, each as ``module:object``; by default those in ``BUILT_IN``.
+            maker: Creates an extension from its name and the object of its entry point; by default the one
+                in ``MAKERS``.
         """
         self.group = group
         self._built_in = BUILT_IN.get(group, {}) if built_in is None else built_in
@@ -108,15 +109,15 @@ class Registry(Mapping[str, Extension], Generic[Extension]):
 
     @property
     def built_in(self) -> tuple[str, ...]:
-        """The names of ours."""
+        """The names of the built-in extensions."""
         return tuple(self._built_in)
 
     def __getitem__(self, name: str) -> Extension:
-        """Return a thing.
+        """Return an extension.
 
         Raises:
-            KeyError: Nothing has that name.
-            ExtensionError: It cannot be imported, or is not what it must be.
+            KeyError: There is no extension of that name.
+            ExtensionError: It cannot be imported or is invalid.
         """
         if name not in self._made:
             if name in self._built_in:
@@ -136,15 +137,15 @@ class Registry(Mapping[str, Extension], Generic[Extension]):
         return name in self._built_in or name in self._added
 
     def origin(self, name: str) -> Origin | None:
-        """Return the package that adds a thing, None for one of ours."""
+        """Return the package that adds an extension; None if it is built in."""
         return None if name in self._built_in else _origin(self._added[name])
 
     @property
     def _added(self) -> Mapping[str, EntryPoint]:
-        """The entry points of other packages.
+        """The entry points of other packages by name.
 
         Raises:
-            ExtensionError: One has a name that it may not have.
+            ExtensionError: An entry point has a name that is not allowed.
         """
         return _added(self.group, self.built_in)
 
@@ -152,7 +153,7 @@ class Registry(Mapping[str, Extension], Generic[Extension]):
         try:
             return self._make(name, entry.load())
         except Exception as error:
-            raise ExtensionError(_complaint(entry, error)) from error
+            raise ExtensionError(_problem(entry, error)) from error
 
     def _make(self, name: str, found: Any) -> Extension:
         maker = self._maker or _maker(self.group)
@@ -160,12 +161,12 @@ class Registry(Mapping[str, Extension], Generic[Extension]):
         return made
 
     def additions(self) -> Iterator[Addition]:
-        """Yield what other packages add, with what is wrong with it; nothing is raised."""
+        """Yield the extensions that other packages add, with their problems; no error is raised."""
         for entry in _entries(self.group):
             problem = ""
             try:
                 _check_name(entry, self.built_in)
-                _check_alone(entry)
+                _check_unique(entry)
                 self._load(entry.name, entry)
             except ExtensionError as error:
                 problem = str(error)
@@ -173,7 +174,7 @@ class Registry(Mapping[str, Extension], Generic[Extension]):
 
 
 def names(group: str) -> tuple[str, ...]:
-    """Return the names in a group of this file's; only ours, if another package's cannot be used."""
+    """Return the names in a group of ``BUILT_IN``; only the built-in ones if an added name is invalid."""
     try:
         return tuple(Registry(group))
     except ExtensionError:
@@ -181,19 +182,19 @@ def names(group: str) -> tuple[str, ...]:
 
 
 def added_sources(group: str) -> tuple[Path, ...]:
-    """Return the files of what other packages add to a group, without importing anything of them.
+    """Return the source files of the extensions that other packages add to a group, without importing them.
 
-    What cannot be found is left out here; whoever uses it is told.
+    Missing modules are skipped; the error is raised when the extension is used.
     """
     files = (_file_of(entry.module) for entry in _entries(group))
     return tuple(file for file in files if file is not None)
 
 
 def other_groups(known: set[str]) -> Iterator[Addition]:
-    """Yield what other packages add to groups that nobody reads.
+    """Yield the entry points of other packages in unknown groups with our prefix.
 
     Args:
-        known: The groups that there are.
+        known: The names of all existing groups.
     """
     groups = {entry.group for package in distributions() for entry in package.entry_points}
     for group in sorted(groups - known):
@@ -203,18 +204,18 @@ def other_groups(known: set[str]) -> Iterator[Addition]:
 
 
 def loaded(group: str) -> Iterator[Addition]:
-    """Yield what other packages add to a group without a registry, each tried by importing it."""
+    """Yield the extensions of other packages in a group without a registry, after trying to import each."""
     for entry in _entries(group):
         problem = ""
         try:
             entry.load()
-        except Exception as error:  # noqa: BLE001 - whatever another's package raises
-            problem = _complaint(entry, error)
+        except Exception as error:  # noqa: BLE001 - another package may raise anything
+            problem = _problem(entry, error)
         yield Addition(group, entry.name, _origin(entry), problem)
 
 
 def _file_of(module: str) -> Path | None:
-    """Return the file of a module as an import would find it; ``find_spec`` would import its packages."""
+    """Return the file that an import of a module would load; ``find_spec`` would import its packages."""
     names, path = module.split("."), None
     for count in range(1, len(names) + 1):
         name = ".".join(names[:count])
@@ -226,8 +227,8 @@ def _file_of(module: str) -> Path | None:
     return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
 
 
-def _object(place: str) -> Any:
-    module, attribute = place.split(":")
+def _object(path: str) -> Any:
+    module, attribute = path.split(":")
     return getattr(importlib.import_module(module), attribute)
 
 
@@ -249,28 +250,28 @@ def _origin(entry: EntryPoint) -> Origin:
     return Origin(entry.dist.name, entry.dist.version)
 
 
-def _complaint(entry: EntryPoint, error: Exception) -> str:
-    """Return in one line why something cannot be used."""
+def _problem(entry: EntryPoint, error: Exception) -> str:
+    """Return in one line why an extension cannot be used."""
     why = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
     return f"{_kind(entry.group)} {entry.name!r} of the package {_origin(entry)} cannot be used: {why}"
 
 
 def _kind(group: str) -> str:
-    """Return the word for one thing of a group."""
+    """Return the word for one extension of a group."""
     word = group.removeprefix(PREFIX)
     return word.removesuffix("es") if word.endswith("xes") else word.removesuffix("s")
 
 
 @cache
 def _added(group: str, built_in: tuple[str, ...]) -> Mapping[str, EntryPoint]:
-    """Return the entry points of other packages.
+    """Return the entry points of other packages by name.
 
     Raises:
-        ExtensionError: One has the name of one of ours or of another, or a name that is not allowed.
+        ExtensionError: A name is already used by Wildscav or another package, or is not allowed.
     """
     for entry in _entries(group):
         _check_name(entry, built_in)
-        _check_alone(entry)
+        _check_unique(entry)
     return {entry.name: entry for entry in _entries(group)}
 
 
@@ -287,7 +288,7 @@ def _check_name(entry: EntryPoint, built_in: tuple[str, ...]) -> None:
         )
 
 
-def _check_alone(entry: EntryPoint) -> None:
+def _check_unique(entry: EntryPoint) -> None:
     for other in _entries(entry.group):
         if other.name == entry.name and other.value != entry.value:
             raise ExtensionError(

@@ -1,1 +1,1 @@
-"""How kernels are compiled and kept: what their code depends on, and where it is found again."""
+"""Compilation of kernels, and the cache of compiled code on disk."""

@@ -1,9 +1,9 @@
-"""Handles: many arrays handed to a kernel as one small table of where they lie.
+"""Array tables: many arrays passed to a kernel as one small table of addresses and shapes.
 
-A call from Python unpacks every array that it hands over, which takes longer than playing a step of many
-matches: the arrays of a batch and its maps are about a hundred. So they are unpacked in the kernel instead,
-from a table with a row of ``COLUMNS`` numbers for each array: its address, the size of an item in bytes, and
-its shape. Whoever calls has to keep the arrays alive meanwhile; a ``ArrayTable`` does.
+A call from Python unpacks every array that it passes. A batch and its maps have about a hundred arrays, and
+unpacking them takes longer than playing a step of many matches. Instead, the kernel unpacks them from a table
+with a row of ``COLUMNS`` numbers for each array: its address, the size of an item in bytes, and its shape.
+The caller must keep the arrays alive during the call; an ``ArrayTable`` does so.
 """
 
 import ctypes
@@ -20,55 +20,55 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import config
 
-# Typed here, because Numba's stubs do not know them.
+# Annotated as Any, because Numba's stubs do not contain them.
 typeof: Any = numba.typeof
 make_array: Any = numba.np.arrayobj.make_array
 populate_array: Any = numba.np.arrayobj.populate_array
 named_tuple: Any = types.NamedTuple
 
-AXES = 4  # of an array at most
+AXES = 4  # the largest number of axes of an array
 COLUMNS = 2 + AXES
 
 Addresses = NDArray[
     np.int64
-]  # (F, 6) address, bytes of an item, and shape of each array; axes it lacks are 1
+]  # (F, 6) address, bytes per item, and shape of each array, padded with 1 to four axes
 Function = TypeVar("Function", bound=Callable[..., Any])
 Arrays = Any  # a NamedTuple of arrays
 
 
-# Of each sort of NamedTuple that kernels read from tables, one whose arrays have the right dtypes and axes.
+# For each NamedTuple class that kernels read from tables, an example with the right dtypes and axes.
 _layouts: dict[type, Arrays] = {}
 
 
 class ArrayTable:
-    """The arrays of a NamedTuple, kept alive, and the table of them."""
+    """A NamedTuple of arrays, which it keeps alive, and their table of addresses."""
 
     def __init__(self, arrays: Arrays) -> None:
-        """Note where some arrays lie.
+        """Build the table of some arrays.
 
         Raises:
-            TypeError: One has another dtype or number of axes than kernels read from such a table.
-            ValueError: One is not contiguous.
+            TypeError: An array does not have the dtype or number of axes that kernels expect.
+            ValueError: An array is not contiguous.
         """
         self.arrays = arrays
         self.addresses = addresses_of(arrays)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are of the arrays, which then lie elsewhere."""
+        """Copy and pickle only the arrays: the copies have other addresses."""
         return ArrayTable, (self.arrays,)
 
 
 def expect(like: Arrays) -> None:
-    """Refuse tables of a sort of NamedTuple from now on if the dtypes or axes of its arrays are others."""
+    """From now on, reject tables of this class whose arrays have other dtypes or numbers of axes."""
     _layouts[type(like)] = like
 
 
 def addresses_of(arrays: Arrays) -> Addresses:
-    """Return (F, 6) the table of some contiguous arrays of at most four axes.
+    """Return the (F, 6) table of contiguous arrays with at most four axes.
 
     Raises:
-        TypeError: One has another dtype or number of axes than kernels read from such a table.
-        ValueError: One is not contiguous.
+        TypeError: An array does not have the dtype or number of axes that kernels expect.
+        ValueError: An array is not contiguous.
     """
     kind = type(arrays)
     layout: Arrays = _layouts.get(kind, arrays)
@@ -87,16 +87,16 @@ def addresses_of(arrays: Arrays) -> Addresses:
 
 
 def _kernel(plain: Function, read: Callable[..., Any]) -> Function:
-    """Return a function for kernels that generates code; the plain one where kernels are plain Python."""
+    """Return a code-generating function for kernels, or the plain one where kernels are plain Python."""
     generated: Any = intrinsic(read)
     return plain if config.DISABLE_JIT else generated
 
 
 def reader(like: Arrays) -> Callable[[Addresses], Arrays]:
-    """Return a kernel that takes the arrays out of a table.
+    """Return a kernel that reads all arrays of a table.
 
     Args:
-        like: A NamedTuple of arrays with the types and numbers of axes of those that will be read.
+        like: An example NamedTuple, with the dtypes and numbers of axes of the arrays to be read.
     """
     expect(like)
     kind = typeof(like)
@@ -120,12 +120,12 @@ def reader(like: Arrays) -> Callable[[Addresses], Arrays]:
 
 
 def row_reader(like: Arrays) -> Callable[[Addresses, int, int], Arrays]:
-    """Return a kernel that takes one row out of every array of a table, without the padding at its end.
+    """Return a kernel that reads one row of every array of a table, without the padding at its end.
 
-    It is called with the table, the row on the first axis, and how much of the second axis counts.
+    Its arguments are the table, the index on the first axis, and the used length of the second axis.
 
     Args:
-        like: A NamedTuple of arrays with the types and numbers of axes of those that will be read.
+        like: An example NamedTuple, with the dtypes and numbers of axes of the arrays to be read.
     """
     expect(like)
     arrays = [types.Array(array.dtype, array.ndim - 1, "C") for array in typeof(like)]
@@ -158,10 +158,10 @@ def row_reader(like: Arrays) -> Callable[[Addresses, int, int], Arrays]:
 
 
 def number_reader(like: Any) -> Callable[[NDArray[np.float64]], Any]:
-    """Return a kernel that makes a NamedTuple of numbers out of (N,) float64.
+    """Return a kernel that converts (N,) float64 to a NamedTuple of numbers.
 
     Args:
-        like: A NamedTuple of numbers; where it has whole numbers, they will be whole.
+        like: An example NamedTuple of numbers; its integer fields are read as integers.
     """
     kind = typeof(like)
 
@@ -195,25 +195,25 @@ def _read_bytes(typing_context: Any, address: Any, size: Any) -> Any:  # noqa: A
     return types.Array(types.uint8, 1, "C")(types.int64, types.int64), _generate_bytes
 
 
-# Returns (size,) the bytes from an address on, as a view, in kernels.
+# In kernels, returns (size,) bytes that begin at an address, as a view.
 bytes_at: Callable[[int, int], NDArray[np.uint8]] = _kernel(_bytes_at, _read_bytes)
 
 
 class _Table:
-    """A table in a kernel that is being compiled."""
+    """An array table in a kernel that is being compiled."""
 
     def __init__(self, context: Any, builder: Any, kind: Any, value: Any) -> None:
         self._context, self._builder = context, builder
         self._data = make_array(kind)(context, builder, value).data
 
     def number(self, row: int, column: int) -> Any:
-        """Return code that reads one number."""
+        """Return code that reads one number of the table."""
         place = self._context.get_constant(types.intp, row * COLUMNS + column)
         return self._builder.load(self._builder.gep(self._data, [place]))
 
 
 def _pack(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any]) -> Any:
-    """Return code for an array from its address and shape; nobody counts references to it."""
+    """Return code for an array with a given address and shape, without reference counting."""
     array = make_array(kind)(context, builder)
     itemsize = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     strides = [itemsize]
@@ -225,7 +225,7 @@ def _pack(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any])
 
 
 def _array_at(address: int, shape: Any, dtype: Any) -> NDArray[Any]:
-    """Return an array from its address and shape, where kernels are plain Python."""
+    """Return the array with a given address and shape, where kernels are plain Python."""
     size = math.prod(int(extent) for extent in shape) * dtype.itemsize
     if size == 0:
         return np.zeros(shape, dtype)

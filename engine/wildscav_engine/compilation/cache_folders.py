@@ -1,4 +1,4 @@
-"""The folders that compiled code is kept in: one for each digest of sources."""
+"""The folders of the cache of compiled code: one for each digest of sources."""
 
 import atexit
 import functools
@@ -9,19 +9,19 @@ from pathlib import Path
 
 from wildscav_engine.compilation.sources import sources_digest
 
-# As many folders are kept as several versions of the engine need, so that going back and forth stays fast.
+# Enough for several versions of the engine, so that switching between them stays fast.
 KEPT_FOLDERS = 1000
 
 
 def cache_root() -> Path:
-    """Return the folder of all compiled code: in WILDSCAV_CACHE_DIR, or in the user's cache folder."""
+    """Return the folder of all compiled code, in WILDSCAV_CACHE_DIR or in the user's cache folder."""
     home = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
     return Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / "kernels"
 
 
 @functools.cache
 def cache_folder(file: Path) -> Path:
-    """Return the cache folder for a file's kernels, made if need be; a temporary one where that fails."""
+    """Return the cache folder for a file's kernels, created on first use; a temporary one if that fails."""
     folder = cache_root() / sources_digest(file)
     try:
         if not folder.exists():
@@ -35,7 +35,7 @@ def cache_folder(file: Path) -> Path:
 
 @functools.cache
 def _temporary_folder() -> Path:
-    """Make a folder that lasts as long as this process."""
+    """Create a folder that is removed when this process ends."""
     folder = Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder

@@ -1,8 +1,8 @@
-"""Where compiled code is kept: in a folder for each digest of sources, whoever compiled it.
+"""The cache of compiled code on disk: a folder for each digest of sources, shared by all checkouts.
 
-Numba's own cache files functions under the paths of their sources, and notices only edits of a kernel's own
-file: after one of a helper or of a constant elsewhere, it would silently keep the old code. So Numba is told
-here where to look, and whatever could change the code is in the folder's name.
+Numba's own cache is keyed by the paths of source files and notices only edits of a kernel's own file. After
+an edit of a helper or a constant in another file, it would silently use the old code. This module therefore
+gives Numba a folder whose name depends on everything that can change the code.
 """
 
 import functools
@@ -16,7 +16,7 @@ from numba.core import caching
 
 from wildscav_engine.compilation.notice import notice
 
-# Typed here, because Numba comes without types.
+# Annotated as Any, because Numba has no types for them.
 NumbaCache: Any = caching.FunctionCache
 NumbaEntries: Any = caching.CompileResultCacheImpl
 NumbaLocator: Any = caching._CacheLocator
@@ -25,10 +25,10 @@ DAMAGED = (OSError, EOFError, pickle.UnpicklingError)
 
 
 class Locator(NumbaLocator):  # type: ignore[misc]
-    """Tells Numba where a function's code is kept."""
+    """Gives Numba the folder of a function's compiled code."""
 
     def __init__(self, function: Callable[..., Any], folder: Path) -> None:
-        self._py_file = function.__code__.co_filename  # Numba's warnings name it
+        self._py_file = function.__code__.co_filename  # named in Numba's warnings
         self._line = function.__code__.co_firstlineno
         self._folder = folder
 
@@ -37,16 +37,16 @@ class Locator(NumbaLocator):  # type: ignore[misc]
         return str(self._folder)
 
     def get_source_stamp(self) -> str:
-        """Return what tells old code from new: nothing, because the folder's name does."""
+        """Return an empty stamp: the name of the folder distinguishes old code from new."""
         return ""
 
     def get_disambiguator(self) -> str:
-        """Return what tells functions of one name apart."""
+        """Return the line of the function, which distinguishes functions of the same name."""
         return str(self._line)
 
 
 class Entries(NumbaEntries):  # type: ignore[misc]
-    """What is kept of a compiled function."""
+    """The cache entries of a compiled function."""
 
     def __init__(self, function: Callable[..., Any], folder: Path) -> None:
         code = function.__code__
@@ -57,12 +57,12 @@ class Entries(NumbaEntries):  # type: ignore[misc]
         )
 
     def reduce(self, result: Any) -> Any:
-        """Return what is kept: all that Numba keeps, without the list of variables, which names files."""
+        """Return what Numba caches, without the list of variables, which contains file names."""
         return super().reduce(result._replace(type_annotation=""))
 
 
 class KernelCache(NumbaCache):  # type: ignore[misc]
-    """The cache of one function: what is damaged is compiled again; what cannot be written is not kept."""
+    """The cache of one function: damaged entries are compiled again, and failed writes are ignored."""
 
     entries: type[Entries] = Entries
 
@@ -71,7 +71,7 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
         super().__init__(function)
 
     def load_overload(self, signature: Any, context: Any) -> Any:
-        """Return the compiled code for a signature; None if it has to be compiled, which begins then."""
+        """Return the compiled code for a signature, or None if it has to be compiled, which then begins."""
         found = self._load(signature, context)
         if found is None:
             notice.begin()
@@ -86,6 +86,6 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
             return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep the compiled code for a signature."""
+        """Cache the compiled code for a signature."""
         with suppress(OSError):
             super().save_overload(signature, result)

@@ -1,10 +1,11 @@
-"""How kernels that only other kernels call are compiled: up to LLVM's code, but not to machine code.
+"""Compilation of kernels that only other kernels call, to LLVM bitcode instead of machine code.
 
-Numba makes machine code of every function, with all that it calls linked in and optimized anew, so that what
-lies deep is compiled again for each level above it. A part is optimized by itself only; a kernel that Python
-calls links the parts below it, optimizes them together and makes machine code, once.
+Numba generates machine code for every function, and links in and optimizes again everything that it calls, so
+a deeply nested function is compiled again at every level above it. Here, a part (a kernel called by kernels)
+is only optimized by itself. A kernel that Python calls links its parts, optimizes them together and generates
+machine code once.
 
-This builds on the insides of Numba's compiler, whose versions ``pyproject.toml`` bounds for that reason.
+This relies on internals of Numba's compiler; ``pyproject.toml`` bounds Numba's version for that reason.
 """
 
 from typing import Any
@@ -14,7 +15,7 @@ from numba.core import codegen, compiler, compiler_machinery, typed_passes, type
 
 from wildscav_engine.compilation.kernel_cache import Entries, KernelCache
 
-# Typed here, because Numba comes without types.
+# Annotated as Any, because Numba has no types for them.
 Library: Any = codegen.JITCodeLibrary
 Compiler: Any = compiler.CompilerBase
 Pass: Any = compiler_machinery.LoweringPass
@@ -26,17 +27,17 @@ unliteral: Any = types.unliteral
 
 
 class Part(Library):  # type: ignore[misc]
-    """The code of one kernel, to be linked into others."""
+    """The code of one kernel, to be linked into other kernels."""
 
     _shared_module: Any
 
     @property
-    def codegen(self) -> "Unplaced":
-        """What made the code."""
-        return Unplaced(self._codegen)
+    def codegen(self) -> "UnloadedCodegen":
+        """The code generator of the part."""
+        return UnloadedCodegen(self._codegen)
 
     def _optimize_functions(self, module: Any) -> None:
-        """Make the code smaller, at little cost: those that run it optimize it in earnest."""
+        """Reduce the code at little cost; the kernels that link it run the full optimization."""
         module.data_layout = self._codegen._data_layout
         builder = self._codegen._pass_builder()
         for function in module.functions:
@@ -48,7 +49,7 @@ class Part(Library):  # type: ignore[misc]
                 passes.run(function, builder)
 
     def finalize(self) -> None:
-        """Close the part; what it calls is linked by those that run it."""
+        """Finalize the part without linking its callees; the kernels that link the part do that."""
         self._raise_if_finalized()
         for library in self._linking_libraries:
             self._reload_init.update(library._reload_init)
@@ -61,11 +62,11 @@ class Part(Library):  # type: ignore[misc]
         return 0
 
     def _get_module_for_linking(self) -> Any:
-        """Return the code with all that it calls, directly or not."""
+        """Return the code linked with everything that it calls, directly or indirectly."""
         self._ensure_finalized()
         if self._shared_module is None:
             module = self._final_module.clone()
-            for library in _below(self):
+            for library in _callees(self):
                 code = library._final_module if type(library) is Part else library._get_module_for_linking()
                 module.link_in(code, preserve=True)
             for function in module.functions:
@@ -76,15 +77,15 @@ class Part(Library):  # type: ignore[misc]
 
     @classmethod
     def restore(cls, codegen: Any, name: str, bitcode: bytes) -> "Part":
-        """Return a part as it was kept, with all that it calls."""
+        """Return a part from its cached bitcode, which includes everything that it calls."""
         part = cls(codegen, name)
         part._final_module = part._shared_module = parse_bitcode(bitcode)
         part._finalized = True
         return part
 
 
-class Unplaced:
-    """The generator of code that lies nowhere in memory, so it has no environment to set."""
+class UnloadedCodegen:
+    """A code generator whose code is not loaded into memory, so that there is no environment to set."""
 
     def __init__(self, codegen: Any) -> None:
         self._codegen = codegen
@@ -93,13 +94,13 @@ class Unplaced:
         return getattr(self._codegen, name)
 
     def set_env(self, name: str, environment: Any) -> None:
-        """Do nothing. Kernels use no Python objects, which is what an environment holds."""
+        """Do nothing: an environment holds Python objects, and kernels use none."""
 
 
-def _below(part: Part) -> list[Any]:
-    """Return the libraries that a part calls, directly or not, each after all that call it.
+def _callees(part: Part) -> list[Any]:
+    """Return the libraries that a part calls, directly or indirectly, each after all of its callers.
 
-    In another order some would be lost: what nobody calls yet is not linked in.
+    In another order some would be lost: the linker drops a function to which nothing refers yet.
     """
     found: dict[Any, None] = {}
 
@@ -114,20 +115,20 @@ def _below(part: Part) -> list[Any]:
 
 
 class Whole(Library):  # type: ignore[misc]
-    """The code of a kernel that Python calls, with all parts that it calls."""
+    """The code of a kernel that Python calls, linked with all parts that it calls."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
         self.enable_object_caching()
 
     def _optimize_final_module(self) -> None:
-        """Optimize it once. Numba does it twice, to find references that need no counting; here are none."""
+        """Optimize once. Numba does so twice to remove reference counting, of which there is none here."""
         passes, builder = self._codegen._module_pass_manager()
         passes.run(self._final_module, builder)
 
 
-class Make(Pass):  # type: ignore[misc]
-    """Give a function a library to be compiled into."""
+class CreateLibrary(Pass):  # type: ignore[misc]
+    """A compiler pass that creates the library into which a function is compiled."""
 
     library: type[Any]
 
@@ -135,31 +136,31 @@ class Make(Pass):  # type: ignore[misc]
         Pass.__init__(self)
 
     def run_pass(self, state: Any) -> bool:
-        """Do it; the function itself stays as it is."""
+        """Create the library; return False, because the function itself is not modified."""
         state.library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
         return False
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class MakePart(Make):
-    """Give a function a part to be compiled into."""
+class CreatePart(CreateLibrary):
+    """A compiler pass that creates a part for a function."""
 
     _name = "make_part"
     library = Part
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class MakeWhole(Make):
-    """Give a function a whole to be compiled into."""
+class CreateWhole(CreateLibrary):
+    """A compiler pass that creates a whole for a function."""
 
     _name = "make_whole"
     library = Whole
 
 
 class PartCompiler(Compiler):  # type: ignore[misc]
-    """Numba's compiler, making parts."""
+    """Numba's compiler with parts as its output."""
 
-    first: type[Make] = MakePart
+    first: type[CreateLibrary] = CreatePart
 
     def define_pipelines(self) -> list[Any]:
         """Return the passes to run."""
@@ -171,16 +172,16 @@ class PartCompiler(Compiler):  # type: ignore[misc]
 
 
 class WholeCompiler(PartCompiler):
-    """Numba's compiler, making wholes."""
+    """Numba's compiler with wholes as its output."""
 
-    first = MakeWhole
+    first = CreateWhole
 
 
 def for_all_numbers(dispatcher: Any) -> Any:
-    """Let a function be compiled once for all values of a number; return it.
+    """CreateLibrary a dispatcher compile its function once for all values of a literal argument; return it.
 
-    Numba would compile it anew for each constant that a caller writes. LLVM puts constants in by itself where
-    that gains anything.
+    Numba would compile the function again for each constant that a caller passes. LLVM propagates constants
+    itself where that is worthwhile.
     """
     template_for = dispatcher.get_call_template
 
@@ -195,18 +196,18 @@ def for_all_numbers(dispatcher: Any) -> Any:
 
 
 class PartEntries(Entries):
-    """What is kept of a compiled part."""
+    """The cache entries of a compiled part."""
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
-        """Return what is kept."""
+        """Return what is cached."""
         library, function = result.library, result.fndesc
-        function.typemap = function.calltypes = None  # large, and not for pickling
+        function.typemap = function.calltypes = None  # large, and cannot be pickled
         bitcode = library._get_module_for_linking().as_bitcode()
         return library.name, bitcode, function, result.environment, result.signature, result.reload_init
 
-    def rebuild(self, target_context: Any, kept: tuple[Any, ...]) -> Any:
-        """Return a compiled part from what was kept."""
-        name, bitcode, function, environment, signature, reload_init = kept
+    def rebuild(self, target_context: Any, cached: tuple[Any, ...]) -> Any:
+        """Return a compiled part from what was cached."""
+        name, bitcode, function, environment, signature, reload_init = cached
         for load in reload_init:
             load()
         library = Part.restore(target_context.codegen(), name, bitcode)

@@ -1,4 +1,4 @@
-"""Locks between processes: each is the operating system's lock on a file, and ends with its process."""
+"""Locks between processes: operating-system file locks, which are released when their process ends."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -7,19 +7,19 @@ from pathlib import Path
 
 try:
     import fcntl
-except ImportError:  # a system without such locks: each process acts as if it were alone
+except ImportError:  # a system without such locks: every process proceeds without waiting
     fcntl = None  # type: ignore[assignment]
 
 
 class Lock:
-    """A lock on a file; where none can be had, everyone has it."""
+    """An exclusive lock on a file; where files cannot be locked, every process gets it."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
         self._descriptor: int | None = None
 
     def take(self, *, waiting: bool = False) -> bool:
-        """Take the lock, and return whether it was free, or was waited for."""
+        """Acquire the lock and return True; without ``waiting``, return False if another process holds it."""
         try:
             if self._descriptor is None:
                 self._file.parent.mkdir(parents=True, exist_ok=True)
@@ -33,7 +33,7 @@ class Lock:
         return True
 
     def release(self, *, removing: bool = False) -> None:
-        """Let others have it; remove the file first if it is of no more use."""
+        """Release the lock; with ``removing``, remove the file first."""
         if removing:
             with suppress(OSError):
                 self._file.unlink()
@@ -44,11 +44,11 @@ class Lock:
 
 @contextmanager
 def locked(file: Path, before_waiting: Callable[[], None] | None = None) -> Iterator[None]:
-    """Hold a lock, after waiting for it if another process does.
+    """Hold a lock, after waiting while another process holds it.
 
     Args:
-        file: To be locked.
-        before_waiting: Is called if there is anything to wait for.
+        file: The file to lock.
+        before_waiting: Called if another process holds the lock.
     """
     lock = Lock(file)
     if not lock.take():

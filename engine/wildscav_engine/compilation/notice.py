@@ -1,9 +1,10 @@
-"""Whoever waits for kernels to be compiled is told so, whatever called them.
+"""Messages to the user while kernels are compiled, whatever code called them.
 
-With nothing compiled the first step takes the better part of a minute. A line on stderr says so once it has
-taken a moment, and another one when it is done; in a terminal, lines in between tell how far it is. Of many
-processes that compile at once, such as the workers of one command, only one speaks. ``WILDSCAV_QUIET=1``
-silences all of them. A program that has something better to show, such as a progress bar, takes the figures.
+With nothing compiled, the first step takes the better part of a minute. A line on stderr says so after
+``MOMENT`` seconds, and another line says when it is done; in a terminal, lines in between report progress.
+Of several processes that compile at once, such as the workers of one command, only one prints.
+``WILDSCAV_QUIET=1`` silences all of them. A program with its own display, such as a progress bar, can receive
+the progress instead (see ``telling``).
 """
 
 import atexit
@@ -19,35 +20,35 @@ from wildscav_engine.compilation.cache_folders import cache_root
 from wildscav_engine.compilation.locks import Lock
 
 QUIET = "WILDSCAV_QUIET"
-MOMENT = 2.0  # s; what takes no longer is worth no word
+MOMENT = 2.0  # s; shorter compilations are not reported
 PAUSE = 10.0  # s between the lines in a terminal
-REST = 2.0  # s without compiling, after which it counts as done
-TICK = 0.2  # s between looks at how far it is
+REST = 2.0  # s without compiling, after which the compilation counts as done
+TICK = 0.2  # s between updates of the progress
 
 
 class Progress(NamedTuple):
-    """How far the compiling is."""
+    """The progress of a compilation."""
 
-    kernels: int  # compiled here, or under way
-    seconds: float  # since it began
+    kernels: int  # compiled in this process, or being compiled
+    seconds: float  # since the compilation began
     is_done: bool
 
 
 class Notice:
-    """Watches the compiling of this process, and tells of it."""
+    """Watches compilation in this process and reports its progress."""
 
     def __init__(self) -> None:
-        self.tell: Callable[[Progress], None] | None = None  # instead of the lines
+        self.callback: Callable[[Progress], None] | None = None  # replaces the lines
         self._lock = threading.Lock()
-        self._teller: threading.Thread | None = None
-        self._active = 0  # calls that wait for compiled code, one in another
+        self._thread: threading.Thread | None = None
+        self._active = 0  # nested calls that wait for compiled code
         self._kernels = 0
-        self._began = self._last = 0.0  # s, when this compiling began, and when it last went on
-        self._ends = threading.Event()
+        self._began = self._last = 0.0  # s, begin of this compilation and last activity
+        self._end_requested = threading.Event()
 
     @contextmanager
     def waiting(self) -> Iterator[None]:
-        """Count as compiling if ``begin`` is called within."""
+        """Mark a call that waits for compiled code; it is compiling if ``begin`` is called within it."""
         with self._lock:
             self._active += 1
         try:
@@ -58,78 +59,78 @@ class Notice:
                 self._last = time.monotonic()
 
     def begin(self, kernels: int = 1) -> None:
-        """Note that so many kernels have to be compiled, or that another process is at it."""
+        """Note that some kernels have to be compiled, or (with 0) that another process is compiling one."""
         with self._lock:
             self._kernels += kernels
             self._last = time.monotonic()
-            if self._teller is None:
+            if self._thread is None:
                 self._kernels, self._began = kernels, self._last
-                self._ends.clear()
-                self._teller = threading.Thread(target=self._watch, name="wildscav-notice", daemon=True)
-                self._teller.start()
+                self._end_requested.clear()
+                self._thread = threading.Thread(target=self._watch, name="wildscav-notice", daemon=True)
+                self._thread.start()
 
     def end(self) -> None:
-        """Say the last word now, if there is one."""
-        teller = self._teller
-        if teller is not None:
-            self._ends.set()
-            teller.join()
+        """Report the end of the compilation now, if one is being reported."""
+        thread = self._thread
+        if thread is not None:
+            self._end_requested.set()
+            thread.join()
 
     def _watch(self) -> None:
-        words = _Words(self.tell)
+        reporter = _Reporter(self.callback)
         while not self._is_over():
-            words.say(self._progress(is_done=False))
-            self._ends.wait(TICK)
-        words.say(self._progress(is_done=True))
+            reporter.report(self._progress(is_done=False))
+            self._end_requested.wait(TICK)
+        reporter.report(self._progress(is_done=True))
 
     def _is_over(self) -> bool:
         with self._lock:
-            has_rested = not self._active and time.monotonic() - self._last > REST
-            if has_rested or self._ends.is_set():
-                self._teller = None
-            return self._teller is None
+            is_idle = not self._active and time.monotonic() - self._last > REST
+            if is_idle or self._end_requested.is_set():
+                self._thread = None
+            return self._thread is None
 
     def _progress(self, *, is_done: bool) -> Progress:
         now = self._last if is_done or not self._active else time.monotonic()
         return Progress(self._kernels, now - self._began, is_done)
 
-    def forget(self) -> None:
-        """Begin anew, in a forked process: the thread that told is not in it."""
+    def reset_after_fork(self) -> None:
+        """Start over in a forked process, which does not have the reporting thread."""
         self.__init__()  # type: ignore[misc]
 
 
-class _Words:
-    """What is said of one compiling, to stderr or to whoever asked for the figures."""
+class _Reporter:
+    """Reports one compilation, to stderr or to a callback."""
 
-    def __init__(self, tell: Callable[[Progress], None] | None) -> None:
-        self._tell = tell
+    def __init__(self, callback: Callable[[Progress], None] | None) -> None:
+        self._callback = callback
         self._lock = Lock(cache_root() / f"telling-{_session()}.lock")
         self._is_silent = bool(os.environ.get(QUIET)) or sys.stderr is None
-        self._said_at: float | None = None  # s since the beginning, of the last line
+        self._printed_at: float | None = None  # s from the beginning to the last line
 
-    def say(self, progress: Progress) -> None:
-        """Say what there is to say by now."""
-        if self._tell is not None:
-            self._tell(progress)
+    def report(self, progress: Progress) -> None:
+        """Report the current progress."""
+        if self._callback is not None:
+            self._callback(progress)
         elif not self._is_silent:
-            self._speak(progress)
+            self._print_progress(progress)
 
-    def _speak(self, progress: Progress) -> None:
+    def _print_progress(self, progress: Progress) -> None:
         if progress.is_done:
-            if self._said_at is not None:
+            if self._printed_at is not None:
                 _print(f"compiled, after {progress.seconds:.0f} s")
                 self._lock.release(removing=True)
-        elif self._said_at is None:
+        elif self._printed_at is None:
             if progress.seconds >= MOMENT:
-                self._begin(progress)
-        elif sys.stderr.isatty() and progress.seconds >= self._said_at + PAUSE:
-            self._said_at = progress.seconds
+                self._print_first_line(progress)
+        elif sys.stderr.isatty() and progress.seconds >= self._printed_at + PAUSE:
+            self._printed_at = progress.seconds
             _print(f"{progress.kernels} kernels, {progress.seconds:.0f} s")
 
-    def _begin(self, progress: Progress) -> None:
-        self._is_silent = not self._lock.take()  # another process of this command says it
+    def _print_first_line(self, progress: Progress) -> None:
+        self._is_silent = not self._lock.take()  # another process of this command reports it
         if not self._is_silent:
-            self._said_at = progress.seconds
+            self._printed_at = progress.seconds
             _print("compiling the engine for this machine; this takes up to a minute, once")
 
 
@@ -137,7 +138,7 @@ def _print(text: str) -> None:
     try:
         sys.stderr.write(f"wildscav: {text}\n")
         sys.stderr.flush()
-    except (OSError, ValueError):  # nobody reads it any more
+    except (OSError, ValueError):  # stderr is closed
         return
 
 
@@ -148,14 +149,14 @@ def _session() -> int:
 notice = Notice()
 atexit.register(notice.end)
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=notice.forget)
+    os.register_at_fork(after_in_child=notice.reset_after_fork)
 
 
 @contextmanager
 def telling(tell: Callable[[Progress], None]) -> Iterator[None]:
-    """Take the figures of what is compiled meanwhile, several times a second, instead of lines on stderr."""
-    before, notice.tell = notice.tell, tell
+    """Pass the progress of compilation to a callback several times a second, instead of printing lines."""
+    before, notice.callback = notice.callback, tell
     try:
         yield
     finally:
-        notice.tell = before
+        notice.callback = before

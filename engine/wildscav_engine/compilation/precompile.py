@@ -1,8 +1,9 @@
-"""Compiling ahead: while the first map is made, another process compiles already what plays on it.
+"""Compilation ahead of time: while the first map is generated, a second process compiles the simulation.
 
-Numba compiles a kernel when it is first called, one after the other, on one processor core. With nothing
-compiled that takes two minutes, of which another core can do half. Processes take turns at a kernel (see
-``kernel``), so none is compiled twice: who comes second finds it kept on disk.
+Numba compiles each kernel when it is first called, one after another, on one processor core. With nothing
+compiled, that takes two minutes, and a second core can do half of the work. A kernel is locked while it is
+being compiled (see ``kernel.py``). A second process waits and then loads it from the cache on disk, so no
+kernel is compiled twice.
 """
 
 import atexit
@@ -17,7 +18,7 @@ from wildscav_engine.compilation.kernel import config
 from wildscav_engine.compilation.sources import PACKAGE
 from wildscav_engine.parallel.threads import cores
 
-# Functions that compile what takes longest, and the file whose kernels are compiled last of all.
+# The functions that compile the most expensive kernels, and the file whose kernels are compiled last.
 COMPILERS = (
     "wildscav_engine.simulation.batch_kernels:compile_matches",
     "wildscav_engine.rendering.trace:depths_tracer",
@@ -27,9 +28,9 @@ LAST = PACKAGE / "simulation" / "batch_kernels.py"
 
 @functools.cache
 def compile_ahead() -> None:
-    """Start a process that compiles what plays matches and makes depth maps, once, unless that is done.
+    """Start a process that compiles the kernels of matches and depth maps, once, unless they are compiled.
 
-    It ends with this process, if not before. Where none can be started, nothing is lost but time.
+    It ends with this process at the latest. If it cannot be started, kernels are compiled on first use.
     """
     is_done = any(cache_folder(LAST).rglob("*.nbi"))
     if is_done or config.DISABLE_JIT or cores() < 2:
@@ -46,7 +47,7 @@ def _end(process: "subprocess.Popen[bytes]") -> None:
 
 
 def main() -> None:
-    """Compile everything."""
+    """Run all compile functions."""
     for compiler in COMPILERS:
         module, function = compiler.split(":")
         getattr(importlib.import_module(module), function)()

@@ -1,4 +1,4 @@
-"""One match's row of a batch's arrays: cleared, and as bytes."""
+"""Kernels that clear one match's row of a batch's arrays, or copy it to and from bytes."""
 
 from typing import Any
 
@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses, bytes_at
 from wildscav_engine.compilation.kernel import kernel
 
-# What columns of a table hold.
+# The columns of an array table.
 ADDRESS, ITEM, ROWS, LENGTH = 0, 1, 2, 3
 
 
 def fills_of(like: Any) -> NDArray[np.uint8]:
-    """Return (F,) the byte that each array of a new batch is full of.
+    """Return (F,) the byte with which each array of a new batch is filled.
 
     Args:
-        like: A NamedTuple of new arrays, none of them empty.
+        like: A NamedTuple of new, non-empty arrays.
 
     Raises:
-        ValueError: An array is not full of one byte.
+        ValueError: An array is not filled with a single byte value.
     """
     fills = []
     for name, array in zip(like._fields, like, strict=True):
@@ -32,12 +32,12 @@ def fills_of(like: Any) -> NDArray[np.uint8]:
 
 @kernel
 def clear_rows(table: Addresses, fills: NDArray[np.uint8], rows: NDArray[np.int64]) -> None:
-    """Make some rows of all arrays of a table what they are in a new batch.
+    """Reset some rows of all arrays of a table to their values in a new batch.
 
     Args:
         table: (F, 6).
-        fills: (F,) the byte that each array is full of.
-        rows: (N,) which rows.
+        fills: (F,) the byte with which each array is filled.
+        rows: (N,) the rows to reset.
     """
     for field in range(table.shape[0]):
         size = row_size(table, field)
@@ -49,7 +49,7 @@ def clear_rows(table: Addresses, fills: NDArray[np.uint8], rows: NDArray[np.int6
 
 @kernel
 def row_size(table: Addresses, field: int) -> int:
-    """Return how many bytes a row of an array has."""
+    """Return the size of a row of an array in bytes."""
     size = table[field, ITEM]
     for column in range(LENGTH, table.shape[1]):
         size *= table[field, column]
@@ -60,14 +60,14 @@ def row_size(table: Addresses, field: int) -> int:
 def copy_row(
     table: Addresses, row: int, sizes: NDArray[np.int64], content: NDArray[np.uint8], writes: bool
 ) -> None:
-    """Copy the beginning of a row of every array of a table into some bytes, or back.
+    """Copy the beginning of a row of every array of a table to a buffer, or back.
 
     Args:
         table: (F, 6).
-        row: Which one.
-        sizes: (F,) bytes of each array that are copied.
-        content: (N,) one after the other.
-        writes: Whether the row is written, else the content is.
+        row: The row.
+        sizes: (F,) how many bytes of each array are copied.
+        content: (N,) the buffer, with the bytes of the arrays one after another.
+        writes: Whether to write the row from the buffer; otherwise the buffer is written.
     """
     first = 0
     for field in range(table.shape[0]):

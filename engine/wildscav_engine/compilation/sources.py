@@ -1,11 +1,11 @@
-"""What the code of a kernel depends on: its file, every file that this imports, and the compiler.
+"""The digest of everything that a kernel's code depends on: its file, all files imported by it, the compiler.
 
-A file whose kernels call those that other packages add says so by ``KERNELS_OF``, the group of entry points
-that names them; the files of those packages then count as imported.
+A file whose kernels call kernels from other packages declares a constant ``KERNELS_OF``, the group of entry
+points that names them; the files of those packages then count as imported.
 
-The digest does not depend on where the files lie or when they were written, so every clone, environment and
-wheel of the same version finds what any of them compiled. The processor is not in it: Numba itself keeps
-apart what is for different ones.
+The digest does not depend on the location or the modification time of files, so all clones, environments and
+wheels of the same version share their compiled code. It does not include the processor, because Numba itself
+separates code for different processors.
 """
 
 import ast
@@ -26,14 +26,14 @@ COMPILER = (
     f"numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {np.__version__} "
     f"{sys.implementation.cache_tag}"
 )
-BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # where statements hold other statements
-KERNELS_OF = "KERNELS_OF"  # the name of a constant in such a file
+BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # fields of a statement that contain statements
+KERNELS_OF = "KERNELS_OF"  # the name of the constant
 TYPE_CHECKING = ("TYPE_CHECKING", "typing.TYPE_CHECKING")
 
 
 @functools.cache
 def sources_digest(file: Path) -> str:
-    """Return a digest of a file, of all files that it depends on, and of the compiler's version."""
+    """Return a digest of a file, all files on which it depends, and the version of the compiler."""
     digest = blake2b(COMPILER.encode(), digest_size=8)
     for name, content in sorted((name_of(path), content_digest(path)) for path in closure(file)):
         digest.update(name.encode() + b"\0" + content)
@@ -41,7 +41,7 @@ def sources_digest(file: Path) -> str:
 
 
 def closure(file: Path) -> set[Path]:
-    """Return a file and every file of the engine or of its own package that it imports, directly or not."""
+    """Return a file and all files of the engine or its own package that it imports, even indirectly."""
     found: set[Path] = set()
     waiting = [file]
     while waiting:
@@ -54,12 +54,12 @@ def closure(file: Path) -> set[Path]:
 
 @functools.cache
 def content_digest(file: Path) -> bytes:
-    """Return a digest of what is in a file."""
+    """Return a digest of the content of a file."""
     return blake2b(file.read_bytes(), digest_size=16).digest()
 
 
 def name_of(file: Path) -> str:
-    """Return a file's name with those of its packages, such as ``wildscav_engine/maps/land.py``."""
+    """Return the path of a file from its outermost package, such as ``wildscav_engine/maps/land.py``."""
     return file.relative_to(_root(file)).as_posix()
 
 
@@ -67,7 +67,7 @@ def name_of(file: Path) -> str:
 def imported_files(file: Path) -> tuple[Path, ...]:
     """Return the files that a file imports at run time from the engine or from its own package.
 
-    Imports in functions count. A file outside of packages may also import those beside it.
+    Imports in functions count. A file outside packages may also import files in its own folder.
     """
     root = _root(file)
     own = "" if root == file.parent else file.relative_to(root).parts[0]
@@ -88,7 +88,7 @@ def imported_files(file: Path) -> tuple[Path, ...]:
 
 
 def _groups_called(tree: ast.Module) -> Iterator[str]:
-    """Yield the groups of entry points whose kernels a file's kernels call."""
+    """Yield the groups of entry points whose kernels are called by the kernels of a file."""
     for node in tree.body:
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant):
             names = [target.id for target in node.targets if isinstance(target, ast.Name)]
@@ -97,17 +97,17 @@ def _groups_called(tree: ast.Module) -> Iterator[str]:
 
 
 def _imported_names(tree: ast.AST, package: list[str]) -> Iterator[str]:
-    """Yield the full name of everything imported that may be a module.
+    """Yield the full name of every import that may be a module.
 
     Args:
         tree: The syntax tree of a file.
-        package: The names of the packages that the file is in, the outermost first.
+        package: The names of the packages that contain the file, outermost first.
     """
     for node in _run(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 parts = alias.name.split(".")
-                # ``import a.b`` gives a name for a, through which everything in it can be reached.
+                # ``import a.b`` binds a, which gives access to everything in it.
                 yield from (".".join(parts[:count]) for count in range(1, len(parts) + 1))
         elif isinstance(node, ast.ImportFrom):
             above = package[: len(package) - node.level + 1] if node.level else []
@@ -116,7 +116,7 @@ def _imported_names(tree: ast.AST, package: list[str]) -> Iterator[str]:
 
 
 def _run(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield a syntax tree's statements, nested ones too, except what only type checkers read."""
+    """Yield the statements of a syntax tree, including nested ones, except those only for type checkers."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -132,7 +132,7 @@ def _module_file(root: Path, name: str) -> Path:
 
 
 def _root(file: Path) -> Path:
-    """Return the folder that holds the outermost package of a file; without one, the folder of the file."""
+    """Return the folder that contains the outermost package of a file, or else the folder of the file."""
     folder = file.parent
     while (folder / "__init__.py").exists():
         folder = folder.parent

@@ -10,11 +10,17 @@ from wildscav_engine.compilation.array_tables import ArrayTable
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.episodes import Episode, Episodes, pool_of
 from wildscav_engine.envs.spaces.actions import action_mode
-from wildscav_engine.envs.spaces.columns import EVENTS, STANDING, Part
-from wildscav_engine.envs.spaces.facts import allocate_desk, write_rows
+from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, Part
+from wildscav_engine.envs.spaces.facts import allocate_row_workspace, write_rows
 from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
-from wildscav_engine.envs.spaces.observation import Observation, Readings, Sight, layout_of, readings_space
+from wildscav_engine.envs.spaces.observation import (
+    Observation,
+    Readings,
+    SensorReader,
+    layout_of,
+    readings_space,
+)
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.state import State
 from wildscav_engine.specs.actions import FIELDS
@@ -48,7 +54,7 @@ class Arena:
         self.learners = range(config.agents)
         self.metrics = tuple(metric.name for metric in self.track.metrics)
         self.terms = tuple(config.reward_weights)
-        self.sight = Sight(config.read_sensors(), self.learners, config.threads)
+        self.sensor_reader = SensorReader(config.read_sensors(), self.learners, config.threads)
         self.batch: Batch | None = None
         self._views: dict[int, MatchInBatch] = {}
         self._state: State | None = None
@@ -56,17 +62,17 @@ class Arena:
         self.actions = np.zeros((matches, seats, FIELDS), np.float32)
         self._chosen = np.zeros((matches * config.agents, FIELDS), np.float32)
         terms = RewardSum(config.reward_weights).term_arrays
-        desk = allocate_desk(matches, seats, config.agents, self.layout.start, terms)
-        self.done, self._fresh = desk.done, desk.fresh  # (B, L) and (B,), updated by every step
+        workspace = allocate_row_workspace(matches, seats, config.agents, self.layout.start, terms)
+        self.done, self._is_new = workspace.done, workspace.is_new  # (B, L) and (B,), updated by every step
         # The facts after one step are those before the next, so the two arrays swap roles.
-        self._desk, self._next_desk = (
-            ArrayTable(desk),
-            ArrayTable(desk._replace(before=desk.after, after=desk.before)),
+        self._workspace, self._next_workspace = (
+            ArrayTable(workspace),
+            ArrayTable(workspace._replace(before=workspace.after, after=workspace.before)),
         )
         self._tables: tuple[ArrayTable, ...] = ()
         first = self.layout.first
-        self._standing, self._events, self._terms = (
-            first(Part.STANDING),
+        self._outcome, self._events, self._terms = (
+            first(Part.OUTCOME),
             first(Part.EVENTS),
             first(Part.TERMS),
         )
@@ -92,7 +98,7 @@ class Arena:
     def _update_after_restart(self, rows: Sequence[int]) -> None:
         """Update everything that depends on the matches in some rows, which are new."""
         batch = self._batch
-        self.sight.look_at(batch.maps)
+        self.sensor_reader.set_maps(batch.maps)
         if batch.state is self._state:
             for row in rows:
                 self._views.pop(row, None)
@@ -101,7 +107,7 @@ class Arena:
             parts = (batch.state.agents, batch.state.matches, batch.seen)
             self._tables = tuple(ArrayTable(part) for part in parts)
         self.done[list(rows)] = False
-        self._fresh[list(rows)] = True
+        self._is_new[list(rows)] = True
 
     @property
     def _batch(self) -> Batch:
@@ -155,10 +161,10 @@ class Arena:
         rows = np.empty((self.matches, len(self.learners), layout.width), np.float32)
         _ = batch.seen  # updates the arrays to which the table points
         agents, matches, seen = self._tables
-        write_rows(agents.addresses, matches.addresses, seen.addresses, self._desk.addresses, rows)
-        self._desk, self._next_desk = self._next_desk, self._desk
+        write_rows(agents.addresses, matches.addresses, seen.addresses, self._workspace.addresses, rows)
+        self._workspace, self._next_workspace = self._next_workspace, self._workspace
         found: Readings = {name: rows[..., first:last] for name, first, last in layout.groups}
-        self.sight.read(batch, self.view, found)
+        self.sensor_reader.read(batch, self.view, found)
         flattener = self._flattener
         return ArenaOutput(found if flattener is None else flattener.flatten(found, axes=2), rows)
 
@@ -170,19 +176,19 @@ class Arena:
 
     def terminated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Return (B, L) whether each episode has terminated."""
-        return np.asarray(rows[..., self._standing] != 0.0)
+        return np.asarray(rows[..., self._outcome] != 0.0)
 
     def truncated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Return (B, L) whether each episode was truncated by the time limit."""
-        return np.asarray(rows[..., self._standing + 1] != 0.0)
+        return np.asarray(rows[..., self._outcome + 1] != 0.0)
 
     def rewards(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
         """Return (B, L) the rewards of the step."""
-        return rows[..., self._standing + 2].astype(np.float64)
+        return rows[..., self._outcome + 2].astype(np.float64)
 
-    def standing(self, row: NDArray[np.float32]) -> tuple[bool, bool, float]:
+    def outcome(self, row: NDArray[np.float32]) -> tuple[bool, bool, float]:
         """Return terminated, truncated and the reward from the row of one learner."""
-        terminated, truncated, reward = row[self._standing : self._standing + len(STANDING)].tolist()
+        terminated, truncated, reward = row[self._outcome : self._outcome + len(OUTCOME)].tolist()
         return terminated != 0.0, truncated != 0.0, reward
 
     def events(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:

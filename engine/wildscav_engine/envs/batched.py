@@ -97,19 +97,19 @@ class Resetter:
         """
         arena = self.arena
         arena.set_actions(actions)
-        fresh: Sequence[int] = ()
+        restarting: Sequence[int] = ()
         if self.ended.any():
             if self.mode == AutoresetMode.DISABLED:
                 raise RuntimeError(f"matches {np.flatnonzero(self.ended).tolist()} have ended: reset them")
-            fresh = np.flatnonzero(self.ended).tolist()
+            restarting = np.flatnonzero(self.ended).tolist()
         # New matches do not play this step: they are added after it.
-        output = arena.step() if not fresh else self._step_others(fresh)
+        output = arena.step() if not restarting else self._step_others(restarting)
         return self._outcome(output)
 
-    def _step_others(self, fresh: Sequence[int]) -> ArenaOutput:
+    def _step_others(self, restarting: Sequence[int]) -> ArenaOutput:
         """Play a step of the matches that continue, and start new ones in the other rows."""
-        self.arena.play(skip=fresh)
-        self._restart(fresh)
+        self.arena.play(skip=restarting)
+        self._restart(restarting)
         return self.arena.read()
 
     def _outcome(self, output: ArenaOutput) -> Outcome:

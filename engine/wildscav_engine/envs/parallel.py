@@ -121,7 +121,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         rewards, terminated, truncated, infos = {}, {}, {}, {}
         for agent in self.agents:
             row = output.rows[0, self._seats[agent]]
-            terminated[agent], truncated[agent], rewards[agent] = self.arena.standing(row)
+            terminated[agent], truncated[agent], rewards[agent] = self.arena.outcome(row)
             infos[agent] = self._info(output, agent, ended=terminated[agent] or truncated[agent])
         observations = self._observations(output)
         self.agents = [agent for agent in self.agents if not (terminated[agent] or truncated[agent])]

@@ -83,7 +83,7 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         arena.mode.decode_one(action, arena.batch.state.agents.yaw[0, :1], self._own)
         output = arena.step()
         row: NDArray[np.float32] = output.rows[0, 0]
-        terminated, truncated, reward = arena.standing(row)
+        terminated, truncated, reward = arena.outcome(row)
         info: dict[str, Any] = {**info_of(arena, 0, 0, row, ended=terminated or truncated)}
         if self.render_mode == "human":
             self._renderer.show(arena)

@@ -1,1 +1,1 @@
-"""Work over threads."""
+"""Parallel work in threads."""

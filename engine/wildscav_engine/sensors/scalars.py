@@ -1,8 +1,8 @@
-"""Sensors that are a few numbers about an agent: what a kernel reads from the state.
+"""Sensors that read a few numbers about an agent from the state with a kernel.
 
-A number that agents are to be told besides those of the protocol's ``Observation`` is such a sensor. It has
-columns and a kernel, and everything else follows from these: the space of environments, the tensor that
-agents get, the tables of the documentation. In environments one call reads it for all matches.
+Such a sensor gives agents numbers in addition to those of the protocol's ``Observation``. It defines columns
+and a kernel. Everything else follows from these: the space of environments, the tensor that agents receive,
+and the tables of the documentation. In environments, one call reads it for all matches.
 """
 
 import functools
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from wildscav_engine.simulation.match_view import MatchView
 
-# Writes the numbers of one seat: the agents and matches of a batch, which match, which seat, and the row.
+# Writes one seat's numbers; takes the agents and matches of a batch, a match, a seat, and the row to write.
 Write = Callable[[Agents, Matches, int, int, NDArray[np.float32]], None]
 
 
@@ -44,11 +44,11 @@ class ScalarSensor(Sensor):
 
     @property
     def space(self) -> "Box":
-        """(columns,)."""
+        """The space of a reading, of shape (columns,)."""
         return row_space(self.scalars)
 
     def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return (len(seats), columns).
+        """Return (len(seats), columns) readings of some seats of a match.
 
         Raises:
             ValueError: The match has no such seat.
@@ -64,25 +64,25 @@ class ScalarSensor(Sensor):
 
 
 def _write(agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]) -> None:
-    """Stand for the kernel of a sensor."""
+    """A placeholder for the kernel of a sensor."""
 
 
 def _read(agents: Agents, matches: Matches, seats: NDArray[np.int64], readings: NDArray[np.float32]) -> None:
     for match in range(readings.shape[0]):
-        for place in range(readings.shape[1]):
-            _write(agents, matches, match, seats[place], readings[match, place])
+        for index in range(readings.shape[1]):
+            _write(agents, matches, match, seats[index], readings[match, index])
 
 
 @functools.cache
 def reader_of(write: Write) -> Callable[[Agents, Matches, NDArray[np.int64], NDArray[np.float32]], None]:
-    """Return the kernel that reads some seats of all matches, made for one sensor's kernel.
+    """Return the kernel that reads some seats of all matches with one sensor's kernel.
 
-    It counts as part of the file of that kernel, so that it is compiled anew whenever that one is.
+    It counts as part of that kernel's file, so that both are always recompiled together.
     """
     plain: Any = getattr(write, "__wrapped__", write)
-    home, name = plain.__code__, f"read_by_{plain.__qualname__}"
+    source, name = plain.__code__, f"read_by_{plain.__qualname__}"
     code = _read.__code__.replace(
-        co_filename=home.co_filename, co_firstlineno=home.co_firstlineno, co_name=name, co_qualname=name
+        co_filename=source.co_filename, co_firstlineno=source.co_firstlineno, co_name=name, co_qualname=name
     )
     reader: Any = FunctionType(code, {**globals(), "__name__": plain.__module__, "_write": write}, name)
     return kernel(reader)

@@ -1,4 +1,4 @@
-"""A batch: many matches played as one, serially or over threads. A single match is a batch of one."""
+"""A batch: many matches played together in one or several threads. A single match is a batch of one."""
 
 import copy
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.actions import FIELDS, Field, no_actions
 from wildscav_engine.specs.match_spec import MatchSpec
 
-LEAST_AGENTS = 200  # that a thread plays: of fewer, a step takes no longer than waking the thread
+LEAST_AGENTS = 200  # per thread; a step of fewer agents takes no longer than waking the thread
 
 
 class Batch:
@@ -35,12 +35,12 @@ class Batch:
         *,
         pool: Sequence[GameMap] = (),
     ) -> None:
-        """Set the matches up.
+        """Set up the matches.
 
         Args:
             specs: One for each match.
-            maps: One for each match, where they are at hand; else they are made.
-            pool: Maps that matches will be restarted on later.
+            maps: One for each match, if already available; otherwise they are generated.
+            pool: Maps on which matches will be restarted later.
 
         Raises:
             MatchSetupError: A match cannot be set up, or the specs cannot share a batch.
@@ -58,45 +58,45 @@ class Batch:
         phases = max(len(setup.zone) for setup in self.setups)
         self._seen = allocate_seen(len(self.specs), seats)
         self._is_seen = False
-        self._keep(allocate_state(len(self.specs), seats, slots, phases))
-        self._numbers = np.array(self.rules, np.float64)
+        self._set_arrays(allocate_state(len(self.specs), seats, slots, phases))
+        self._rule_numbers = np.array(self.rules, np.float64)
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
-        self._nothing = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
-        self._open(self._rows)
+        self._no_actions = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
+        self._open_matches(self._rows)
 
     @property
     def seen(self) -> Seen:
-        """What every agent sees now. It is found out when it is asked for, once a step at most."""
-        self._look()
+        """What every agent sees now; computed on demand, at most once per step."""
+        self._update_seen()
         return self._seen
 
     @property
     def tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
-        """Where the agents, the boxes, the matches and what is seen now lie, for kernels."""
-        self._look()
+        """The array tables of the agents, the boxes, the matches and what is seen now, for kernels."""
+        self._update_seen()
         return self._tables
 
-    def _look(self) -> None:
+    def _update_seen(self) -> None:
         if not self._is_seen:
-            find_seen_in_batch(self._bank.addresses, *self._tables, self._numbers)
+            find_seen_in_batch(self._bank.addresses, *self._tables, self._rule_numbers)
             self._is_seen = True
 
     def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
         """Play one step of every match that is not over.
 
         Args:
-            actions: (B, A, FIELDS). Rows of robots are replaced by their own choices, fields outside the
+            actions: (B, A, FIELDS). Rows of robots are replaced by the robots' actions, fields outside the
                 track's action set count as zero, and a row with a number that is not finite or a walk speed
                 outside 0–10 m/s does nothing.
-            threads: How many threads play at most; small batches are played by fewer. The outcome is the
-                same, bit for bit.
+            threads: The maximum number of threads; small batches use fewer. The outcome does not depend on
+                it, bit for bit.
 
         Returns:
-            (B, A, FIELDS), the actions as they were played.
+            (B, A, FIELDS), the actions as played.
 
         Raises:
-            ValueError: The actions have another shape or are no real numbers, or there is no thread.
+            ValueError: The actions have another shape or are not real numbers, or ``threads`` is less than 1.
         """
         rows = check_actions(actions, self.state.agents.present.shape)
         if threads < 1:
@@ -109,20 +109,20 @@ class Batch:
     def restart(
         self, rows: Sequence[int], specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None
     ) -> None:
-        """Put new matches into some rows; they are as in a new batch, and the other rows are left alone.
+        """Start new matches in some rows, as in a new batch, without changing the other rows.
 
-        A match with more boxes or phases of the zone than any before gets the batch larger arrays for those:
-        take ``state`` from the batch again after this.
+        If a match has more boxes or zone phases than any before it, the batch allocates larger arrays for
+        them. References to ``state`` are then outdated: read it from the batch again after this call.
 
         Args:
-            rows: Which rows, each once.
-            specs: One for each of them. They have the track, the rules and the frames per action of the
-                batch, and no more seats than its largest match had at first.
-            maps: One for each of them, where they are at hand; else they are made.
+            rows: The rows, without duplicates.
+            specs: One for each row, with the track, the rules and the frames per action of the batch, and
+                no more seats than the largest match with which the batch was created.
+            maps: One for each row, if already available; otherwise they are generated.
 
         Raises:
-            MatchSetupError: A match cannot be set up, or cannot be in this batch; no row has changed then.
-            ValueError: There is no such row, or one comes twice.
+            MatchSetupError: A match cannot be set up or cannot be in this batch; no row has changed.
+            ValueError: A row does not exist or is listed twice.
         """
         _check_rows(rows, len(self.specs))
         if not rows:
@@ -134,32 +134,33 @@ class Batch:
         for row, spec, game_map, setup in zip(rows, specs, given, setups, strict=True):
             self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
         slots, phases = max(setup.slots for setup in setups), max(len(setup.zone) for setup in setups)
-        self._make_room(slots, phases)
+        self._grow(slots, phases)
         self._clear(rows)
         if self._bank.add(given, in_use=self.maps):
-            self._number_maps(self._rows)  # of the other rows, too: they may have moved in the bank
-        self._open(np.array(rows, np.int64))
+            self._number_maps(self._rows)  # also in the other rows: their maps may have moved in the bank
+        self._open_matches(np.array(rows, np.int64))
 
     def get_state(self, row: int, history: History | None = None) -> bytes:
-        """Return one match as bytes, to go on from later, in any batch of such matches.
+        """Return one match as bytes, from which any batch of such matches can continue it later.
 
         Args:
-            row: Which one.
-            history: What was played so far, to be kept beside it.
+            row: The row of the match.
+            history: What was played so far, to be stored with the state.
         """
         tables = self._tables
         return encode(self.specs[row], self.maps[row], tables, row, self._counts(row), history)
 
     def set_state(self, row: int, data: bytes) -> History | None:
-        """Put a match that ``get_state`` gave into a row; the other rows are left alone.
+        """Restore a match from ``get_state`` into a row, without changing the other rows.
 
-        What holds for ``restart`` holds for this, too: where it fails, no row has changed.
+        As with ``restart``, the arrays of ``state`` may be replaced, and if it fails, no row has changed.
 
         Returns:
-            What was played so far, if it was kept.
+            What was played so far, if it was stored with the state.
 
         Raises:
-            StateError: The bytes are no state, damaged, or of another version of the rules or of the map.
+            StateError: The bytes are not a state, are damaged, or have another version of the rules or of
+                the map.
             MatchSetupError: The match cannot be in this batch.
         """
         _check_rows([row], len(self.specs))
@@ -170,7 +171,7 @@ class Batch:
         game_map = map_for(snapshot, self.maps)
         setup = plan_match(spec, game_map)
         check_size(snapshot, self._tables)
-        self._make_room(slots, phases)
+        self._grow(slots, phases)
         self._clear([row])
         self._is_seen = False
         write(snapshot, self._tables, row)
@@ -180,20 +181,20 @@ class Batch:
         return snapshot.history
 
     def fork(self) -> "Batch":
-        """Return a batch in the same state that goes its own way; the maps are shared."""
+        """Return an independent batch in the same state; the maps are shared."""
         other = copy.copy(self)
-        other._take_copies()  # noqa: SLF001 - it is one of these, too
+        other._take_copies()  # noqa: SLF001 - a method of this class
         return other
 
     def _take_copies(self) -> None:
-        """Let go of everything that is shared and changes."""
+        """Replace everything mutable that is shared with the original by copies."""
         self.specs, self.maps, self.setups = list(self.specs), list(self.maps), list(self.setups)
         self._bank = self._bank.fork()
         self._seen = _copies(self._seen)
-        self._keep(State(*map(_copies, self.state)))
+        self._set_arrays(State(*map(_copies, self.state)))
 
     def _counts(self, row: int) -> tuple[int, int, int]:
-        """Return how many seats, slots for boxes and phases of the zone a match has."""
+        """Return the numbers of seats, box slots and zone phases of a match."""
         matches = self.state.matches
         return int(matches.seats[row]), int(matches.slots[row]), int(matches.phases[row])
 
@@ -201,20 +202,20 @@ class Batch:
         for table, fills in zip(self._tables, _FILLS, strict=True):
             clear_rows(table, fills, np.array(rows, np.int64))
 
-    def _open(self, rows: NDArray[np.int64]) -> None:
-        """Write the first state of matches into their rows, which are clear."""
+    def _open_matches(self, rows: NDArray[np.int64]) -> None:
+        """Write the initial state of matches into their rows, which have been cleared."""
         for row in rows.tolist():
             place_match(self.state, row, self.setups[row])
         self._number_maps(rows)
         self._is_seen = False
-        self._play(rows, self._nothing, opening=True)
+        self._play(rows, self._no_actions, opening=True)
 
     def _number_maps(self, rows: NDArray[np.int64]) -> None:
         for row in rows.tolist():
             self.state.matches.map_index[row] = self._bank.index_of(self.maps[row])
 
     def _play(self, rows: NDArray[np.int64], actions: NDArray[np.float32], *, opening: bool = False) -> bool:
-        """Open the matches in some rows, or play one step of them; return True, as ``share`` wants it."""
+        """Open the matches in some rows, or play one step of them; return True, as ``share`` expects."""
         play_batch(
             self._bank.addresses,
             *self._tables,
@@ -222,48 +223,48 @@ class Batch:
             actions,
             self.allowed,
             self.frames_per_action,
-            self._numbers,
+            self._rule_numbers,
             opening,
         )
         return True
 
-    def _make_room(self, slots: int, phases: int) -> None:
+    def _grow(self, slots: int, phases: int) -> None:
         state = with_room(self.state, slots, phases)
         if state is not self.state:
-            self._keep(state)
+            self._set_arrays(state)
 
-    def _keep(self, state: State) -> None:
-        """Make a state the batch's own."""
+    def _set_arrays(self, state: State) -> None:
+        """Set the arrays of the state, and build their tables."""
         self.state = state
         self._array_tables = tuple(ArrayTable(part) for part in (*state, self._seen))
 
     @property
     def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
-        """The same without looking: what is seen may be that of an earlier step."""
+        """The same as ``tables`` without an update: what is seen may be from an earlier step."""
         agents, supplies, matches, seen = self._array_tables
         return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
 
 
 def _copies(arrays: Any) -> Any:
-    """Return a NamedTuple of copies of arrays."""
+    """Return a NamedTuple with copies of all arrays."""
     return type(arrays)(*(array.copy() for array in arrays))
 
 
 def _check_rows(rows: Sequence[int], matches: int) -> None:
-    """Refuse rows that a batch does not have, or one that comes twice.
+    """Check that rows exist in a batch and are different.
 
     Raises:
-        ValueError: It does.
+        ValueError: A row does not exist or is listed twice.
     """
     if len(set(rows)) != len(rows) or not all(0 <= row < matches for row in rows):
         raise ValueError(f"rows are {list(rows)}, must be different and of 0 to {matches - 1}")
 
 
 def _check_seats(specs: Sequence[MatchSpec], seats: int) -> None:
-    """Refuse matches that are too large for their batch.
+    """Check that matches do not have too many seats for their batch.
 
     Raises:
-        MatchSetupError: One is.
+        MatchSetupError: A match does.
     """
     most = max(len(spec.seats) for spec in specs)
     if most > seats:
@@ -271,14 +272,14 @@ def _check_seats(specs: Sequence[MatchSpec], seats: int) -> None:
 
 
 def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Return a copy of some actions, having checked that they are what a kernel expects.
+    """Check the shape and type of actions, and return a float32 copy for kernels.
 
     Args:
         actions: Rows of FIELDS numbers.
-        shape: What they must have before the last axis: (B, A), or (A,).
+        shape: The required shape before the last axis: (B, A), or (A,).
 
     Raises:
-        ValueError: They have another shape, or are no real numbers.
+        ValueError: They have another shape, or are not real numbers.
     """
     rows = np.asarray(actions)
     if rows.shape != (*shape, FIELDS) or rows.dtype.kind not in "biuf":
@@ -288,17 +289,17 @@ def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.floa
         )
     if rows.dtype == np.float32:
         return rows.copy()
-    with np.errstate(over="ignore"):  # too large for 32 bits becomes infinite, which is no action
+    with np.errstate(over="ignore"):  # a number too large for 32 bits becomes infinite, which does nothing
         return np.array(rows, np.float32, order="C")
 
 
 def _maps_for(
     specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None, matches: int | None = None
 ) -> list[GameMap]:
-    """Return the map of every match: as given, or made.
+    """Return the map of every match, given or generated.
 
     Raises:
-        MatchSetupError: One cannot be made, or there is another number of maps or specs than of matches.
+        MatchSetupError: A map cannot be generated, or the number of maps or specs is not that of the matches.
     """
     count = len(specs) if matches is None else matches
     if len(specs) != count:
@@ -314,10 +315,10 @@ def _maps_for(
 
 
 def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
-    """Return the first spec, having checked that the others can share a batch with it.
+    """Check that specs can share a batch, and return the first one.
 
     Raises:
-        MatchSetupError: They cannot, or there is none.
+        MatchSetupError: They cannot, or there is no spec.
     """
     if not specs:
         raise MatchSetupError("a batch needs at least one match")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MOVES = frozenset({Field.WALK_DIRECTION, Field.WALK_SPEED, Field.TURN, Field.LOOK, Field.JUMP})
 
 NO_ZONE = ZoneConfig()
-Sensors = dict[str, dict[str, Any]]  # options of sensors, by the sensors' names
+Sensors = dict[str, dict[str, Any]]  # the options of sensors by name
 PAPER_DEPTH: Sensors = {"depth": {"width": 10, "height": 10}}
 SUPPLIES_SEEN: Sensors = {"nearby_supplies": {"limit": 8}}
 AGENTS_SEEN: Sensors = {"visible_agents": {"limit": 8}}
@@ -35,7 +35,7 @@ class Metric(NamedTuple):
 class Track(ABC):
     """Base class of tracks, the kinds of match."""
 
-    name: ClassVar[str]  # in specs, commands and files
+    name: ClassVar[str]  # used in specs, commands and files
     title: ClassVar[str]  # for people
     fields: ClassVar[frozenset[Field]]  # the action set; other fields of an action are ignored
     metrics: ClassVar[tuple[Metric, ...]]  # the first is the score
@@ -63,7 +63,7 @@ class Track(ABC):
         return None
 
     def zone(self, spec: MatchSpec) -> ZoneConfig:  # noqa: ARG002
-        """Return the schedule of the safe zone; without phases for tracks without a zone."""
+        """Return the schedule of the safe zone, which has no phases on tracks without a zone."""
         return NO_ZONE
 
     @abstractmethod
@@ -72,25 +72,27 @@ class Track(ABC):
 
 
 class Measure(ABC):
-    """A figure of a seat's result that a match is asked for besides those of its track.
+    """A metric of a seat's result in addition to those of the track.
 
-    ``MatchSpec.metrics`` asks for it by its name.
+    A match measures it if ``MatchSpec.metrics`` contains its name.
     """
 
     metric: ClassVar[Metric]
 
     @abstractmethod
     def measure(self, match: "MatchView", seat: int) -> float:
-        """Return a seat's value, for a match that is over (or as it stands)."""
+        """Return a seat's value, at the end of the match or so far."""
 
 
 def make_track(name: str, kind: Any) -> Track:
-    """Return the track of a class as an entry point names it.
+    """Return the track of a class that an entry point names.
 
     Raises:
-        ValueError: It is none.
+        ValueError: The class is not a valid track.
     """
-    track: Track = _made(kind, Track, ("name", "title", "fields", "metrics", "rewards", "robot", "learners"))
+    track: Track = _instance(
+        kind, Track, ("name", "title", "fields", "metrics", "rewards", "robot", "learners")
+    )
     if track.name != name:
         raise ValueError(f"its class is called {track.name!r}")
     if not track.metrics:
@@ -99,22 +101,22 @@ def make_track(name: str, kind: Any) -> Track:
 
 
 def make_metric(name: str, kind: Any) -> Measure:
-    """Return the metric of a class as an entry point names it.
+    """Return the metric of a class that an entry point names.
 
     Raises:
-        ValueError: It is none.
+        ValueError: The class is not a valid metric.
     """
-    measure: Measure = _made(kind, Measure, ("metric",))
+    measure: Measure = _instance(kind, Measure, ("metric",))
     if measure.metric.name != name:
         raise ValueError(f"its metric is called {measure.metric.name!r}")
     return measure
 
 
-def _made(kind: Any, base: type, attributes: tuple[str, ...]) -> Any:
-    """Return an object of a class, having checked that it has all that its base asks for.
+def _instance(kind: Any, base: type, attributes: tuple[str, ...]) -> Any:
+    """Check that a class has everything that its base class requires, and return an instance.
 
     Raises:
-        ValueError: It has not.
+        ValueError: It does not.
     """
     if not isinstance(kind, type) or not issubclass(kind, base):
         raise ValueError(f"it is no class that derives from {base.__name__}")
@@ -130,11 +132,11 @@ MEASURES: Registry[Measure] = Registry("wildscav.metrics")
 
 
 def metrics_of(track: str, more: Iterable[str] = ()) -> tuple[Metric, ...]:
-    """Return what the seats of a match are measured by; the first is the score.
+    """Return the metrics of the seats of a match; the first is the score.
 
     Args:
         track: The match's track.
-        more: Names of the metrics that its spec asks for besides.
+        more: The names of the additional metrics in its spec.
     """
     return TRACKS[track].metrics + tuple(MEASURES[name].metric for name in more)
 
@@ -147,7 +149,7 @@ def measured(match: "MatchView", seat: int) -> dict[str, float]:
 
 
 def carried_by_team(match: "MatchView", seat: int) -> float:
-    """Return the supplies that a seat's team carries."""
+    """Return the number of supplies that a seat's team carries."""
     agents = match.state.agents
     of_team = agents.team[0] == agents.team[0, seat]
     return float(agents.supplies[0, of_team].sum())

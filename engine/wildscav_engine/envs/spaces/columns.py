@@ -1,8 +1,8 @@
-"""The columns of what a learner is told: named groups of numbers, each a Box of the observation.
+"""The columns of a learner's row: named groups of numbers, each of which is a Box of the observation.
 
-All groups of a learner lie side by side in one float32 row, which one kernel writes; after them come numbers
-that are not part of the observation: how the learner's match stands, what happened in the step, and what
-was paid for it.
+All groups of a learner are stored side by side in one float32 row, which one kernel writes. They are followed
+by numbers that are not part of the observation: the outcome of the step, the events in it, and the terms of
+its reward.
 """
 
 from enum import IntEnum
@@ -12,22 +12,22 @@ from wildscav_engine.sensors.base import Column
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.tracks import Track
 
-FAR = 5000.0  # m, more than any place of a map has
-FAST = 1000.0  # m/s, more than anybody has
-LONG = 100_000.0  # s, more than any match takes
-MANY = 2.0**31  # of anything that is counted
-YES = "0 or 1"  # the unit of what is so or not
+FAR = 5000.0  # m, beyond all coordinates on maps
+FAST = 1000.0  # m/s, faster than any agent
+LONG = 100_000.0  # s, longer than any match
+MANY = 2.0**31  # above all counts
+YES = "0 or 1"  # the unit of boolean columns
 
 
 class Group(NamedTuple):
-    """Numbers that belong together."""
+    """A named group of columns."""
 
     name: str
     columns: tuple[Column, ...]
 
 
 class Part(IntEnum):
-    """The groups, by their numbers in kernels."""
+    """The parts of a row, by their numbers in kernels: the groups, then what follows them."""
 
     POSITION = 0
     VELOCITY = 1
@@ -38,7 +38,7 @@ class Part(IntEnum):
     SUPPLIES = 6
     VITALS = 7
     WEAPON = 8
-    STANDING = 9
+    OUTCOME = 9
     EVENTS = 10
     TERMS = 11
 
@@ -131,13 +131,14 @@ GROUPS: dict[Part, Group] = {
     ),
 }
 
-STANDING = ("terminated", "truncated", "reward")
-# What happened to a learner in the step, counted.
+# The outcome of a step for a learner.
+OUTCOME = ("terminated", "truncated", "reward")
+# Counts of a learner's events in the step.
 EVENTS = ("shots", "hits", "was_hit", "supplies", "kills", "deaths", "respawns")
 
 
 def parts_of(track: Track) -> tuple[Part, ...]:
-    """Return the groups that learners of a track are told."""
+    """Return the groups that learners of a track observe."""
     fights = Field.SHOOT in track.fields
     wanted = {
         Part.TARGET: track.has_target,

@@ -1,4 +1,4 @@
-"""The kernel that writes the rows of ``columns.py`` for all learners of a batch."""
+"""The kernel that writes the rows defined in ``columns.py`` for all learners of a batch."""
 
 from typing import NamedTuple
 
@@ -20,31 +20,31 @@ Row = NDArray[np.float32]
 POSITION, VELOCITY, VIEW, BODY = int(Part.POSITION), int(Part.VELOCITY), int(Part.VIEW), int(Part.BODY)
 TIME, TARGET, SUPPLIES, VITALS = int(Part.TIME), int(Part.TARGET), int(Part.SUPPLIES), int(Part.VITALS)
 WEAPON = int(Part.WEAPON)
-STANDING, EVENTS, TERMS = int(Part.STANDING), int(Part.EVENTS), int(Part.TERMS)
+OUTCOME, EVENTS, TERMS = int(Part.OUTCOME), int(Part.EVENTS), int(Part.TERMS)
 TIME_UP = int(Ending.TIME_UP)
 KILLS, DEATHS, HITS, HEALTH = int(Fact.KILLS), int(Fact.DEATHS), int(Fact.HITS), int(Fact.HEALTH)
 
 
-class Desk(NamedTuple):
-    """What the kernel works with besides the batch."""
+class RowWorkspace(NamedTuple):
+    """The inputs and the state of the kernel in addition to the batch."""
 
-    learners: NDArray[np.int64]  # (L,) their seats
-    start: NDArray[np.int64]  # (PARTS,) the first column of each part, or -1 where it is not told
-    fact: NDArray[np.int64]  # (T,) this and the next two: the reward terms, as in ``TermArrays``
+    learners: NDArray[np.int64]  # (L,) the seats of the learners
+    start: NDArray[np.int64]  # (PARTS,) the first column of each part, or -1 if absent
+    fact: NDArray[np.int64]  # (T,) with the next two fields: the reward terms, as in ``TermArrays``
     change: NDArray[np.int64]  # (T,)
     weight: NDArray[np.float32]  # (T,)
-    before: Facts  # (B, A, FACTS) of the step before
-    after: Facts  # (B, A, FACTS) written
-    fresh: NDArray[np.bool_]  # (B,) which matches have begun since the step before; all False afterwards
-    done: NDArray[np.bool_]  # (B, L) whose episode had ended before the step; brought up to date
+    before: Facts  # (B, A, FACTS) of the previous step
+    after: Facts  # (B, A, FACTS) of this step, written
+    is_new: NDArray[np.bool_]  # (B,) matches started since the previous step; cleared
+    done: NDArray[np.bool_]  # (B, L) whether the episode ended before the step; updated
 
 
-def allocate_desk(
+def allocate_row_workspace(
     matches: int, seats: int, learners: int, start: NDArray[np.int64], terms: TermArrays
-) -> Desk:
-    """Return a desk for a batch whose matches are all fresh, the first seats being the learners'."""
+) -> RowWorkspace:
+    """Return the workspace of a batch of new matches, whose first seats belong to the learners."""
     facts = np.zeros((2, matches, seats, FACTS), np.float32)
-    return Desk(
+    return RowWorkspace(
         learners=np.arange(learners),
         start=start,
         fact=terms.fact,
@@ -52,50 +52,56 @@ def allocate_desk(
         weight=terms.weight,
         before=facts[0],
         after=facts[1],
-        fresh=np.ones(matches, np.bool_),
+        is_new=np.ones(matches, np.bool_),
         done=np.zeros((matches, learners), np.bool_),
     )
 
 
-_EXAMPLE = allocate_desk(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).term_arrays)
-# Kernels that take the arrays out of their tables.
+_EXAMPLE = allocate_row_workspace(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).term_arrays)
+# Kernels that read the arrays from their tables.
 agents_at = reader(allocate_state(1, 1, 1, 1).agents)
 matches_at = reader(allocate_state(1, 1, 1, 1).matches)
 seen_at = reader(allocate_seen(1, 1))
-desk_at = reader(_EXAMPLE)
+workspace_at = reader(_EXAMPLE)
 
 
 @kernel
 def write_rows(
-    agents: Addresses, matches: Addresses, seen: Addresses, desk: Addresses, rows: NDArray[np.float32]
+    agents: Addresses, matches: Addresses, seen: Addresses, workspace: Addresses, rows: NDArray[np.float32]
 ) -> None:
     """Write the rows of all learners.
 
     Args:
         agents: The table of the batch's agents.
-        matches: Of its matches.
-        seen: Of what is seen.
-        desk: Of the desk.
+        matches: The table of its matches.
+        seen: The table of what is seen.
+        workspace: The table of the ``RowWorkspace``.
         rows: (B, L, width), written.
     """
-    _write_rows(agents_at(agents), matches_at(matches), seen_at(seen).can_pick_up, desk_at(desk), rows)
+    _write_rows(
+        agents_at(agents), matches_at(matches), seen_at(seen).can_pick_up, workspace_at(workspace), rows
+    )
 
 
 @kernel
 def _write_rows(
-    agents: Agents, matches: Matches, can_pick_up: NDArray[np.bool_], desk: Desk, rows: NDArray[np.float32]
+    agents: Agents,
+    matches: Matches,
+    can_pick_up: NDArray[np.bool_],
+    workspace: RowWorkspace,
+    rows: NDArray[np.float32],
 ) -> None:
-    write_facts(agents, matches, desk.after)
+    write_facts(agents, matches, workspace.after)
     for match in range(rows.shape[0]):
         for learner in range(rows.shape[1]):
-            seat = desk.learners[learner]
+            seat = workspace.learners[learner]
             row = rows[match, learner]
-            _write_body(agents, match, seat, desk.start, row)
-            _write_task(agents, matches, can_pick_up, match, seat, desk.start, row)
-            if desk.start[WEAPON] >= 0:
-                _write_weapon(agents, match, seat, row[desk.start[WEAPON] :])
-            _write_outcome(agents, matches, match, learner, desk, row)
-        desk.fresh[match] = False
+            _write_body(agents, match, seat, workspace.start, row)
+            _write_task(agents, matches, can_pick_up, match, seat, workspace.start, row)
+            if workspace.start[WEAPON] >= 0:
+                _write_weapon(agents, match, seat, row[workspace.start[WEAPON] :])
+            _write_outcome(agents, matches, match, learner, workspace, row)
+        workspace.is_new[match] = False
 
 
 @kernel
@@ -134,7 +140,7 @@ def _write_task(
     start: NDArray[np.int64],
     row: Row,
 ) -> None:
-    """Write the times, and of target and supplies what the track has."""
+    """Write the times, and the target, the supplies and the vitals if the track has them."""
     row[start[TIME]] = max(0, matches.frame_limit[match] - matches.frame[match]) * FRAME
     row[start[TIME] + 1] = matches.frame[match] * FRAME
     if start[TARGET] >= 0:
@@ -155,7 +161,7 @@ def _write_task(
 
 @kernel
 def _write_target(agents: Agents, matches: Matches, match: int, seat: int, target: Row) -> None:
-    """Write where the target is; all 0 as long as the learner does not know it."""
+    """Write the position of the target; all 0 while the learner does not know it."""
     if not agents.knows_target[match, seat]:
         target[:] = 0.0
         return
@@ -163,9 +169,9 @@ def _write_target(agents: Agents, matches: Matches, match: int, seat: int, targe
     square = 0.0
     for axis in range(3):
         place = matches.target[match, axis]
-        way = place - agents.position[match, seat, axis]
-        target[1 + axis], target[4 + axis] = place, way
-        square += way * way
+        offset = place - agents.position[match, seat, axis]
+        target[1 + axis], target[4 + axis] = place, offset
+        square += offset * offset
     target[7] = np.sqrt(square)
 
 
@@ -180,27 +186,29 @@ def _write_weapon(agents: Agents, match: int, seat: int, weapon: Row) -> None:
 
 
 @kernel
-def _write_outcome(agents: Agents, matches: Matches, match: int, learner: int, desk: Desk, row: Row) -> None:
-    """Write whether the learner's episode has ended, what happened to it and what it is paid."""
-    seat = desk.learners[learner]
-    after = desk.after[match, seat]
-    before = after if desk.fresh[match] else desk.before[match, seat]
-    events = row[desk.start[EVENTS] :]
-    standing = row[desk.start[STANDING] :]
-    terms = row[desk.start[TERMS] : desk.start[TERMS] + desk.fact.shape[0]]
-    out = agents.eliminated[match, seat] != NOT_ELIMINATED
+def _write_outcome(
+    agents: Agents, matches: Matches, match: int, learner: int, workspace: RowWorkspace, row: Row
+) -> None:
+    """Write whether the learner's episode has ended, its events and its reward."""
+    seat = workspace.learners[learner]
+    after = workspace.after[match, seat]
+    before = after if workspace.is_new[match] else workspace.before[match, seat]
+    events = row[workspace.start[EVENTS] :]
+    outcome = row[workspace.start[OUTCOME] :]
+    terms = row[workspace.start[TERMS] : workspace.start[TERMS] + workspace.fact.shape[0]]
+    eliminated = agents.eliminated[match, seat] != NOT_ELIMINATED
     over = matches.over[match]
-    late = over and not out and matches.ending[match] == TIME_UP
-    standing[0], standing[1] = (over or out) and not late, late
-    if desk.done[match, learner]:
+    timed_out = over and not eliminated and matches.ending[match] == TIME_UP
+    outcome[0], outcome[1] = (over or eliminated) and not timed_out, timed_out
+    if workspace.done[match, learner]:
         terms[:] = 0.0
     else:
-        write_terms(TermArrays(desk.fact, desk.change, desk.weight), before, after, terms)
+        write_terms(TermArrays(workspace.fact, workspace.change, workspace.weight), before, after, terms)
     total = np.float32(0.0)
     for term in range(terms.shape[0]):
         total += terms[term]
-    standing[2] = total
-    desk.done[match, learner] |= over or out
+    outcome[2] = total
+    workspace.done[match, learner] |= over or eliminated
     events[0] = agents.fired[match, seat]
     events[1] = after[HITS] - before[HITS]
     events[2] = agents.hit_by_seat[match, seat] != NOBODY

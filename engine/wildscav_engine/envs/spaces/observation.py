@@ -1,4 +1,4 @@
-"""What learners observe: groups of facts, side by side in one row a learner, and the chosen sensors."""
+"""Observations of learners: groups of columns side by side in one row per learner, and the chosen sensors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,7 +8,7 @@ from gymnasium.spaces import Box, Dict, Space
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.spaces.columns import EVENTS, GROUPS, PARTS, STANDING, Part, parts_of
+from wildscav_engine.envs.spaces.columns import EVENTS, GROUPS, OUTCOME, PARTS, Part, parts_of
 from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.parallel.threads import share
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.batch import Batch
 
 EYES = np.array([0.0, EYE_HEIGHT, 0.0])
-Readings = dict[str, NDArray[Any]]  # by the names of groups and sensors
+Readings = dict[str, NDArray[Any]]  # by names of groups and sensors
 Observation = Readings | NDArray[np.float32]  # the latter if the environment is flat
 
 
 class Layout(NamedTuple):
-    """Where each part lies in a row."""
+    """The positions of the parts in a row."""
 
-    start: NDArray[np.int64]  # (PARTS,) its first column, or -1
-    groups: tuple[tuple[str, int, int], ...]  # name, first column and the one after the last, of what is told
-    told: int  # columns of the observation; those that follow are not part of it
+    start: NDArray[np.int64]  # (PARTS,) the first column of each part, or -1 if absent
+    groups: tuple[tuple[str, int, int], ...]  # of the observation: name, first column, end column
+    told: int  # the number of columns of the observation, which come first
     width: int
 
     def first(self, part: Part) -> int:
@@ -42,7 +42,7 @@ class Layout(NamedTuple):
 
 
 def layout_of(config: EnvConfig) -> Layout:
-    """Return how the rows of an environment are laid out."""
+    """Return the layout of the rows of an environment."""
     start = np.full(PARTS, -1, np.int64)
     groups, column = [], 0
     for part in parts_of(TRACKS[config.track]):
@@ -53,7 +53,7 @@ def layout_of(config: EnvConfig) -> Layout:
         column += width
     told = column
     for part, width in (
-        (Part.STANDING, len(STANDING)),
+        (Part.OUTCOME, len(OUTCOME)),
         (Part.EVENTS, len(EVENTS)),
         (Part.TERMS, len(config.reward_weights)),
     ):
@@ -68,16 +68,16 @@ def observation_space(config: EnvConfig) -> Dict | Box:
     return Flattener(space).space if config.flat else space
 
 
-def part_of(observation: Observation, place: Any) -> Observation:
-    """Return what lies at a place of the first axes: some learners' observations, or one's."""
+def part_of(observation: Observation, index: Any) -> Observation:
+    """Return the observations at an index of the first axes: those of some learners, or of one."""
     if isinstance(observation, dict):
-        return {name: values[place] for name, values in observation.items()}
-    part: NDArray[np.float32] = observation[place]
+        return {name: values[index] for name, values in observation.items()}
+    part: NDArray[np.float32] = observation[index]
     return part
 
 
 def readings_space(config: EnvConfig) -> Dict:
-    """Return the space of what one learner reads, by name."""
+    """Return the space of one learner's readings by name."""
     spaces: dict[str, Space[Any]] = {}
     for part in parts_of(TRACKS[config.track]):
         name, columns = GROUPS[part]
@@ -90,7 +90,7 @@ def readings_space(config: EnvConfig) -> Dict:
 
 
 def _bounded(space: Box) -> Box:
-    """Return a space with finite bounds that hold for all matches."""
+    """Return a space with finite bounds that are valid in all matches."""
     if not np.issubdtype(space.dtype, np.floating):
         return space
     limit = np.float32(10_000.0)
@@ -98,35 +98,35 @@ def _bounded(space: Box) -> Box:
     return Box(low, np.where(np.isinf(high), limit, high), dtype=np.float32)
 
 
-class Sight:
-    """The chosen sensors of all learners of a batch."""
+class SensorReader:
+    """Reads the chosen sensors of all learners of a batch."""
 
     def __init__(self, sensors: Mapping[str, Sensor], learners: Sequence[int], threads: int) -> None:
-        self._still = {
+        self._static = {
             name: sensor
             for name, sensor in sensors.items()
             if isinstance(sensor, OpticalSensor) and _sees_map_only(sensor)
         }
-        self._others = {name: sensor for name, sensor in sensors.items() if name not in self._still}
+        self._others = {name: sensor for name, sensor in sensors.items() if name not in self._static}
         self._optical = [sensor for sensor in sensors.values() if isinstance(sensor, OpticalSensor)]
-        self._lenses = {name: sensor.lens for name, sensor in self._still.items()}
+        self._lenses = {name: sensor.lens for name, sensor in self._static.items()}
         self._learners, self._threads = list(learners), threads
         self._rows = np.array(self._learners, np.int64)
-        self._maps: list[GameMap] = []  # of every learner
+        self._maps: list[GameMap] = []  # the map of every learner
         self._viewers = np.zeros(0, np.int32)
 
-    def look_at(self, maps: "Sequence[GameMap]") -> None:
-        """Take notice of which map each match is on."""
+    def set_maps(self, maps: "Sequence[GameMap]") -> None:
+        """Set the map of every match."""
         self._maps = [game_map for game_map in maps for _ in self._learners]
         self._viewers = np.tile(np.array(self._learners, np.int32), len(maps))
         for game_map in maps:
             for sensor in self._optical:
-                sensor.prepare(game_map)  # before the threads, which would all do it
+                sensor.prepare(game_map)  # in advance, because all threads would do it
 
     def read(self, batch: "Batch", view: Callable[[int], MatchInBatch], found: Readings) -> None:
         """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
-        if self._still:
-            self._read_still(batch, found)
+        if self._static:
+            self._read_static(batch, found)
         for name, sensor in self._others.items():
             if isinstance(sensor, ScalarSensor):
                 found[name] = sensor.read_all(batch.state, self._rows)
@@ -149,17 +149,17 @@ class Sight:
         share(read, len(matches), self._threads, least)
         return [readings[match] for match in range(len(matches))]
 
-    def _read_still(self, batch: "Batch", found: Readings) -> None:
-        """Look at the maps alone, which needs no more of the matches than where the learners are."""
+    def _read_static(self, batch: "Batch", found: Readings) -> None:
+        """Render sensors that see only the map, which need only the poses of the learners."""
         agents, count = batch.state.agents, len(self._learners)
         eyes = (agents.position[:, :count] + EYES).reshape(-1, 3)
         yaws, pitches = agents.yaw[:, :count].flatten(), agents.pitch[:, :count].flatten()
-        for name, sensor in self._still.items():
-            images = self._look(sensor, Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name]))
+        for name, sensor in self._static.items():
+            images = self._render(sensor, Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name]))
             found[name] = images.reshape(-1, count, *sensor.shape)
 
-    def _look(self, sensor: OpticalSensor, cameras: Cameras) -> NDArray[Any]:
-        """Return (N, *shape) images of the maps alone."""
+    def _render(self, sensor: OpticalSensor, cameras: Cameras) -> NDArray[Any]:
+        """Return (N, *shape) images of the maps."""
         images = np.empty((len(self._maps), *sensor.shape), sensor.dtype)
         if self._threads == 1:
             sensor.render_maps_into(self._maps, cameras, images)
@@ -173,7 +173,7 @@ class Sight:
 
 
 def _sees_map_only(sensor: OpticalSensor) -> bool:
-    """Return whether a sensor sees nothing of a match but its map."""
+    """Return whether a sensor sees only the map of a match."""
     if isinstance(sensor, MovingOption):
         return not sensor.moving
     return type(sensor).moving_in is OpticalSensor.moving_in

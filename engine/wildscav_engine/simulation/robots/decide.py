@@ -1,8 +1,8 @@
-"""Which robot decides for which seat: a kernel that is made of the kernels of all robots.
+"""The kernel that lets the robot in a seat decide, composed of the kernels of all robots.
 
-It is a chain: each link asks for one kind of robot, and calls the next link for all others. Links are
-inlined, so that what is compiled is one branch for each kind. With the robots of another package, other code
-is compiled, and kept apart (see ``KERNELS_OF`` in ``compilation/sources.py``).
+It is a chain: each link handles one kind of robot, and calls the next link for all other kinds. Links are
+inlined, so the compiled code has one branch for each kind. With robots of another package, the code differs
+and has its own cache folder (see ``KERNELS_OF`` in ``compilation/sources.py``).
 """
 
 from collections.abc import Callable, Iterable
@@ -21,10 +21,10 @@ KINDS: Registry[tuple[Robot, ...]] = Registry(KERNELS_OF)
 
 @inlined_kernel
 def _stand_still(now: Situation, action: NDArray[np.float32]) -> None:
-    """Do nothing: no robot has this number."""
+    """Do nothing; the end of the chain, for numbers that no robot has."""
 
 
-# What a link is made from; each has its own values of these.
+# The globals of a link; each link has its own values of these.
 _KIND: int = 0
 _act: Act = _stand_still
 _others: Act = _stand_still
@@ -41,13 +41,13 @@ def chain(kinds: Iterable[tuple[Robot, ...]]) -> Act:
     """Return the kernel that lets the robot in a seat decide.
 
     Args:
-        kinds: The levels of each kind.
+        kinds: For each kind, its robots by level.
 
     Raises:
         ExtensionError: Two robots have the same name or number.
     """
     links = list(kinds)
-    _check_apart([robot for levels in links for robot in levels])
+    _check_distinct([robot for levels in links for robot in levels])
     decide: Act = _stand_still
     for number, levels in reversed(list(enumerate(links))):
         make = kernel if number == 0 else inlined_kernel
@@ -56,23 +56,23 @@ def chain(kinds: Iterable[tuple[Robot, ...]]) -> Act:
 
 
 def _linked(robot: Robot, others: Act) -> Callable[[Situation, NDArray[np.float32]], None]:
-    """Return the function of one link, with a name of its own for the cache of compiled code."""
+    """Return the function of one link, with its own name for the cache of compiled code."""
     kind = robot.number // 10
     values = {"_KIND": kind, "_act": robot.act, "_others": others}
     name = f"decide_{kind}"
     link = FunctionType(_link.__code__.replace(co_name=name, co_qualname=name), {**globals(), **values}, name)
-    link.__doc__ = "Write what the robot in a seat does in the coming step; the row holds zeros before."
+    link.__doc__ = "Write the action of the robot in a seat for the coming step into a row of zeros."
     return link
 
 
-def _check_apart(robots: list[Robot]) -> None:
-    for what in ("name", "number"):
-        found: dict[str | int, Robot] = {}
+def _check_distinct(robots: list[Robot]) -> None:
+    for attribute in ("name", "number"):
+        by_value: dict[str | int, Robot] = {}
         for robot in robots:
-            before = found.setdefault(getattr(robot, what), robot)
-            if before is not robot:
+            first = by_value.setdefault(getattr(robot, attribute), robot)
+            if first is not robot:
                 raise ExtensionError(
-                    f"the robots {before.name!r} and {robot.name!r} have the same {what}; uninstall the "
+                    f"the robots {first.name!r} and {robot.name!r} have the same {attribute}; uninstall the "
                     "package of one of them"
                 )
 

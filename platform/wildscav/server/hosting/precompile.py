@@ -1,4 +1,4 @@
-"""Compile everything that a match runs, or load it from the cache, before it is needed."""
+"""Compile all kernels that a match runs, or load them from the cache, before they are needed."""
 
 import functools
 import threading
@@ -19,12 +19,11 @@ _read: set["Sensor"] = set()
 def precompile(sensors: "Iterable[Sensor] | None" = None) -> None:
     """Play a tiny match of every track, once per process, and read each sensor once.
 
-    Kernels are compiled (or loaded from their cache) when they first run. In the event loop that would delay
-    every other match, and would be charged to its agents.
+    Kernels are compiled (or loaded from the cache) when they first run. In the event loop, that would delay
+    all other matches, and the time would be charged to their agents.
 
     Args:
-        sensors: The sensors to read; by default, sensors of every kind with every choice that the kind
-            offers.
+        sensors: The sensors to read; by default, sensors of every kind with all choices of their options.
     """
     with _lock:
         match = _tiny_match()
@@ -34,19 +33,19 @@ def precompile(sensors: "Iterable[Sensor] | None" = None) -> None:
                 _read.add(sensor)
 
 
-def precompile_for(wanted: "Iterable[Mapping[str, Any]]") -> None:
-    """Precompile for the sensors of submissions.
+def precompile_for(submissions: "Iterable[Mapping[str, Any]]") -> None:
+    """Precompile the sensors of submissions.
 
     Args:
-        wanted: For each submission, the options of each sensor by the sensor's name.
+        submissions: For each submission, the options of each sensor by the sensor's name.
     """
     from wildscav_engine.sensors import parse_sensors
 
-    precompile([sensor for sensors in wanted for sensor in parse_sensors(sensors).values()])
+    precompile([sensor for sensors in submissions for sensor in parse_sensors(sensors).values()])
 
 
 def every_sensor() -> "list[Sensor]":
-    """Return sensors that together run all kernels of all kinds of sensors."""
+    """Return sensors that together run all kernels of every kind of sensor."""
     from wildscav_engine.sensors import SENSORS
 
     return [sensor for kind in SENSORS.values() for sensor in kind.warmers()]
