@@ -39,8 +39,7 @@ test: .venv/.dev ## Run the tests (under 10 minutes); with COVERAGE=1, print whi
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
 	$(BIN)/python -m coverage run -m pytest -n 2 --dist worksteal
-	$(BIN)/python -m coverage combine --quiet
-	$(BIN)/python -m coverage report
+	$(BIN)/python .ci/coverage
 else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif

@@ -1,5 +1,6 @@
 """The walls between the parts stand."""
 
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -43,3 +44,9 @@ def test_importing_one_does_not_load_the_other(module: str, stranger: str) -> No
 
 def test_the_platform_folder_does_not_hide_the_standard_library() -> None:
     assert not (ROOT / "platform" / "__init__.py").exists()
+
+
+def test_the_picture_of_the_folders_is_that_of_the_contracts() -> None:
+    script = runpy.run_path(str(ROOT / "docs" / "images" / "rooms.py"))
+
+    assert script["PICTURE"].read_text("utf-8") == script["picture"](), "run python docs/images/rooms.py"

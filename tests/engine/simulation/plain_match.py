@@ -1,4 +1,4 @@
-"""A short battle, step by step, and a small map: the same with compiled kernels and with plain Python.
+"""A short battle, a small map and an environment: the same with compiled kernels and with plain Python.
 
 Run as a script, with NUMBA_DISABLE_JIT=1, it prints what ``report`` returns otherwise.
 """
@@ -14,7 +14,9 @@ import numpy as np
 from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.compilation.kernel import config
-from wildscav_engine.maps import generate_map
+from wildscav_engine.envs import SingleEnv
+from wildscav_engine.maps import GameMap, generate_map
+from wildscav_engine.maps.walk.paths import find_path
 from wildscav_engine.sensors import ColorCamera, DepthCamera, Lidar, NormalCamera, SegmentationCamera
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
@@ -41,7 +43,35 @@ def report() -> list[object]:
         royale.step(np.zeros((4, FIELDS), np.float32))
     digests.append(str(royale.digest))
     generated = generate_map(MapConfig(size=40, houses=1, vegetation=0.5, water=0.2), 3)
-    return [digests, readings, generated.digest]
+    return [digests, readings, generated.digest, _path(generated), _episode(generated)]
+
+
+def _path(game_map: GameMap) -> list[float]:
+    """Return where a path across a map turns."""
+    path = find_path(game_map.graph, tuple(game_map.outdoor[0]), tuple(game_map.outdoor[-1]))
+    assert path is not None
+    return np.asarray(path.points).ravel().tolist()
+
+
+def _episode(game_map: GameMap) -> list[float]:
+    """Return what a learner observes and is rewarded for in a few steps, in each action mode."""
+    found = []
+    for mode in ("box", "multidiscrete", "dict"):
+        env = SingleEnv(
+            "battle",
+            map=game_map.spec,
+            opponents=("fighter",),
+            flat=mode != "dict",
+            sensors={},
+            action_mode=mode,
+        )
+        env.reset(seed=1)
+        env.action_space.seed(1)
+        for _ in range(3):
+            observation, reward, *_ = env.step(env.action_space.sample())
+            rows = observation.values() if isinstance(observation, dict) else [observation]
+            found += [float(reward), *(float(np.sum(row, dtype=np.float64)) for row in rows)]
+    return found
 
 
 if __name__ == "__main__":

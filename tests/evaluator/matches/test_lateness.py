@@ -95,6 +95,6 @@ def test_an_agent_that_queues_behind_itself_or_uses_its_limit_up_lacks_nothing()
     half = Sample(main_ran=0.25, main_waited=0.25, ran=0.25)
     starved = Sample(main_ran=0.1, main_waited=0.4, ran=0.1)
 
-    assert WaitMeter(list, cpus=1.0)._lacked([half, half], 0.5) == 0.0
-    assert WaitMeter(list, cpus=0.2)._lacked([starved], 0.5) == 0.0
-    assert WaitMeter(list, cpus=1.0)._lacked([starved], 0.5) == 0.4
+    assert WaitMeter(list, cpus=1.0)._processor_wait([half, half], 0.5) == 0.0
+    assert WaitMeter(list, cpus=0.2)._processor_wait([starved], 0.5) == 0.0
+    assert WaitMeter(list, cpus=1.0)._processor_wait([starved], 0.5) == 0.4

@@ -9,7 +9,7 @@ from tests.evaluator.sample_agents import WALKER, Submit
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.matches.run_job import kept, run_job
+from wildscav_evaluator.matches.run_job import kept_result, run_job
 from wildscav_evaluator.output.folder import keep_only
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
 from wildscav_evaluator.sandbox import Limits
@@ -99,7 +99,7 @@ def test_a_record_bears_out_every_seat(twins: JobResult) -> None:
 
 def test_logs_of_seats_are_kept_with_their_match(twins: JobResult) -> None:
     keep_only(twins.job.out, [twins.job.stem])
-    again = kept(twins.job)
+    again = kept_result(twins.job)
     assert again is not None
     assert again.row == twins.row
     assert all((twins.job.out / log).exists() for log in twins.row.logs)
