@@ -95,12 +95,24 @@ def test_threads_that_share_images_of_what_moves_change_no_bit(monkeypatch: pyte
         found += [env.step(env.action_space.sample())[0] for _ in range(5)]
         return [digest(observation) for observation in found]
 
-    read = ColorCamera.read
-    monkeypatch.setattr(
-        ColorCamera, "read", lambda *given: names.add(threading.current_thread().name) or read(*given)
-    )
+    read, main, helper_reads = ColorCamera.read, threading.current_thread(), threading.Event()
+
+    def noted(*given: Any) -> Any:
+        thread = threading.current_thread()
+        names.add(thread.name)
+        if thread is not main:
+            helper_reads.set()
+        elif shared:
+            assert helper_reads.wait(
+                300
+            )  # the main thread leaves something to the others, however busy they are
+        return read(*given)
+
+    monkeypatch.setattr(ColorCamera, "read", noted)
+    shared = False
     alone = told(1)
-    assert names == {threading.current_thread().name}
+    assert names == {main.name}
+    shared = True
     assert told(3) == alone
     assert len(names) > 1
 
