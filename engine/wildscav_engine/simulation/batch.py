@@ -102,8 +102,11 @@ class Batch:
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
         self._is_seen = False
-        least = -(-LEAST_AGENTS // rows.shape[1])
-        share(lambda part: self._play(self._rows[part], rows), len(self._rows), threads, least)
+        if threads == 1:
+            self._play(self._rows, rows)
+        else:
+            least = -(-LEAST_AGENTS // rows.shape[1])
+            share(lambda part: self._play(self._rows[part], rows), len(self._rows), threads, least)
         return rows
 
     def restart(
