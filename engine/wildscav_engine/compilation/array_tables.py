@@ -29,9 +29,8 @@ named_tuple: Any = types.NamedTuple
 AXES = 4  # the largest number of axes of an array
 COLUMNS = 2 + AXES
 
-Addresses = NDArray[
-    np.int64
-]  # (F, 6) address, bytes per item, and shape of each array, padded with 1 to four axes
+# (F, 6) address, bytes per item, and shape of each array, padded with 1 to four axes.
+Addresses = NDArray[np.int64]
 Function = TypeVar("Function", bound=Callable[..., Any])
 Arrays = Any  # a NamedTuple of arrays
 

@@ -178,7 +178,7 @@ class WholeCompiler(PartCompiler):
 
 
 def for_all_numbers(dispatcher: Any) -> Any:
-    """CreateLibrary a dispatcher compile its function once for all values of a literal argument; return it.
+    """Make a dispatcher compile its function once for all values of a literal argument; return it.
 
     Numba would compile the function again for each constant that a caller passes. LLVM propagates constants
     itself where that is worthwhile.
