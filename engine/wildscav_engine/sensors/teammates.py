@@ -13,27 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
+from wildscav_engine.sensors.base import MOTION_COLUMNS, Column, Sensor, rows_of, sensor, table_space
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.simulation.match_view import MatchView
 
-INF = np.inf
 MAX_SUPPLIES = 2.0**31  # carried: the bound of a 32-bit count
 # Seats are numbers below 1000; rules allow 10,000 hp at most.
 COLUMNS = (
     Column("present", "0 or 1", 0, 1, "whether the row describes a teammate"),
     Column("seat", "", 0, 999, "its seat"),
-    Column("x", "m", -INF, INF, "position east of the agent's soles"),
-    Column("y", "m", -INF, INF, "position above the agent's soles"),
-    Column("z", "m", -INF, INF, "position north of the agent's soles"),
-    Column("distance", "m", 0, INF, "distance from the agent's soles"),
-    Column("velocity_x", "m/s", -INF, INF, "its velocity to the east"),
-    Column("velocity_y", "m/s", -INF, INF, "its velocity upwards"),
-    Column("velocity_z", "m/s", -INF, INF, "its velocity to the north"),
-    Column("yaw", "degrees", -180, 180, "where it faces: 0 is north, 90 is east"),
+    *MOTION_COLUMNS,
     Column("health", "hp", 0, 10_000, "its health; 0 if it is dead"),
     Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
     Column("supplies", "", 0, MAX_SUPPLIES, "supplies that it carries"),
