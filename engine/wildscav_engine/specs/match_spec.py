@@ -1,5 +1,6 @@
 """The spec of a match: everything that determines it, apart from its actions."""
 
+from functools import cache
 from typing import Annotated, Any, Literal, Protocol, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
@@ -49,6 +50,11 @@ class RobotName(Protocol):
 _TRACKS: Registry[TrackRules] = Registry("wildscav.tracks")
 _METRICS: Registry[object] = Registry("wildscav.metrics")
 _ROBOTS: Registry[tuple[RobotName, ...]] = Registry("wildscav.robots")
+
+
+@cache
+def _robot_names() -> tuple[str, ...]:
+    return tuple(robot.name for levels in _ROBOTS.values() for robot in levels)
 
 
 class MatchSpec(Spec):
@@ -133,7 +139,7 @@ class MatchSpec(Spec):
         ):
             if getattr(self, field) is not None and not has:
                 raise ValueError(f"{field} is given, but {self.track} has no {field.replace('_', ' ')}")
-        robots = [robot.name for levels in _ROBOTS.values() for robot in levels]
+        robots = _robot_names()
         for seat, name in enumerate(self.seats):
             if name != SUBMISSION and name not in robots:
                 allowed = ", ".join([SUBMISSION, *robots])
