@@ -5,7 +5,7 @@ BIN := .venv/bin
 OTHER := .venv-other
 RELEASES ?=
 PART ?= tests/engine tests/platform
-BENCHMARKS := compile legacy maps processes rays server steps
+BENCHMARKS := compile executor legacy maps processes ratings rays schedule server service steps
 .DEFAULT_GOAL := help
 
 .PHONY: help demo test test-slow test-with check format bench docs docs-serve proto clean
@@ -32,8 +32,9 @@ help: ## Show this list.
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
 	@touch $@ .venv/.dev .venv/.run
 
-demo: .venv/.run ## Evaluate the three baselines on the three tracks (under 5 minutes).
-	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first
+demo: .venv/.run ## Evaluate the three baselines on three of the five tracks (under 5 minutes).
+	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first \
+		--track navigation --track gathering --track battle
 
 test: .venv/.dev ## Run the tests (under 10 minutes); with COVERAGE=1, print which lines and branches they reach.
 ifdef COVERAGE

@@ -184,9 +184,10 @@ def play_beside(together: Any, found: Any, depth: bool) -> None:
     found.put(steps_per_second(step, 64, 2000))
 
 
-def vector_env(envs: int, options: dict[str, Any]) -> Any:
+def vector_env(envs: int, options: dict[str, Any], track: str = "Navigation") -> Any:
     """Return a vector environment after its reset, with all the maps that it will play on."""
-    vector = gymnasium.make_vec(ENV, num_envs=envs, vectorization_mode="vector_entry_point", **options)
+    env = ENV.replace("Navigation", track)
+    vector = gymnasium.make_vec(env, num_envs=envs, vectorization_mode="vector_entry_point", **options)
     vector.action_space.seed(0)
     vector.reset(seed=0)
     make_pool(vector.unwrapped.arena)
@@ -261,6 +262,33 @@ def vector_figure(envs: int, depth: bool) -> Figure:
     return Figure(f"vector env, {envs} × 1, {seen(depth)}", rate, "agent-steps/s", "resets included")
 
 
+def opponents_figures() -> list[Figure]:
+    """Measure battles of one learner against nine robots, and what nine seats of one policy take more."""
+    rates = []
+    for opponent in ("fighter", stand):
+        options = {
+            "level": "easy",
+            "flat": True,
+            "action_mode": "box",
+            "sensors": {"visible_agents": {"limit": 8}, "nearby_supplies": {"limit": 8}},
+        }
+        vector = vector_env(64, options | {"opponents": (opponent,) * 9}, "Battle")
+        actions = np.zeros((64, 8), np.float32)
+        rates.append(steps_per_second(lambda _, v=vector, a=actions: v.step(a), 640, 60))  # type: ignore[misc]
+    what = "vector env of battles, 64 × (1 learner + 9"
+    more = 1e6 * 640 / rates[1] - 1e6 * 640 / rates[0]
+    note = f"{more:+,.0f} µs per step of all matches"
+    return [
+        Figure(f"{what} robots)", rates[0], "agent-steps/s", "agents and boxes in sight, flat"),
+        Figure(f"{what} seats of one policy)", rates[1], "agent-steps/s", note),
+    ]
+
+
+def stand(observations: np.ndarray) -> np.ndarray:
+    """Return actions that do nothing, so that the rest is measured."""
+    return np.zeros((len(observations), 8), np.float32)
+
+
 def make_pool(arena: Arena) -> None:
     """Generate all maps that matches restart on, as happens in long trainings."""
     for number in range(len(arena.pool)):
@@ -297,6 +325,7 @@ def main(json_file: JsonFile = None) -> None:
         env_figure(depth=False),
         vector_figure(64, depth=True),
         vector_figure(64, depth=False),
+        *opponents_figures(),
     ]
     ten = crowd_figure(10)
     figures += [

@@ -1,6 +1,7 @@
-# The match server and the evaluator, as two targets; the context is the repository:
+# The match server, the evaluator and a season's web site and conductor, as three targets; the context is the repository:
 #   docker build -f docker/engine.Dockerfile --target server -t wildscav/server .
 #   docker build -f docker/engine.Dockerfile --target evaluator -t wildscav/evaluator .
+#   docker build -f docker/engine.Dockerfile --target season -t wildscav/season .
 ARG PYTHON=docker.io/library/python:3.11-slim
 FROM ${PYTHON} AS source
 COPY pyproject.toml README.md LICENSE /source/
@@ -32,3 +33,8 @@ RUN pip install --no-cache-dir --quiet '/source[evaluator,leaderboard]'
 WORKDIR /work
 ENTRYPOINT ["wildscav"]
 CMD ["--help"]
+
+FROM evaluator AS season
+RUN pip install --no-cache-dir --quiet '/source[postgresql]'
+WORKDIR /srv
+CMD ["season", "--help"]

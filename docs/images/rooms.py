@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 PICTURE = Path(__file__).with_name("rooms.svg")
 
 PACKAGES = {  # from the highest to the lowest
-    "wildscav_leaderboard": "leaderboard/: the database of results, and the standings",
+    "wildscav_leaderboard": "leaderboard/: the database of results; seasons, the competition as a service",
     "wildscav_evaluator": "evaluator/: suites of seeded matches, agents in sandboxes, scores",
     "wildscav": "platform/: the protocol, the match server, the agent SDK, the command line",
     "wildscav_engine": "engine/: the simulation, environments, records, replays",

@@ -1,11 +1,12 @@
 """The seats of a match: their order, their submissions, and their display names."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.specs.match_spec import SUBMISSION
 
 BATTLE_ROBOTS = ("fighter", "gatherer")
+ROBOT_ENTRANT = "robot:"  # before the name of a robot that is an entrant of a tournament
 
 
 def battle_seats(dice: Dice, robots: int) -> tuple[str, ...]:
@@ -32,16 +33,50 @@ def submission_seats(seats: Sequence[str]) -> tuple[int, ...]:
     return tuple(seat for seat, filled_by in enumerate(seats) if filled_by == SUBMISSION)
 
 
-def display_names(seats: Sequence[str], submissions: Sequence[str]) -> tuple[str, ...]:
-    """Return a name for every seat: the submissions' in the order of their seats, the robots' with a number.
+def robot_entrant(robot: str) -> str:
+    """Return the name of a robot that is an entrant of a tournament; no submission has such a name."""
+    return f"{ROBOT_ENTRANT}{robot}"
 
-    A submission in several seats is numbered too.
+
+def entrants_of_seats(
+    seats: Sequence[str], submissions: Sequence[str], robots: Collection[int] = ()
+) -> dict[int, str]:
+    """Return the name of the entrant in each seat that has one, in the order of the seats.
+
+    Args:
+        seats: What fills each seat of the spec.
+        submissions: The names of the submissions in the seats for submissions.
+        robots: The seats of robots that are entrants.
     """
     waiting = iter(submissions)
-    plain = [next(waiting) if filled_by == SUBMISSION else filled_by for filled_by in seats]
+    return {
+        seat: next(waiting) if filled_by == SUBMISSION else robot_entrant(filled_by)
+        for seat, filled_by in enumerate(seats)
+        if filled_by == SUBMISSION or seat in robots
+    }
+
+
+def display_names(
+    seats: Sequence[str], submissions: Sequence[str], robots: Collection[int] = ()
+) -> tuple[str, ...]:
+    """Return a name for every seat: the entrants' names, and those of other robots with a number.
+
+    An entrant in several seats is numbered too, after a space. For the arguments see ``entrants_of_seats``.
+    """
+    entrants = entrants_of_seats(seats, submissions, robots)
+    plain = [entrants.get(seat, filled_by) for seat, filled_by in enumerate(seats)]
     names, counts = [], dict.fromkeys(plain, 0)
-    for name, filled_by in zip(plain, seats, strict=True):
+    for seat, name in enumerate(plain):
         counts[name] += 1
-        alone = filled_by == SUBMISSION and plain.count(name) == 1
+        alone = seat in entrants and plain.count(name) == 1
         names.append(name if alone else f"{name} {counts[name]}")
     return tuple(names)
+
+
+def entrants_in_names(seats: Sequence[str], names: Sequence[str]) -> dict[int, str]:
+    """Return the entrants of a match by their seats, given the display names of all seats."""
+    return {
+        seat: name.partition(" ")[0]
+        for seat, (filled_by, name) in enumerate(zip(seats, names, strict=True))
+        if filled_by == SUBMISSION or name.startswith(ROBOT_ENTRANT)
+    }

@@ -1,1 +1,1 @@
-"""The leaderboard: a database of evaluations, and the standings computed from it."""
+"""The leaderboard: the database of local results, and seasons, the competition as a service."""

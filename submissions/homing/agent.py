@@ -1,6 +1,8 @@
 """An agent that walks straight to its goal."""
 
+from scouting import Scouting
 from steering import Boxes, Search, Steering, Vector, effort
+from zone import safe_zone
 
 from wildscav import Action, Agent, MatchInfo, Observation
 from wildscav.geometry import turn_to
@@ -10,13 +12,13 @@ MAX_TURN = 4.0  # degrees per frame
 
 
 class Homing(Agent):
-    """Walks to the target, or to the nearest supply box in sight, or searches for one."""
+    """Walks to the target or to the nearest supply box, or searches for them, and stays in the safe zone."""
 
     def reset(self, match: MatchInfo) -> None:
-        """Remember the target and the waves of supplies."""
+        """Get ready for a match."""
         self.match = match
         self.steering = Steering(match.seed)
-        self.search = Search(match)
+        self.search: Search | Scouting = Search(match) if match.supply_waves else Scouting(match)
         self.boxes = Boxes(effort)
 
     def act(self, observation: Observation) -> Action:
@@ -34,7 +36,11 @@ class Homing(Agent):
         )
 
     def goal(self, observation: Observation) -> Vector:
-        """Return where to go now."""
+        """Return where to go: into the safe zone, to the target, a box, or the next place of the search."""
+        zone = safe_zone(observation)
+        if not zone.is_safe(observation.position):
+            return zone.next.center
         if observation.target is not None:
             return observation.target
-        return self.boxes.choose(observation) or self.search.next_place(observation)
+        place = self.boxes.choose(observation, zone.is_safe) or self.search.next_place(observation)
+        return place if zone.is_safe(place) else zone.next.center

@@ -132,13 +132,17 @@ class Boxes:
         self.give_up_at = 0.0  # s of game time
         self.left_alone: dict[int, float] = {}  # by box: the time when it may be tried again
 
-    def choose(self, observation: Observation) -> Vector | None:
-        """Return the position of the best box that is not ignored, or None."""
+    def choose(self, observation: Observation, is_safe: Callable[[Vector], bool]) -> Vector | None:
+        """Return the position of the best box that is in a safe place and not ignored, or None."""
         now, here = observation.time, observation.position
         if self.wanted is not None and now > self.give_up_at:
             self.left_alone[self.wanted] = now + self.LEFT_ALONE
             self.wanted = None
-        boxes = {box.id: box for box in observation.supply_boxes if self.left_alone.get(box.id, 0.0) <= now}
+        boxes = {
+            box.id: box
+            for box in observation.supply_boxes
+            if self.left_alone.get(box.id, 0.0) <= now and is_safe(box.position)
+        }
         if self.wanted not in boxes:
             self.wanted = min(boxes, key=lambda box: self.cost(here, boxes[box]), default=None)
             if self.wanted is not None:

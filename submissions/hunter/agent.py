@@ -1,7 +1,9 @@
 """An agent that gathers supplies, and fights enemies in sight."""
 
 from aim import Order, aim_at, look_around, nearest_enemy
+from scouting import Scouting
 from steering import Boxes, Search, Steering, Vector, effort
+from zone import SafeZone, safe_zone
 
 from wildscav import Action, Agent, MatchInfo, Observation, SupplyBox, VisibleAgent
 from wildscav.geometry import flat_distance
@@ -19,7 +21,7 @@ class Hunter(Agent):
         """Get ready for a match."""
         self.match = match
         self.steering = Steering(match.seed)
-        self.search = Search(match)
+        self.search: Search | Scouting = Search(match) if match.supply_waves else Scouting(match)
         self.boxes = Boxes(effort_by_worth)
 
     def act(self, observation: Observation) -> Action:
@@ -44,10 +46,18 @@ class Hunter(Agent):
         return look_around(observation, frames) if enemy is None else aim_at(observation, enemy, frames)
 
     def goal(self, observation: Observation, enemy: VisibleAgent | None) -> Vector:
-        """Return where to go: the target, a box, a nearby enemy, or the next place of the search."""
+        """Return where to go: into the safe zone, to the target, or to the prey."""
+        zone = safe_zone(observation)
+        if not zone.is_safe(observation.position):
+            return zone.next.center
         if observation.target is not None:
             return observation.target
-        box = self.boxes.choose(observation)
+        prey = self.prey(observation, enemy, zone)
+        return prey if zone.is_safe(prey) else zone.next.center
+
+    def prey(self, observation: Observation, enemy: VisibleAgent | None, zone: SafeZone) -> Vector:
+        """Return the position of a box or of a nearby enemy, or the next place of the search."""
+        box = self.boxes.choose(observation, zone.is_safe)
         if box is not None:
             return box
         if enemy is not None and flat_distance(observation.position, enemy.position) < CHASE_RANGE:

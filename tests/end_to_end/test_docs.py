@@ -71,7 +71,7 @@ def test_links_within_the_project_lead_somewhere(page: Path) -> None:
 
 
 def test_the_files_that_the_architecture_names_exist() -> None:
-    """Each lies in the engine, the platform or the evaluator, or is named from the top folder."""
+    """Each lies in one of the packages, or is named from the top folder."""
     text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
     named = set(re.findall(r"`([a-z0-9_/]+(?:\.py|\.proto|/))`", text))
     assert len(named) > 80

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,12 @@ from tests.evaluator.results_by_hand import RESULTS
 from wildscav.cli import main
 from wildscav_evaluator.check.findings import Verdict
 from wildscav_evaluator.scores.compare import compare
-from wildscav_leaderboard.sink import DatabaseSink
+from wildscav_leaderboard.auditing.report import Finding
+from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.publishing.export import export
+from wildscav_leaderboard.results.sink import DatabaseSink
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.initial_files import make_season_folder
 
 PAGE = Path(__file__).parents[2] / "docs" / "command-line.md"
 TEXT = PAGE.read_text("utf-8")
@@ -64,6 +70,14 @@ def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     assert [row["submission"] for row in one["rows"]] == ["homing", "my-agent"]
 
     assert names(document("map", "info", 101)) == TOLD["map info"]
+    make_season_folder(tmp_path / "season", "spring", None, days=10)
+    attempts = {field.name for field in fields(Attempt)}
+    assert names(document("season", "status", tmp_path / "season")) | attempts == TOLD["season status"]
+    exported = tmp_path / "exported"
+    season = Season.open(tmp_path / "season")
+    export(season, season.database(), exported)
+    findings = {field.name for field in fields(Finding)}
+    assert names(document("audit", exported)) | findings == TOLD["audit"]
     assert set(compare(RESULTS, "my-agent", "homing").as_json()) | {"folder"} == TOLD["compare"] - {"json"}
     assert {verdict.value for verdict in Verdict} <= TOLD["check"]
 

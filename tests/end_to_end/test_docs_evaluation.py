@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.pages import blocks
+from tests.evaluator.executors.ray_clusters import ray_cluster
 
+from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
 from wildscav_evaluator.monitoring.tally import Tally
@@ -26,7 +28,6 @@ from wildscav_evaluator.output.layout import (
     RESULTS_FILE,
     SUITE_FILE,
 )
-from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.compare import FEWEST_PAIRS
 from wildscav_evaluator.scores.score import RESAMPLES
 from wildscav_evaluator.suites.suite import SUITES
@@ -62,13 +63,14 @@ def test_the_own_suite_of_the_page_is_one(tmp_path: Path) -> None:
 
 
 def test_every_metric_is_told() -> None:
-    families = EvaluationMetrics(Tally([])).collect()
+    families = EvaluationMetrics(Tally([], nodes=lambda: (Node("east", cores=2),))).collect()
     names = {
         f"{family.name}_total" if isinstance(family, CounterMetricFamily) else family.name
         for family in families
     }
 
-    assert {name for row in rows("| metric |") for name in re.findall(r"`(\w+)`", row[0])} == names
+    told = [*rows("| metric |"), *rows("| metric, by node |")]
+    assert {name for row in told for name in re.findall(r"`(\w+)`", row[0])} == names
 
 
 def test_every_file_of_the_output_folder_is_told() -> None:
@@ -82,8 +84,10 @@ def test_every_file_of_the_output_folder_is_told() -> None:
 def test_every_field_of_the_results_is_told() -> None:
     cells = [cell for row in rows("| in `results.json` |") for cell in row]
     told = {name for cell in cells for name in re.findall(r"`(\w+)`", cell)}
-    parts = [part for part in FileModel.__subclasses__() if part.__module__ == results.__name__]
-    fields = {name for part in (*parts, Versions) for name in part.model_fields}
+    parts = [
+        part for part in vars(results).values() if isinstance(part, type) and issubclass(part, FileModel)
+    ]
+    fields = {name for part in parts for name in part.model_fields}
 
     assert told - {"null"} == fields
 
@@ -100,17 +104,25 @@ def test_the_commands_of_the_page_run_in_their_order(tmp_path: Path) -> None:
     (tmp_path / "spring.toml").write_text(toml)
     (tmp_path / "submissions").symlink_to(ROOT / "submissions")
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    with ray_cluster("node", cores=2) as cluster:
+        environment |= {**cluster.environment, "PATH": environment["PATH"], "RAY_ADDRESS": cluster.address}
+        check_commands(tmp_path, environment)
+
+
+def check_commands(folder: Path, environment: dict[str, str]) -> None:
+    """Run the commands of the page where a Ray cluster runs already."""
 
     def run(line: str) -> str:
         done = subprocess.run(
-            ["bash", "-c", line], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=500
+            ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=500
         )
         assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
         return done.stdout
 
     run("wildscav init my-agent")
     lines = [line for block in blocks(PAGE, "console") for line in block.splitlines()]
-    said = {line: run(line) for line in lines}
+    there = ("pip install", "ray start")
+    said = {line: run(line) for line in lines if not line.startswith(there)}
 
     assert len(lines) >= 9
     assert "all agree with out/spring/results.json" in said["wildscav rescore out/spring"]

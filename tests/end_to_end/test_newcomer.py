@@ -24,6 +24,7 @@ def run(folder: Path, *arguments: object, code: int = 0) -> str:
     return done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_a_new_agent_plays_and_is_evaluated_unchanged(tmp_path: Path) -> None:
     run(tmp_path, "wildscav", "init", "my-first")
 
@@ -65,10 +66,15 @@ def test_an_agent_that_fails_in_play_is_named_with_its_last_words(tmp_path: Path
 def test_the_demo_ends_with_three_tables_and_records_that_all_hold(tmp_path: Path) -> None:
     submissions = Path(__file__).parents[2] / "submissions"
     folders = [submissions / name for name in ("random", "homing", "hunter")]
+    tracks = ("navigation", "gathering", "battle")
 
-    said = run(tmp_path, "wildscav", "evaluate", *folders, "--out=out/demo", "--db=out/demo/wildscav.db")
+    said = run(
+        tmp_path,
+        *("wildscav", "evaluate", *folders, "--out=out/demo", "--db=out/demo/wildscav.db"),
+        *(f"--track={track}" for track in tracks),
+    )
 
-    for track in ("navigation", "gathering", "battle"):
+    for track in tracks:
         assert f"{track} · suite quick · seed 0" in said
     assert "rerun" in said
     records = sorted((tmp_path / "out/demo/records").iterdir())

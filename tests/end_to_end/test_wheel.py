@@ -101,6 +101,15 @@ def test_it_plays_checks_and_evaluates_baselines_and_a_new_agent(run: Run, tmp_p
 
 
 @pytest.mark.slow
+def test_it_makes_a_season_to_look_at(run: Run) -> None:
+    code = "from pathlib import Path\n"
+    code += "from wildscav_leaderboard.hosting.demo.make import make_demo\n"
+    code += "season, logins = make_demo(Path('demo').absolute(), 8000, 'process')\n"
+    code += "print(len(list(season.archives.iterdir())), *(one.name for one in logins))"
+    assert run("python", "-c", code).stdout.split() == ["3", "organizer", *NAMES]
+
+
+@pytest.mark.slow
 def test_it_builds_an_image(run: Run) -> None:
     from tests.evaluator.sandbox.available import missing
     from tests.evaluator.submissions.python_image import NAME, python_image

@@ -18,15 +18,21 @@ PROGRAM = str(Path(sys.executable).parent / "wildscav")
 
 
 class Sitting:
-    """One run of an evaluation's command."""
+    """One run of an evaluation's command, or of another one that plays matches."""
 
-    def __init__(self, out: Path, *arguments: object) -> None:
+    def __init__(self, out: Path, *arguments: object, verb: str = "evaluate") -> None:
         self.out = out
-        command = [PROGRAM, "evaluate", *map(str, arguments), f"--out={out}", f"--db={out / 'wildscav.db'}"]
+        command = [PROGRAM, verb, *map(str, arguments), f"--out={out}", f"--db={out / 'wildscav.db'}"]
         environment = {**os.environ, "COLUMNS": "80"}
         self.printed = out.with_name(f"{out.name}.printed")
-        with self.printed.open("wb") as file:
-            self.process = subprocess.Popen(command, stdout=file, stderr=subprocess.DEVNULL, env=environment)
+        self._errors = out.with_name(f"{out.name}.errors")
+        with self.printed.open("wb") as file, self._errors.open("wb") as errors:
+            self.process = subprocess.Popen(command, stdout=file, stderr=errors, env=environment)
+
+    @property
+    def errors(self) -> str:
+        """What it printed to stderr so far."""
+        return self._errors.read_text()
 
     def await_begin(self) -> None:
         """Wait until it has imported all that it needs, and prints something: nothing is written before."""
@@ -45,16 +51,28 @@ class Sitting:
 
     def kill_at(self, matches: int) -> None:
         """Kill it as soon as so many matches are in its journal, and the folder is there."""
-        self.kill_when(lambda: (self.out / MATCHES).exists() and len(journal(self.out)) >= matches)
+        self.await_matches(matches)
+        self._kill()
 
     def kill_when(self, condition: Callable[[], bool]) -> None:
         """Kill it as soon as something is the case."""
-        deadline = time.monotonic() + 120.0
+        self._await(condition)
+        self._kill()
+
+    def await_matches(self, matches: int) -> None:
+        """Wait until so many matches are in its journal."""
+        self._await(lambda: (self.out / MATCHES).exists() and len(journal(self.out)) >= matches)
+
+    def _await(self, condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + 300.0
         while not condition():
             assert self.process.poll() is None, "it came to its end"
             assert time.monotonic() < deadline, "it got nowhere"
             time.sleep(0.01)
-        self._kill()
+
+    def interrupt(self) -> None:
+        """Press Ctrl-C."""
+        self.process.send_signal(signal.SIGINT)
 
     def _kill(self) -> None:
         self.process.send_signal(signal.SIGKILL)

@@ -1,8 +1,10 @@
-"""Results made by hand."""
+"""Results made by hand, and databases of seasons."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
 import pytest
+from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
 
 from wildscav_evaluator.output.results import (
     Evaluation,
@@ -14,6 +16,7 @@ from wildscav_evaluator.output.results import (
     Timings,
 )
 from wildscav_evaluator.output.versions import Versions
+from wildscav_leaderboard.database.connection import Database
 
 VERSIONS = Versions(engine="0.1.0", simulation=2, generator=3, record=2)
 METRICS = {
@@ -73,3 +76,30 @@ def evaluation(name: str, track: str, values: Sequence[float], version: str) -> 
         matches=rows or (failed,),
         summary=summary,
     )
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[PostgreSQL]:
+    """A PostgreSQL server."""
+    if why := missing():
+        pytest.skip(why)
+    with postgresql_server() as server:
+        yield server
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def empty_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """The URL of an empty database of each kind."""
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'season.db'}"
+    server: PostgreSQL = request.getfixturevalue("postgresql")
+    return server.new_database()
+
+
+@pytest.fixture
+def database(empty_url: str) -> Iterator[Database]:
+    """A season's database of each kind, with all tables."""
+    opened = Database(empty_url)
+    opened.upgrade()
+    yield opened
+    opened.close()

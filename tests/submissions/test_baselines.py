@@ -2,11 +2,19 @@
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from wildscav_engine.record import read_record
+from wildscav_engine.record.verify import resimulate
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.systems.zone import zone_at
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.folder import FOLDERS
@@ -15,6 +23,8 @@ from wildscav_evaluator.suites.suite import suite
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 NAMES = ("random", "homing", "hunter")
+TRACKS = ("navigation", "gathering", "capture", "battle", "royale")
+FLAT = MapSpec(config=MapConfig(size=100, houses=0, relief=0, water=0, vegetation=0), seed=1)
 
 
 @pytest.fixture(scope="module")
@@ -24,12 +34,19 @@ def workers() -> Iterator[Workers]:
         yield pool
 
 
-def jobs(name: str, track: str, seed: int, out: Path) -> list[Job]:
+def job(name: str, spec: MatchSpec, out: Path, index: int = 0) -> Job:
     for folder in FOLDERS:
         (out / folder).mkdir(parents=True, exist_ok=True)
-    submission = load_submission(SUBMISSIONS / name)
-    specs = enumerate(suite(track, "quick", seed))
-    return [Job(submission, track, index, spec, out, replay=False) for index, spec in specs]
+    return Job.of_one(load_submission(SUBMISSIONS / name), spec.track, index, spec, out, replay=False)
+
+
+def jobs(name: str, track: str, seed: int, out: Path) -> list[Job]:
+    return [job(name, spec, out, index) for index, spec in enumerate(suite(track, "quick", seed))]
+
+
+def course(played: Job, measure: Callable[[Match], float]) -> list[float]:
+    """What is measured after each step of a match."""
+    return [measure(match) for match in resimulate(read_record(played.out / played.record))]
 
 
 def play(workers: Workers, wanted: list[Job]) -> list[JobResult]:
@@ -39,7 +56,7 @@ def play(workers: Workers, wanted: list[Job]) -> list[JobResult]:
 
 
 def mean(results: list[JobResult], name: str, metric: str) -> float:
-    values = [(result.row.metrics or {})[metric] for result in results if result.job.submission.name == name]
+    values = [(result.row.metrics or {})[metric] for result in results if result.job.evaluated == name]
     return sum(values) / len(values)
 
 
@@ -56,13 +73,14 @@ def test_they_import_the_sdk_and_the_standard_library_alone(name: str) -> None:
                 assert root in own | {"wildscav"} | sys.stdlib_module_names, f"{path}: {module}"
 
 
-def test_hunter_steers_as_homing_does() -> None:
-    homing, hunter = (SUBMISSIONS / name / "steering.py" for name in ("homing", "hunter"))
+@pytest.mark.parametrize("file", ["scouting.py", "steering.py", "zone.py"])
+def test_hunter_walks_and_searches_as_homing_does(file: str) -> None:
+    homing, hunter = (SUBMISSIONS / name / file for name in ("homing", "hunter"))
 
     assert homing.read_bytes() == hunter.read_bytes()
 
 
-@pytest.mark.parametrize("track", ["navigation", "gathering", "battle"])
+@pytest.mark.parametrize("track", TRACKS)
 def test_the_same_match_is_played_the_same_way(workers: Workers, tmp_path: Path, track: str) -> None:
     first = [jobs(name, track, 0, tmp_path / "first")[0] for name in NAMES]
     second = [jobs(name, track, 0, tmp_path / "second")[0] for name in NAMES]
@@ -102,3 +120,110 @@ def test_hunter_gathers_and_kills(workers: Workers, tmp_path: Path) -> None:
     assert mean(results, "hunter", "kills") >= 1.0
     assert mean(results, "hunter", "kills") > mean(results, "homing", "kills")
     assert mean(results, "hunter", "supplies") > 0.0
+
+
+def shrinking(wait: float, shrink: float) -> MatchSpec:
+    """A royale without enemies, in which the zone shrinks once, to a circle far from the start."""
+    phase = ZonePhase(wait=wait, shrink=shrink, share=0.3, damage=5)
+    return MatchSpec(
+        track="royale",
+        map=FLAT,
+        seed=2,
+        start=(-20.0, 0.0, -20.0),
+        time_limit=18.0,
+        zone=ZoneConfig(phases=(phase,)),
+    )
+
+
+def depth(match: Match) -> float:
+    """How far inside the safe zone the first seat is, m."""
+    zone = zone_at(match.state.matches, 0, match.frame)
+    x, _, z = match.state.agents.position[0, 0]
+    return float(zone.radius - np.hypot(x - zone.x, z - zone.z))
+
+
+def health(match: Match) -> float:
+    return float(match.state.agents.health[0, 0])
+
+
+def test_homing_and_hunter_are_in_the_next_circle_before_the_zone_has_shrunk(
+    workers: Workers, tmp_path: Path
+) -> None:
+    wanted = [job(name, shrinking(wait=8.0, shrink=4.0), tmp_path) for name in ("homing", "hunter")]
+
+    play(workers, wanted)
+
+    for played in wanted:
+        assert min(course(played, depth)) >= 0.0
+        assert course(played, health)[-1] == 100
+
+
+def test_homing_and_hunter_walk_into_a_zone_that_they_are_outside_of(
+    workers: Workers, tmp_path: Path
+) -> None:
+    wanted = [job(name, shrinking(wait=0.0, shrink=0.02), tmp_path) for name in ("homing", "hunter")]
+
+    play(workers, wanted)
+
+    for played in wanted:
+        depths = course(played, depth)[1:]
+        assert depths[0] < -10.0
+        arrival = next(step for step, deep in enumerate(depths) if deep >= 0.0)
+        assert min(depths[arrival:]) >= 0.0
+        assert 0 < course(played, health)[-1] < 100
+
+
+@pytest.mark.parametrize("target", [45.0, -5.0])
+def test_homing_and_hunter_find_a_hidden_target_and_go_there(
+    workers: Workers, tmp_path: Path, target: float
+) -> None:
+    spec = MatchSpec(
+        track="capture",
+        map=FLAT,
+        start=(-45.0, 0.0, -45.0),
+        target=(target, 0.0, target),
+        time_limit=60.0,
+    )
+    wanted = [job(name, spec, tmp_path) for name in ("homing", "hunter")]
+
+    results = play(workers, wanted)
+
+    for name in ("homing", "hunter"):
+        assert mean(results, name, "success") == 1.0
+
+
+def test_teammates_divide_the_search_among_themselves(workers: Workers, tmp_path: Path) -> None:
+    spec = MatchSpec(
+        track="capture",
+        map=MapSpec(config=FLAT.config.model_copy(update={"size": 200}), seed=1),
+        seats=(SUBMISSION,) * 3,
+        starts=((-2.0, 0.0, 0.0), (0.0, 0.0, 0.0), (2.0, 0.0, 0.0)),
+        target=(95.0, 0.0, 95.0),
+        time_limit=20.0,
+    )
+    team = job("homing", spec, tmp_path)
+
+    play(workers, [team])
+
+    middles = np.arange(-95.0, 100.0, 10.0)
+    grid = np.stack(np.meshgrid(middles, middles), axis=-1)
+    seen = np.zeros((3, *grid.shape[:2]), bool)  # by each seat
+    for match in resimulate(read_record(team.out / team.record)):
+        offsets = grid - match.state.agents.position[0, :3, [0, 2]].T[:, None, None]
+        seen |= np.linalg.norm(offsets, axis=-1) < 15.0
+    assert np.sum(seen.sum(axis=0) > 1) < 0.2 * np.sum(seen.any(axis=0))
+
+
+@pytest.mark.slow
+def test_hunter_does_better_in_royale_than_random(workers: Workers, tmp_path: Path) -> None:
+    wanted = [
+        job
+        for name in ("random", "hunter")
+        for seed in range(3)
+        for job in jobs(name, "royale", seed, tmp_path)
+    ]
+
+    results = play(workers, wanted)
+
+    assert mean(results, "hunter", "points") > mean(results, "random", "points")
+    assert mean(results, "hunter", "kills") > mean(results, "random", "kills")

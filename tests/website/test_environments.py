@@ -55,5 +55,7 @@ def test_the_page_shows_every_row_and_every_argument(one: Environment) -> None:
     text = page(one)
     for row in (*observation_rows(one.single), *observation_rows(one.several)):
         assert f"`{row.part}[{row.place}]`" in text
+    assert "](../environments.md#opponents)" in text  # a link within the guide leads there from here, too
+    assert "](../#" not in text
     arguments = set(re.findall(r"^\| `(\w+)` \|", text.partition("## Arguments")[2], re.MULTILINE))
     assert arguments == (set(EnvConfig.model_fields) - {"track"}) | {"preset"}

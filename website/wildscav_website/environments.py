@@ -1,7 +1,7 @@
 """One page for each environment: its observations, actions and rewards, generated from the code."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -134,7 +134,7 @@ def _picture(track: str) -> str:
 
 
 def _others(config: EnvConfig) -> str:
-    mates, robots = config.teammates, config.robots
+    mates, robots = config.teammates, config.all_opponents
     if not mates and not robots:
         return "none"
     told = [(mates, "on the learner's team"), (robots, "against it")]
@@ -281,6 +281,11 @@ def _measured(one: Environment) -> str:
     return f"{METRICS}\n{table(('metric', 'what it is', 'unit', 'better'), rows)}"
 
 
+def _from_guide(text: str) -> str:
+    """Return a text of the guide with links that work on a page one folder below it."""
+    return text.replace("](#", "](environments.md#").replace("](", "](../")
+
+
 def _arguments(one: Environment) -> str:
     """Describe every option with its value here and its meaning from the guide."""
     guide = (
@@ -291,7 +296,7 @@ def _arguments(one: Environment) -> str:
     )
     told = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| (.+?) \| (.+) \|$", guide, re.MULTILINE)
     rows = (
-        (code(name), _default(one.single, name, default), meaning.replace("](", "](../"))
+        (code(name), _default(one.single, name, default), _from_guide(meaning))
         for names, default, meaning in told
         for name in re.findall(r"\w+", names)
     )
@@ -302,7 +307,7 @@ def _default(config: EnvConfig, name: str, told: str) -> str:
     """Return the default value of an option in an environment."""
     found: dict[str, Any] = {
         "time_limit": f"{config.match_spec().time_limit:g} s",
-        "opponents": _several(config.robots),
+        "opponents": _several(config.all_opponents),
         "teammates": _several(config.teammates),
         "sensors": ", ".join(config.read_sensors()),
         "rewards": ", ".join(f"{term}: {weight:g}" for term, weight in config.reward_weights.items()),
@@ -315,7 +320,7 @@ def _default(config: EnvConfig, name: str, told: str) -> str:
     return code(repr(value))
 
 
-def _several(names: tuple[str, ...]) -> str:
+def _several(names: Sequence[object]) -> str:
     return f"{len(names)} × {code(names[0])}" if names else "none"
 
 

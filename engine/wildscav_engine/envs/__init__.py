@@ -10,9 +10,11 @@ from wildscav_engine.envs.registry import register, register_several
 if TYPE_CHECKING:
     from wildscav_engine.envs.batched import BatchedArena
     from wildscav_engine.envs.description import describe
+    from wildscav_engine.envs.league import League
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
     from wildscav_engine.envs.settings.config import EnvConfig
     from wildscav_engine.envs.settings.options import EnvOptions
+    from wildscav_engine.envs.settings.players import PolicyOpponent, Sampler, SeatController, StatefulPolicy
     from wildscav_engine.envs.settings.presets import PRESETS
     from wildscav_engine.envs.single import SingleEnv
     from wildscav_engine.envs.stable_baselines import StableVector
@@ -23,6 +25,11 @@ _MODULES = {
     "BatchedArena": "batched",
     "EnvConfig": "settings.config",
     "EnvOptions": "settings.options",
+    "League": "league",
+    "PolicyOpponent": "settings.players",
+    "Sampler": "settings.players",
+    "SeatController": "settings.players",
+    "StatefulPolicy": "settings.players",
     "describe": "description",
     "ParallelArena": "parallel",
     "aec_env": "parallel",
@@ -42,7 +49,12 @@ __all__ = [
     "EnvOptions",
     "FlatActions",
     "FlatObservations",
+    "League",
+    "PolicyOpponent",
+    "Sampler",
+    "SeatController",
     "SingleEnv",
+    "StatefulPolicy",
     "VectorArena",
     "describe",
 ]

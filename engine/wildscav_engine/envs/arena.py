@@ -6,26 +6,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable
+from wildscav_engine.envs.opponents.cast import Cast
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.episodes import Episode, Episodes, pool_of
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, Part
-from wildscav_engine.envs.spaces.facts import allocate_row_workspace, write_rows
-from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
-from wildscav_engine.envs.spaces.observation import (
-    Observation,
-    Readings,
-    SensorReader,
-    layout_of,
-    readings_space,
-)
+from wildscav_engine.envs.spaces.observation import Observation
+from wildscav_engine.envs.spaces.seat_reader import SeatReader
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.state import State
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.tracks import TRACKS
-from wildscav_engine.tracks.rewards import RewardSum
 
 
 class ArenaOutput(NamedTuple):
@@ -36,7 +28,7 @@ class ArenaOutput(NamedTuple):
 
 
 class Arena:
-    """B matches with L learners each; robots fill the other seats."""
+    """B matches with L learners each; the cast fills the other seats."""
 
     def __init__(self, config: EnvConfig, matches: int = 1) -> None:
         """Create an arena without matches; ``restart`` adds them.
@@ -44,32 +36,25 @@ class Arena:
         Args:
             config: The options of the environment.
             matches: The number of matches, B.
+
+        Raises:
+            ValueError: The settings of an opponent are invalid.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
         self.pool = pool_of(config.map, config.level, config.split, config.random_maps)
         self.template = config.match_spec()
-        self.layout = layout_of(config)
         self.mode = action_mode(config)
-        self._flattener = Flattener(readings_space(config)) if config.flat else None
         self.learners = range(config.agents)
         self.metrics = tuple(metric.name for metric in self.track.metrics)
         self.terms = tuple(config.reward_weights)
-        self.sensor_reader = SensorReader(config.read_sensors(), self.learners, config.threads)
+        self.cast = Cast(config, matches)
         self.batch: Batch | None = None
         self._views: dict[int, MatchInBatch] = {}
         self._state: State | None = None
-        seats = len(config.seats)
-        self.actions = np.zeros((matches, seats, FIELDS), np.float32)
+        self.actions = np.zeros((matches, len(config.seats), FIELDS), np.float32)
         self._chosen = np.zeros((matches * config.agents, FIELDS), np.float32)
-        terms = RewardSum(config.reward_weights).term_arrays
-        workspace = allocate_row_workspace(matches, seats, config.agents, self.layout.start, terms)
-        self.done, self._is_new = workspace.done, workspace.is_new  # (B, L) and (B,), updated by every step
-        # The facts after one step are those before the next, so the two arrays swap roles.
-        self._workspace, self._next_workspace = (
-            ArrayTable(workspace),
-            ArrayTable(workspace._replace(before=workspace.after, after=workspace.before)),
-        )
-        self._tables: tuple[ArrayTable, ...] = ()
+        self._reader = SeatReader(config, self.learners, matches)
+        self.layout, self.done = self._reader.layout, self._reader.done  # (B, L), updated by every step
         first = self.layout.first
         self._outcome, self._events, self._terms = (
             first(Part.OUTCOME),
@@ -87,7 +72,7 @@ class Arena:
         Raises:
             MatchSetupError: A match cannot be set up.
         """
-        specs = [episode.spec for episode in episodes]
+        specs = self.cast.choose(rows, [episode.spec for episode in episodes])
         maps = [episode.game_map for episode in episodes]
         if self.batch is None:
             self.batch = Batch(specs, maps)
@@ -98,16 +83,12 @@ class Arena:
     def _update_after_restart(self, rows: Sequence[int]) -> None:
         """Update everything that depends on the matches in some rows, which are new."""
         batch = self._batch
-        self.sensor_reader.set_maps(batch.maps)
-        if batch.state is self._state:
-            for row in rows:
-                self._views.pop(row, None)
-        else:
+        if batch.state is not self._state:
             self._state, self._views = batch.state, {}
-            parts = (batch.state.agents, batch.state.matches, batch.seen)
-            self._tables = tuple(ArrayTable(part) for part in parts)
-        self.done[list(rows)] = False
-        self._is_new[list(rows)] = True
+        for row in rows:
+            self._views.pop(row, None)
+        self._reader.begin(batch, rows)
+        self.cast.begin(batch, rows)
 
     @property
     def _batch(self) -> Batch:
@@ -119,17 +100,25 @@ class Arena:
         """Return one match as bytes; see ``Batch.get_state``."""
         return self._batch.get_state(match)
 
-    def set_state(self, match: int, data: bytes) -> None:
+    def set_state(self, match: int, data: bytes, players: Sequence[str] | None = None) -> None:
         """Restore a match that ``get_state`` returned; the next reading contains no events.
 
+        Args:
+            match: The index of the match.
+            data: The result of ``get_state``.
+            players: The names of the players in the match, as ``Cast.names`` returned them.
+
         Raises:
-            StateError: The bytes are not a state of a match, or have another version.
+            StateError: The bytes are not a state of a match, or have another version; or a player that was in
+                the match is not in this arena.
             MatchSetupError: The match has another track, other rules or other seats.
         """
         if self.batch is None:
             episodes = self.episodes(0)
             self.restart(range(self.matches), [episodes.next() for _ in range(self.matches)])
+        found = self.cast.find(players)
         self._batch.set_state(match, data)
+        self.cast.take(match, found)
         self._update_after_restart([match])
 
     def set_actions(self, actions: Any) -> None:
@@ -151,22 +140,18 @@ class Arena:
     def play(self, skip: Sequence[int] = ()) -> None:
         """Play one step with the actions that were set, in all matches except those to be restarted."""
         batch = self._batch
+        if self.cast.acts:
+            self.cast.act(batch, self.view, self.actions, skip)
         if skip:
             batch.state.matches.over[list(skip)] = True
         batch.step(self.actions, threads=self.config.threads)
 
     def read(self) -> ArenaOutput:
         """Return the output for all learners, with events and rewards since the last call."""
-        batch, layout = self._batch, self.layout
-        rows = np.empty((self.matches, len(self.learners), layout.width), np.float32)
-        _ = batch.seen  # updates the arrays to which the table points
-        agents, matches, seen = self._tables
-        write_rows(agents.addresses, matches.addresses, seen.addresses, self._workspace.addresses, rows)
-        self._workspace, self._next_workspace = self._next_workspace, self._workspace
-        found: Readings = {name: rows[..., first:last] for name, first, last in layout.groups}
-        self.sensor_reader.read(batch, self.view, found)
-        flattener = self._flattener
-        return ArenaOutput(found if flattener is None else flattener.flatten(found, axes=2), rows)
+        observation, rows = self._reader.read(self._batch, self.view)
+        if self.cast.reports:
+            self.cast.report(self.done, self.view)
+        return ArenaOutput(observation, rows)
 
     def view(self, match: int) -> MatchInBatch:
         """Return the view of one match, for code that reads matches one by one."""

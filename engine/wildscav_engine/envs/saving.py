@@ -5,6 +5,8 @@ which also covers versions. The checksum detects damage but not forgery: do not 
 sources.
 """
 
+from typing import Any
+
 from wildscav_engine.envs.arena import Arena
 from wildscav_engine.envs.settings.episodes import Episodes
 from wildscav_engine.simulation.snapshot import StateError
@@ -14,8 +16,15 @@ LAYOUT = Layout(b"WILDSENV", 1, "a state of an environment")
 
 
 def save(arena: Arena, match: int, episodes: Episodes) -> bytes:
-    """Return one match of an arena and the position in its sequence of episodes as bytes."""
-    header = {"seed": episodes.seed, "number": episodes.number}
+    """Return one match of an arena and the position in its sequence of episodes as bytes.
+
+    Raises:
+        StateError: A player in the match has a memory, which would not be part of the state.
+    """
+    header: dict[str, Any] = {"seed": episodes.seed, "number": episodes.number}
+    names = arena.cast.names(match)
+    if names is not None:
+        header["players"] = names
     return pack(LAYOUT, header, arena.get_state(match))
 
 
@@ -23,14 +32,15 @@ def load(arena: Arena, match: int, data: bytes) -> Episodes:
     """Restore a match that ``save`` returned in an arena, and return its sequence of episodes.
 
     Raises:
-        StateError: The bytes are not a state of an environment, are damaged, or have another version.
+        StateError: The bytes are not a state of an environment, are damaged, or have another version; or a
+            player that was in the match is not in this arena.
         MatchSetupError: The match has another track, other rules or other seats.
     """
     try:
         header, payload = unpack(LAYOUT, data)
     except BinaryFormatError as error:
         raise StateError(str(error)) from error
-    arena.set_state(match, bytes(payload))
+    arena.set_state(match, bytes(payload), header.get("players"))
     episodes = arena.episodes(int(header["seed"]))
     episodes.number = int(header["number"])
     return episodes

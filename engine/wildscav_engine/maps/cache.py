@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.cache_folders import cache_root
 from wildscav_engine.compilation.sources import sources_digest
 from wildscav_engine.maps import generate
+from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.specs.base import Spec
@@ -35,7 +36,8 @@ from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, can
 from wildscav_engine.storage.files import write_whole
 
 LAYOUT = Layout(b"WILDSMAP", 1, "a cached map")
-SIZE_LIMIT = 1_000_000_000  # bytes of all cached maps; the least recently used are removed first
+SIZE_LIMIT = 1_000_000_000  # bytes of all cached maps by default; the least recently used go first
+LIMIT = "WILDSCAV_MAP_CACHE_MB"  # the environment variable with another limit
 CACHE_THRESHOLD = 0.05  # s; maps that are generated faster than this are not cached
 
 
@@ -77,8 +79,27 @@ def load_cached(spec: MapSpec) -> GameMap | None:
     return game_map
 
 
+def size_limit() -> int:
+    """Return how many bytes all cached maps may take.
+
+    Raises:
+        MapError: The environment variable is not a number of megabytes.
+    """
+    text = os.environ.get(LIMIT)
+    if text is None:
+        return SIZE_LIMIT
+    if not text.isdecimal() or int(text) < 1:
+        raise MapError(f"{LIMIT} is {text!r}, must be a whole number of megabytes, at least 1")
+    return int(text) * 1_000_000
+
+
 def store(game_map: GameMap) -> None:
     """Cache a map on disk if possible, and remove the least recently used ones beyond the size limit."""
+    store_packed(game_map.spec, packed(game_map))
+
+
+def packed(game_map: GameMap) -> bytes:
+    """Return a map as the content of a file of the cache."""
     arrays: dict[int, NDArray[Any]] = {}
     fields = _stored(game_map, arrays)
     header = {
@@ -86,8 +107,17 @@ def store(game_map: GameMap) -> None:
         "map": fields,
         "arrays": [[array.dtype.str, array.shape] for array in arrays.values()],
     }
-    content = pack(LAYOUT, header, *(_bytes_of(array) for array in arrays.values()))
-    path = path_of(game_map.spec)
+    return pack(LAYOUT, header, *(_bytes_of(array) for array in arrays.values()))
+
+
+def store_packed(spec: MapSpec, content: bytes) -> None:
+    """Cache a map on disk as ``store`` does.
+
+    Args:
+        spec: The spec of the map.
+        content: What ``packed`` returned for the map, on this machine or another.
+    """
+    path = path_of(spec)
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, content)
@@ -116,14 +146,14 @@ def _sources() -> str:
 
 def _evict(kept: Path) -> None:
     """Remove the least recently used files until the others fit; other processes may do so concurrently."""
-    files = []
+    limit, files = size_limit(), []
     for path in kept.iterdir():
         with contextlib.suppress(OSError):
             status = path.stat()
             files.append((status.st_mtime, path, status.st_size))
     taken = sum(size for _, _, size in files)
     for _, path, size in sorted(files):
-        if taken <= SIZE_LIMIT:
+        if taken <= limit:
             return
         with contextlib.suppress(OSError):
             path.unlink()

@@ -74,6 +74,10 @@ class MapPool:
             self._made[number] = _first_made(self._choices[number])
         return self._made[number]
 
+    def specs(self, number: int) -> tuple[MapSpec, ...]:
+        """Return the specs to try in turn for a map; the first that can be generated is the map."""
+        return self._choices[number]
+
     def draw(self, word: int) -> GameMap:
         """Return the map selected by a random integer."""
         return self[word % len(self)]

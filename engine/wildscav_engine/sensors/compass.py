@@ -8,20 +8,16 @@ has no target, or while the target is hidden from the agent's team.
 Unlike an angle, the sine and cosine are continuous where the target is behind the agent.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of, sensor
-
-if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
-    from wildscav_engine.simulation.match_view import MatchView
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.scalars import ScalarSensor, Write
+from wildscav_engine.simulation.state import Agents, Matches
 
 INF = np.inf
 COLUMNS = (
@@ -33,54 +29,32 @@ COLUMNS = (
 )
 
 
+@kernel
+def _write_compass(agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]) -> None:
+    """Write where the target is; all 0 if the seat does not know it."""
+    if not agents.knows_target[match, seat]:
+        return
+    target, position, yaw = matches.target[match], agents.position[match, seat], agents.yaw[match, seat]
+    dx, dz = target[0] - position[0], target[2] - position[2]
+    level = np.sqrt(dx * dx + dz * dz)
+    sin_yaw, cos_yaw = sine(yaw), cosine(yaw)
+    row[0] = 1.0
+    if level > 0.0:
+        row[1] = max(-1.0, min(1.0, (dx * cos_yaw - dz * sin_yaw) / level))
+        row[2] = max(-1.0, min(1.0, (dx * sin_yaw + dz * cos_yaw) / level))
+    row[3] = level
+    row[4] = target[1] - position[1]
+
+
 @sensor
-class Compass(Sensor):
+class Compass(ScalarSensor):
     """Direction and distance of the target."""
 
     name: ClassVar[str] = "compass"
     title: ClassVar[str] = "the target: whether there is one, sine and cosine of its bearing, m away, m up"
+    scalars: ClassVar[tuple[Column, ...]] = COLUMNS
 
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a reading."""
-        return COLUMNS
-
-    @property
-    def space(self) -> "Box":
-        """(5,)."""
-        return row_space(COLUMNS)
-
-    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return (len(seats), 5).
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
-        rows = rows_of(match, seats)
-        readings = np.zeros((len(rows), len(COLUMNS)), np.float32)
-        agents, matches = match.state.agents, match.state.matches
-        known = np.flatnonzero(agents.knows_target[0, rows])
-        pointed = readings[known]
-        _point(agents.position[0, rows[known]], agents.yaw[0, rows[known]], matches.target[0], pointed)
-        readings[known] = pointed
-        return readings
-
-
-@kernel
-def _point(
-    positions: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    target: NDArray[np.float64],
-    readings: NDArray[np.float32],
-) -> None:
-    """Write (N, 5) readings for agents at (N, 3) m with (N,) yaws in degrees."""
-    for row in range(positions.shape[0]):
-        dx, dz = target[0] - positions[row, 0], target[2] - positions[row, 2]
-        level = np.sqrt(dx * dx + dz * dz)
-        sin_yaw, cos_yaw = sine(yaws[row]), cosine(yaws[row])
-        readings[row, 0] = 1.0
-        if level > 0.0:
-            readings[row, 1] = max(-1.0, min(1.0, (dx * cos_yaw - dz * sin_yaw) / level))
-            readings[row, 2] = max(-1.0, min(1.0, (dx * sin_yaw + dz * cos_yaw) / level))
-        readings[row, 3] = level
-        readings[row, 4] = target[1] - positions[row, 1]
+    @staticmethod
+    def kernel() -> Write:
+        """Return the kernel that writes the numbers."""
+        return _write_compass

@@ -5,26 +5,27 @@ in the axes of the world (x east, y up, z north, m), and its distance (m). Unuse
 hide boxes. Boxes farther away than the rule ``supply_sight`` are never listed, whatever ``range`` is.
 """
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import Column, Sensor, rows_of, sensor, table_space
+from wildscav_engine.sensors.base import Column, sensor, table_space
+from wildscav_engine.sensors.batched import BatchedSensor
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match_view import MatchView
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
 
 MAX_SUPPLIES = 2.0**31  # in a box: the bound of a 32-bit count
 
 
 @sensor
-class NearbySupplies(Sensor):
+class NearbySupplies(BatchedSensor):
     """The nearest supply boxes."""
 
     name: ClassVar[str] = "nearby_supplies"
@@ -51,20 +52,15 @@ class NearbySupplies(Sensor):
         """(limit, 6)."""
         return table_space(self.limit, self.columns)
 
-    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return (len(seats), limit, 6).
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
-        rows = rows_of(match, seats)
-        seen, boxes = match.seen, match.state.supplies
-        reader, place = np.nonzero(np.arange(self.limit) < seen.supply_count[0, rows, None])
-        slots = seen.supplies[0, rows[reader], place]
-        x, y, z = (boxes.position[0, slots] - match.state.agents.position[0, rows[reader]]).T
+    def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Return (B, len(seats), limit, 6)."""
+        boxes, position = state.supplies, state.agents.position
+        match, reader, place = np.nonzero(np.arange(self.limit) < seen.supply_count[:, seats, None])
+        slots = seen.supplies[match, seats[reader], place]
+        x, y, z = (boxes.position[match, slots] - position[match, seats[reader]]).T
         distance = np.sqrt(x * x + y * y + z * z)
-        columns = np.stack((np.ones(len(slots)), boxes.quantity[0, slots], x, y, z, distance), axis=-1)
+        columns = np.stack((np.ones(len(slots)), boxes.quantity[match, slots], x, y, z, distance), axis=-1)
         near = distance <= self.range
-        readings = np.zeros((len(rows), self.limit, 6), np.float32)
-        readings[reader[near], place[near]] = columns[near]
+        readings = np.zeros((len(seen.supplies), len(seats), self.limit, 6), np.float32)
+        readings[match[near], reader[near], place[near]] = columns[near]
         return readings

@@ -7,20 +7,17 @@ it has shrunk (s); and the damage outside (hp per second). All are 0 if the matc
 phase, the two circles are equal.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of, sensor
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.scalars import ScalarSensor, Write
+from wildscav_engine.simulation.state import Agents, Matches
 from wildscav_engine.simulation.systems.zone import phase_at, zone_at
 from wildscav_engine.specs.rules import FRAME
-
-if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
-    from wildscav_engine.simulation.match_view import MatchView
 
 INF = np.inf
 COLUMNS = (
@@ -38,8 +35,27 @@ COLUMNS = (
 )
 
 
+@kernel
+def _write_zone(agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]) -> None:
+    """Write what a seat knows about the zone; all 0 if there is none."""
+    frame = matches.frame[match]
+    phase = phase_at(matches, match, frame)
+    if phase < 0:
+        return
+    zone, schedule = zone_at(matches, match, frame), matches.zone[match, phase]
+    x, z = agents.position[match, seat, 0], agents.position[match, seat, 2]
+    to_x, to_z = zone.x - x, zone.z - z
+    row[0] = 1.0
+    row[1] = zone.radius - np.sqrt(to_x * to_x + to_z * to_z)
+    row[2], row[3], row[4] = to_x, to_z, zone.radius
+    row[5], row[6], row[7] = schedule[5] - x, schedule[6] - z, schedule[7]
+    row[8] = max(0.0, schedule[0] - frame) * FRAME
+    row[9] = max(0.0, schedule[1] - frame) * FRAME
+    row[10] = zone.damage
+
+
 @sensor
-class SafeZone(Sensor):
+class SafeZone(ScalarSensor):
     """The safe zone and its next circle."""
 
     name: ClassVar[str] = "zone"
@@ -47,38 +63,9 @@ class SafeZone(Sensor):
         "the safe zone: present, m inside its edge, its center from the agent, m, and radius, m; the next "
         "center and radius, m; s until it shrinks and until it has shrunk; hp per second outside"
     )
+    scalars: ClassVar[tuple[Column, ...]] = COLUMNS
 
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a reading."""
-        return COLUMNS
-
-    @property
-    def space(self) -> "Box":
-        """(11,)."""
-        return row_space(COLUMNS)
-
-    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return (len(seats), 11).
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
-        rows = rows_of(match, seats)
-        readings = np.zeros((len(rows), len(COLUMNS)), np.float32)
-        matches, frame = match.state.matches, match.frame
-        phase = phase_at(matches, 0, frame)
-        if phase < 0:
-            return readings
-        zone = zone_at(matches, 0, frame)
-        start, end, *_, next_x, next_z, next_radius, _ = matches.zone[0, phase]
-        x, z = match.state.agents.position[0, rows][:, [0, 2]].T
-        to_x, to_z = zone.x - x, zone.z - z
-        readings[:, 0] = 1.0
-        readings[:, 1] = zone.radius - np.sqrt(to_x * to_x + to_z * to_z)
-        readings[:, 2], readings[:, 3], readings[:, 4] = to_x, to_z, zone.radius
-        readings[:, 5], readings[:, 6], readings[:, 7] = next_x - x, next_z - z, next_radius
-        readings[:, 8] = max(0.0, start - frame) * FRAME
-        readings[:, 9] = max(0.0, end - frame) * FRAME
-        readings[:, 10] = zone.damage
-        return readings
+    @staticmethod
+    def kernel() -> Write:
+        """Return the kernel that writes the numbers."""
+        return _write_zone

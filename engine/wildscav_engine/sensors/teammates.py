@@ -6,19 +6,20 @@ its distance (m); its velocity (x, y, z, m/s); its yaw (degrees in (-180, 180], 
 its health (hp, 0 if dead); 1 if it is invincible; and the supplies that it carries. Unused rows are 0.
 """
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import MOTION_COLUMNS, Column, Sensor, rows_of, sensor, table_space
+from wildscav_engine.sensors.base import MOTION_COLUMNS, Column, sensor, table_space
+from wildscav_engine.sensors.batched import BatchedSensor
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match_view import MatchView
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
 
 MAX_SUPPLIES = 2.0**31  # carried: the bound of a 32-bit count
 # Seats are numbers below 1000; rules allow 10,000 hp at most.
@@ -33,7 +34,7 @@ COLUMNS = (
 
 
 @sensor
-class Teammates(Sensor):
+class Teammates(BatchedSensor):
     """The nearest teammates, wherever they are."""
 
     name: ClassVar[str] = "teammates"
@@ -54,40 +55,38 @@ class Teammates(Sensor):
         """(limit, 13)."""
         return table_space(self.limit, COLUMNS)
 
-    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return (len(seats), limit, 13).
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
-        rows = rows_of(match, seats)
-        readings = np.zeros((len(rows), self.limit, len(COLUMNS)), np.float32)
-        for reading, row in zip(readings, rows, strict=True):
-            mates = self._nearest(match, int(row))
-            reading[: len(mates)] = _describe(match, int(row), mates)
+    def read_batch(
+        self,
+        state: "State",
+        seen: "Seen",  # noqa: ARG002
+        seats: NDArray[np.int64],
+    ) -> NDArray[np.float32]:
+        """Return (B, len(seats), limit, 13)."""
+        agents = state.agents
+        order, counts = self._nearest(state, seats)
+        match, reader, place = np.nonzero(np.arange(self.limit) < counts[..., None])
+        mates, own = order[match, reader, place], seats[reader]
+        x, y, z = (agents.position[match, mates] - agents.position[match, own]).T
+        columns = (
+            *(np.ones(len(mates)), mates, x, y, z, np.sqrt(x * x + y * y + z * z)),
+            *agents.velocity[match, mates].T,
+            *(agents.yaw[match, mates], agents.health[match, mates]),
+            *(agents.invincible_left[match, mates] > 0, agents.supplies[match, mates]),
+        )
+        readings = np.zeros((*counts.shape, self.limit, len(COLUMNS)), np.float32)
+        readings[match, reader, place] = np.stack(columns, axis=-1)
         return readings
 
-    def _nearest(self, match: "MatchView", row: int) -> NDArray[np.int64]:
-        """Return the seats of the nearest teammates, nearest first."""
-        agents = match.state.agents
-        mates = np.flatnonzero(agents.team[0, : match.seats] == agents.team[0, row])
-        mates = mates[mates != row]
-        offsets = agents.position[0, mates] - agents.position[0, row]
-        order = np.argsort((offsets * offsets).sum(axis=1), kind="stable")
-        nearest: NDArray[np.int64] = mates[order[: self.limit]]
-        return nearest
+    def _nearest(
+        self, state: "State", seats: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return the nearest teammates of each seat, (B, S, up to limit), and the number of all, (B, S).
 
-
-def _describe(match: "MatchView", row: int, mates: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return (len(mates), 13) what a seat knows about some teammates."""
-    agents = match.state.agents
-    x, y, z = (agents.position[0, mates] - agents.position[0, row]).T
-    return np.stack(
-        (
-            *(np.ones(len(mates)), mates, x, y, z, np.sqrt(x * x + y * y + z * z)),
-            *agents.velocity[0, mates].T,
-            *(agents.yaw[0, mates], agents.health[0, mates], agents.invincible_left[0, mates] > 0),
-            agents.supplies[0, mates],
-        ),
-        axis=-1,
-    )
+        If a seat has fewer teammates than columns, the other columns are meaningless.
+        """
+        agents, every = state.agents, np.arange(state.agents.team.shape[1])
+        mates = agents.team[:, None] == agents.team[:, seats, None]
+        mates &= (every != seats[:, None]) & (every < state.matches.seats[:, None, None])
+        offsets = agents.position[:, None] - agents.position[:, seats, None]
+        squares = np.where(mates, (offsets * offsets).sum(axis=-1), np.inf)
+        return np.argsort(squares, axis=-1, kind="stable")[..., : self.limit], mates.sum(axis=-1)

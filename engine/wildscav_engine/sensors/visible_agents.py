@@ -6,20 +6,21 @@ z, m/s); its yaw (degrees in (-180, 180], 0 looks along +z, clockwise); its heal
 invincible. Unused rows are 0. ``visibility.py`` decides which agents are in sight.
 """
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import MOTION_COLUMNS, Column, Sensor, rows_of, sensor, table_space
+from wildscav_engine.sensors.base import MOTION_COLUMNS, Column, sensor, table_space
+from wildscav_engine.sensors.batched import BatchedSensor
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.simulation.match_view import MatchView
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
 
 # Seats and teams are numbers below 1000; rules allow 10,000 hp at most.
 COLUMNS = (
@@ -33,7 +34,7 @@ COLUMNS = (
 
 
 @sensor
-class VisibleAgents(Sensor):
+class VisibleAgents(BatchedSensor):
     """The nearest agents in sight."""
 
     name: ClassVar[str] = "visible_agents"
@@ -54,23 +55,19 @@ class VisibleAgents(Sensor):
         """(limit, 13)."""
         return table_space(self.limit, COLUMNS)
 
-    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return (len(seats), limit, 13).
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
-        rows = rows_of(match, seats)
-        seen, agents = match.seen, match.state.agents
-        reader, place = np.nonzero(np.arange(self.limit) < seen.agent_count[0, rows, None])
-        others = seen.agents[0, rows[reader], place]
-        x, y, z = (agents.position[0, others] - agents.position[0, rows[reader]]).T
+    def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Return (B, len(seats), limit, 13)."""
+        agents = state.agents
+        match, reader, place = np.nonzero(np.arange(self.limit) < seen.agent_count[:, seats, None])
+        others, own = seen.agents[match, seats[reader], place], seats[reader]
+        x, y, z = (agents.position[match, others] - agents.position[match, own]).T
         columns = (
-            *(np.ones(len(others)), others, agents.team[0, others]),
+            *(np.ones(len(others)), others, agents.team[match, others]),
             *(x, y, z, np.sqrt(x * x + y * y + z * z)),
-            *agents.velocity[0, others].T,
-            *(agents.yaw[0, others], agents.health[0, others], agents.invincible_left[0, others] > 0),
+            *agents.velocity[match, others].T,
+            *(agents.yaw[match, others], agents.health[match, others]),
+            agents.invincible_left[match, others] > 0,
         )
-        readings = np.zeros((len(rows), self.limit, len(COLUMNS)), np.float32)
-        readings[reader, place] = np.stack(columns, axis=-1)
+        readings = np.zeros((len(seen.agents), len(seats), self.limit, len(COLUMNS)), np.float32)
+        readings[match, reader, place] = np.stack(columns, axis=-1)
         return readings

@@ -109,11 +109,7 @@ class Match:
         """
         if not 0 <= seat < self.seats:
             raise ValueError(f"there is no seat {seat}; the seats are 0 to {self.seats - 1}")
-        setup = self._batch.setups[0]
-        target = None if setup.target is None or self.track.hides_target else _triple(setup.target)
-        seed = seed_of_seat(self.spec, seat)
-        team = self.spec.team_of_seats[seat]
-        return StartInfo(_triple(setup.starts[seat]), target, team, seed, setup.waves)
+        return start_info(self._batch, 0, seat)
 
     def step(self, actions: ArrayLike | None = None) -> None:
         """Play one step; do nothing if the match is over.
@@ -190,6 +186,14 @@ class Match:
             walked=float(agents.walked[0, seat]),
             metrics=measured(self, seat),
         )
+
+
+def start_info(batch: Batch, row: int, seat: int) -> StartInfo:
+    """Return what a seat of a match in a batch knows before the first step."""
+    spec, setup = batch.specs[row], batch.setups[row]
+    target = None if setup.target is None or batch.track.hides_target else _triple(setup.target)
+    seed, team = seed_of_seat(spec, seat), spec.team_of_seats[seat]
+    return StartInfo(_triple(setup.starts[seat]), target, team, seed, setup.waves)
 
 
 def _triple(position: Sequence[float] | NDArray[np.float64]) -> tuple[float, float, float]:

@@ -68,7 +68,8 @@ class MatchAgents:
 
     async def leave(self, seconds: float) -> None:
         """Wait until the agents have ended by themselves, at most for the given time in seconds."""
-        await asyncio.wait(self._watchers.values(), timeout=seconds)
+        if self._watchers:  # there are none if robots fill all seats
+            await asyncio.wait(self._watchers.values(), timeout=seconds)
 
     async def stop(self) -> None:
         """Stop the agents that still run."""

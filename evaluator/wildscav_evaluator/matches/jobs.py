@@ -3,17 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from wildscav_engine.record import SUFFIX
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import (
-    Seating,
-)
+from wildscav_evaluator.matches.play import Seating
+from wildscav_evaluator.matches.snapshots import Snapshot
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS, stem_of
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Limits
-from wildscav_evaluator.seats import submission_seats
+from wildscav_evaluator.seats import entrants_of_seats, submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 
 Wanted = dict[str, dict[str, Any]]  # sensors by name, with their options
@@ -22,11 +21,15 @@ REPLAYED: Wanted = {"camera": {}, "depth": {}}  # sensors that a replay shows of
 
 @dataclass(frozen=True)
 class Job:
-    """One match to play."""
+    """One match to play.
 
-    submission: Submission
+    In an evaluation, one submission fills all seats for submissions. In a tournament, several entrants meet:
+    submissions, and robots that take part like them.
+    """
+
+    submissions: tuple[Submission, ...]  # of the seats for submissions, in the order of the seats
     track: str
-    index: int  # in the suite
+    index: int  # in the suite or in the tournament
     spec: MatchSpec
     out: Path
     replay: bool  # whether to render one
@@ -34,11 +37,29 @@ class Job:
     sandbox: str = "process"  # the name of the sandbox in which its agent runs
     limits: Limits = DEFAULT_LIMITS  # of its agent
     faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
+    evaluated: str | None = None  # the submission whose evaluation it belongs to; None in a tournament
+    robots: tuple[int, ...] = ()  # the seats of robots that are entrants
+    watched: bool = False  # whether its heartbeats carry snapshots, for spectators
+
+    @classmethod
+    def of_one(
+        cls,
+        submission: Submission,
+        track: str,
+        index: int,
+        spec: MatchSpec,
+        out: Path,
+        replay: bool,
+        **others: Any,
+    ) -> Self:
+        """Return the job of a match in which one submission fills all seats for submissions."""
+        submissions = (submission,) * len(submission_seats(spec.seats))
+        return cls(submissions, track, index, spec, out, replay, evaluated=submission.name, **others)
 
     @property
     def stem(self) -> str:
         """The stem of its files' names."""
-        return stem_of(self.track, self.index, self.submission.name)
+        return stem_of(self.track, self.index, self.evaluated)
 
     @property
     def record(self) -> str:
@@ -52,24 +73,30 @@ class Job:
 
     @property
     def seats(self) -> tuple[int, ...]:
-        """The seats that the submission fills: all seats for submissions."""
+        """The seats that agents of submissions fill."""
         return submission_seats(self.spec.seats)
+
+    @property
+    def entrants(self) -> dict[int, str]:
+        """The name of the entrant in each seat that has one, in the order of the seats."""
+        names = [submission.name for submission in self.submissions]
+        return entrants_of_seats(self.spec.seats, names, self.robots)
 
     def log(self, seat: int) -> str:
         """Path of the log of a seat's agent in the output folder."""
-        # No submission's name has a dot, so the part before the first dot is always the stem.
+        # No stem has a dot, so the part before the first dot is always the stem.
         return f"{LOGS}/{self.stem}.log" if len(self.seats) == 1 else f"{LOGS}/{self.stem}.seat-{seat}.log"
 
     @property
     def seating(self) -> Seating:
-        """The match, with this submission in every seat that a submission fills."""
+        """The match, with the submissions in their seats."""
         logs = tuple(self.out / self.log(seat) for seat in self.seats)
-        return Seating(self.spec, (self.submission,) * len(logs), logs, self.limits)
+        return Seating(self.spec, self.submissions, logs, self.limits, self.robots)
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:
     """Return the sensors that the agents and the replays of some matches read."""
-    wanted = {job.submission.folder: job.submission.manifest.sensors for job in jobs}
+    wanted = {one.folder: one.manifest.sensors for job in jobs for one in job.submissions}
     replayed = [REPLAYED] if any(job.replay for job in jobs) else []
     return [*wanted.values(), *replayed]
 
@@ -79,6 +106,7 @@ class Heartbeat(NamedTuple):
 
     frames: int
     steps: int
+    snapshots: tuple[Snapshot, ...] = ()  # of a match that is watched, since the last heartbeat
 
 
 class AttemptFailed(NamedTuple):
@@ -102,6 +130,13 @@ class JobResult:
     row: MatchRow
     timing: MatchTiming | None = None  # None if no match was played
     replay_error: str = ""  # why its replay could not be written
+
+    @property
+    def rows(self) -> dict[str, MatchRow]:
+        """How the match went for each entrant, by its name."""
+        if self.job.evaluated is not None:
+            return {self.job.evaluated: self.row}
+        return {name: self.row.of_entrant(name) for name in dict.fromkeys(self.job.entrants.values())}
 
     @property
     def to_render(self) -> bool:

@@ -66,6 +66,7 @@ class Seating:
     submissions: tuple[Submission, ...]  # in the order of their seats in the spec
     logs: tuple[Path, ...]  # one for each submission
     limits: Limits = DEFAULT_LIMITS  # of every agent
+    robots: tuple[int, ...] = ()  # the seats of robots that are entrants
 
     @property
     def seats(self) -> tuple[int, ...]:
@@ -75,7 +76,8 @@ class Seating:
     @property
     def names(self) -> tuple[str, ...]:
         """The display name of every seat."""
-        return display_names(self.spec.seats, [submission.name for submission in self.submissions])
+        names = [submission.name for submission in self.submissions]
+        return display_names(self.spec.seats, names, self.robots)
 
 
 @dataclass(frozen=True)

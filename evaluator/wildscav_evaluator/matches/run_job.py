@@ -4,13 +4,14 @@ import asyncio
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
 from wildscav.errors import WildscavError, describe
 from wildscav.server import HostedMatch
 from wildscav_engine.record import read_record, write_record
+from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.matches.jobs import (
     AttemptFailed,
     Heartbeat,
@@ -29,11 +30,13 @@ from wildscav_evaluator.matches.play import (
     remove_empty_logs,
 )
 from wildscav_evaluator.matches.seat_rows import match_timing, seat_row
+from wildscav_evaluator.matches.snapshots import Snapshot, snapshot_of
 from wildscav_evaluator.output.journal import read_entry, write_entry
 from wildscav_evaluator.output.results import FAILED, MatchRow
-from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
+from wildscav_evaluator.sandbox import SANDBOXES
 
 HEARTBEAT_INTERVAL = 0.5  # s between two heartbeats of a match
+SNAPSHOT_INTERVAL = 0.1  # s between two snapshots of a match that is watched
 
 
 def run_job(
@@ -86,10 +89,10 @@ def _play(runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None]
     seating = job.seating
     try:
         prepare_logs(seating.logs)
-        played = runner.run(_play_with_heartbeats(seating, SANDBOXES[job.sandbox], job.faults, on_event))
+        played = runner.run(_play_with_heartbeats(seating, job, on_event))
         write_record(job.out / job.record, played.match, seating.names)
         remove_empty_logs(seating.logs)
-        row = MatchRow.of(job.index, tuple(seat_row(job, played, seat) for seat in job.seats), job.record)
+        row = MatchRow.of(job.index, tuple(seat_row(job, played, seat) for seat in job.entrants), job.record)
         timing = match_timing(job, played, started, time.perf_counter() - clock)
         # From here on the match counts as played.
         write_entry(job.out, job.evaluation, job.stem, row, timing)
@@ -103,15 +106,21 @@ def _play(runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None]
 
 
 async def _play_with_heartbeats(
-    seating: Seating, sandbox: Sandbox, faults: Sequence[str], on_event: Callable[[JobEvent], None]
+    seating: Seating, job: Job, on_event: Callable[[JobEvent], None]
 ) -> PlayedMatch:
     """Play a match and report its progress, from the start again if the match is played again."""
     heartbeats: list[asyncio.Task[None]] = []
 
     async def beat(hosted: HostedMatch) -> None:
+        snapshots: tuple[Snapshot, ...] = ()
+        shown = -1  # the frame of the last snapshot
         while True:
-            on_event(Heartbeat(hosted.match.frame, hosted.match.step_number))
-            await asyncio.sleep(HEARTBEAT_INTERVAL)
+            on_event(Heartbeat(hosted.match.frame, hosted.match.step_number, snapshots))
+            if job.watched:
+                snapshots = await _observe(hosted.match, shown)
+                shown = snapshots[-1].frame if snapshots else shown
+            else:
+                await asyncio.sleep(HEARTBEAT_INTERVAL)
 
     def begin(hosted: HostedMatch) -> None:
         for task in heartbeats:
@@ -122,14 +131,25 @@ async def _play_with_heartbeats(
         with _cancelled_by_signal():
             return await play_match(
                 seating,
-                sandbox=sandbox,
+                sandbox=SANDBOXES[job.sandbox],
                 on_start=begin,
-                faults=faults,
+                faults=job.faults,
                 on_failure=lambda reason: on_event(AttemptFailed(reason)),
             )
     finally:
         for task in heartbeats:
             task.cancel()
+
+
+async def _observe(match: Match, shown: int) -> tuple[Snapshot, ...]:
+    """Wait until the next heartbeat, and return snapshots of the moments after a frame."""
+    snapshots = []
+    for _ in range(round(HEARTBEAT_INTERVAL / SNAPSHOT_INTERVAL)):
+        await asyncio.sleep(SNAPSHOT_INTERVAL)
+        if match.frame > shown:
+            shown = match.frame
+            snapshots.append(snapshot_of(match))
+    return tuple(snapshots)
 
 
 @contextmanager
@@ -173,7 +193,8 @@ def _render(job: Job) -> str:
 
     path = job.out / job.replay_path
     try:
-        write_replay(read_record(job.out / job.record), path, follow=job.seats[0])
+        # In a tournament, a match may have robots alone.
+        write_replay(read_record(job.out / job.record), path, follow=(job.seats or job.robots)[0])
     except OSError as error:
         return f"no replay {path}: {error.strerror or error}"
     except Exception as error:  # noqa: BLE001 (the match counts even without its replay)

@@ -3,14 +3,20 @@
 from wildscav.server import SeatReport
 from wildscav_evaluator.matches.jobs import Job
 from wildscav_evaluator.matches.play import PlayedMatch
-from wildscav_evaluator.output.results import MatchTiming, SeatRow, SeatTiming
+from wildscav_evaluator.output.results import FINISHED, MatchTiming, SeatRow, SeatTiming
 
 
 def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
-    """Return how a match went in one seat, as a row of the results file."""
+    """Return how a match went in an entrant's seat, as a row of the results file."""
+    metrics = dict(played.match.result().seats[seat].metrics)
+    entrant, team = _entrant_and_team(job, seat)
+    if seat in job.robots:
+        return SeatRow(seat=seat, submission=entrant, team=team, status=FINISHED, metrics=metrics)
     report, log = played.seats[seat], job.log(seat)
     return SeatRow(
         seat=seat,
+        submission=entrant,
+        team=team,
         status=report.status.value,
         fault=fault.value if (fault := report.status.fault) else None,
         detail=report.detail,
@@ -20,9 +26,14 @@ def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
         actions=report.steps_played,
         invalid_actions=report.invalid_actions,
         ignored_fields=report.ignored_fields,
-        metrics=dict(played.match.result().seats[seat].metrics),
+        metrics=metrics,
         log=log if (job.out / log).exists() else None,
     )
+
+
+def _entrant_and_team(job: Job, seat: int) -> tuple[str | None, int | None]:
+    """Return whose seat it is and its team; None in an evaluation, where every seat is the submission's."""
+    return (None, None) if job.evaluated is not None else (job.entrants[seat], job.spec.team_of_seats[seat])
 
 
 def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> MatchTiming:
@@ -35,7 +46,7 @@ def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> 
         wall: How long it took, s, including the start of the agents and writing the record.
     """
     return MatchTiming(
-        submission=job.submission.name,
+        submission=job.evaluated,
         track=job.track,
         index=job.index,
         started=started,

@@ -66,6 +66,23 @@ class Worker:
         self.dead = False
         self.rendered = 0  # replays so far
 
+    def precompile(self, sensors: Iterable[Wanted]) -> None:
+        """Compile the engine in this process, or load it from the cache.
+
+        Raises:
+            WorkerDiedError: It could not be compiled.
+        """
+        try:
+            self.connection.send(Precompiling(tuple(sensors)))
+            if not self.connection.poll(COMPILE_TIME):
+                raise WorkerDiedError(f"the engine was not compiled within {COMPILE_TIME / 60:g} minutes")
+            self.connection.recv()
+        except (EOFError, OSError) as error:
+            self.process.join()
+            raise WorkerDiedError(
+                f"the engine could not be compiled (exit code {self.process.exitcode})"
+            ) from error
+
     def assign(self, job: Job) -> None:
         """Send it a job. If the process is gone already, ``receive`` will report that."""
         self.job, self._watchdog = job, Watchdog(job, self._patience)
@@ -151,17 +168,7 @@ class Workers:
         Raises:
             WorkerDiedError: It could not be compiled.
         """
-        worker = self._start()
-        try:
-            worker.connection.send(Precompiling(tuple(sensors)))
-            if not worker.connection.poll(COMPILE_TIME):
-                raise WorkerDiedError(f"the engine was not compiled within {COMPILE_TIME / 60:g} minutes")
-            worker.connection.recv()
-        except (EOFError, OSError) as error:
-            worker.process.join()
-            raise WorkerDiedError(
-                f"the engine could not be compiled (exit code {worker.process.exitcode})"
-            ) from error
+        self._start().precompile(sensors)
 
     def run(
         self,

@@ -15,6 +15,7 @@ from wildscav_evaluator.scores.number_format import NOTHING, number, unit_and_ti
 BAR = 18  # columns
 NAME = 22  # columns that a submission's name takes at most
 SHOWN = 8  # running matches, at most
+LINES = 24  # submissions on a track, at most
 WIDE = 78  # columns from which there is space for bars and intervals
 NUMBER_COLUMNS = 31  # columns that the numbers of a narrow line take
 
@@ -30,7 +31,10 @@ def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
     wide = width >= WIDE
     name = NAME if wide else max(6, min(NAME, width - NUMBER_COLUMNS))
     return Group(
-        *_head(tally, title, wide=wide), *_tracks(tally, name, wide=wide), *_running(tally, name, wide=wide)
+        *_head(tally, title, wide=wide),
+        *_tracks(tally, name, wide=wide),
+        *_nodes(tally, name),
+        *_running(tally, name, wide=wide),
     )
 
 
@@ -78,9 +82,11 @@ def _tracks(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:
         for columns in (9, 7, 15) if wide else (7, 6):
             table.add_column(width=columns, justify="right", no_wrap=True)
         table.add_column(no_wrap=True)
-        for line in of_track:
+        for line in of_track[:LINES]:
             table.add_row(*_cells(line, wide=wide))
         yield table
+        if len(of_track) > LINES:
+            yield Text(f"and {len(of_track) - LINES:,} more", "dim")
 
 
 def _cells(line: TrackProgress, *, wide: bool) -> Iterator[RenderableType]:
@@ -106,6 +112,27 @@ def _state(line: TrackProgress) -> Text:
     if line.complete:
         return Text("done", "green")
     return Text("running", "cyan") if line.running else Text("waiting" if line.done == 0 else "", "dim")
+
+
+def _nodes(tally: Tally, name: int) -> Iterator[RenderableType]:
+    """Yield what each machine of a cluster does; nothing without a cluster."""
+    nodes = tally.nodes()
+    if not nodes:
+        return
+    used = [node for node in nodes if not node.problem]
+    cores = sum(node.cores for node in used)
+    yield Text.assemble("\n", ("nodes", "bold"), (f"  {len(used)} with {counted(cores, 'core')}", "dim"))
+    table = Table.grid(padding=(0, 2))
+    table.add_column(width=min(name, max(len(node.name) for node in nodes)), no_wrap=True)
+    for _ in range(2):
+        table.add_column(justify="right", no_wrap=True)
+    table.add_column(no_wrap=True)
+    for node in sorted(nodes, key=lambda node: (bool(node.problem), -node.running))[:SHOWN]:
+        state = Text("not used", "red") if node.problem else Text(f"{node.running} running", "cyan")
+        table.add_row(Text(node.name), counted(node.cores, "core"), f"{node.done:,} done", state)
+    yield table
+    if len(nodes) > SHOWN:
+        yield Text(f"and {len(nodes) - SHOWN} more", "dim")
 
 
 def _running(tally: Tally, name: int, *, wide: bool) -> Iterator[RenderableType]:

@@ -1,6 +1,6 @@
 """The monitor of a running evaluation, which feeds the dashboard, the log and the metrics."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 from wildscav.monitoring.logs import LogFormat, open_log
 from wildscav.monitoring.metrics import serving_metrics
 from wildscav.terminal.console import console
+from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.jobs import AttemptFailed, Heartbeat, Job, JobEvent, JobResult
 from wildscav_evaluator.monitoring.progress import EvaluationProgress
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
@@ -30,11 +31,21 @@ class Monitor:
         at_once: How many are played at once.
         title: A short description of what is evaluated.
         how: The options.
+        nodes: Returns the machines of the cluster that plays them, if there is one.
     """
 
-    def __init__(self, jobs: Sequence[Job], at_once: int, title: str, how: MonitorOptions) -> None:
+    def __init__(
+        self,
+        jobs: Sequence[Job],
+        at_once: int,
+        title: str,
+        how: MonitorOptions,
+        nodes: Callable[[], tuple[Node, ...]] = tuple,
+    ) -> None:
         self._how, self._title = how, title
-        self.tally = Tally(jobs, at_once)
+        self.tally = Tally(jobs, at_once, nodes=nodes)
+        # Problems that nodes had before were reported when they were examined.
+        self._problems = {node.name: node.problem for node in nodes()}
         self._log = open_log(how.log_format)
         self._progress = EvaluationProgress(console, self.tally, title, quiet=how.log_format is not None)
 
@@ -51,13 +62,23 @@ class Monitor:
                 yield
             self._log.info("evaluation_ends", matches=len(tally.done), failed=tally.failed)
 
+    def _note_nodes(self) -> None:
+        """Report nodes that get no more work."""
+        for node in self.tally.nodes():
+            if node.problem != self._problems.get(node.name, ""):
+                self._problems[node.name] = node.problem
+                self._log.warning("node_not_used", node=node.name, detail=node.problem)
+                self._progress.note_node(node)
+
     def start(self, job: Job) -> None:
         """Note that a match begins."""
+        self._note_nodes()
         self.tally.start(job)
         self._log.info("match_begins", match=job.stem, waiting=self.tally.waiting)
 
     def handle(self, job: Job, event: JobEvent) -> None:
         """Note the progress of a match, or that the platform broke it and it is played again."""
+        self._note_nodes()
         if isinstance(event, Heartbeat):
             self.tally.beat(job, event)
         elif isinstance(event, AttemptFailed):

@@ -1,6 +1,6 @@
 """Live progress of an evaluation: a dashboard on a terminal, plain lines elsewhere."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -8,6 +8,7 @@ from rich.live import Live
 from rich.text import Text
 
 from wildscav.terminal.console import counted
+from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.monitoring.dashboard import dashboard, duration, match_counts
 from wildscav_evaluator.monitoring.tally import Tally, TrackProgress
@@ -49,7 +50,11 @@ class EvaluationProgress:
         """Print at once that the platform broke a match, which is played again."""
         self._say(f"{job.stem}: played again, the platform's fault", reason, "yellow")
 
-    def add(self, result: JobResult, line: TrackProgress) -> None:
+    def note_node(self, node: Node) -> None:
+        """Print at once that a node gets no more work."""
+        self._say(f"node {node.name} is not used", node.problem, "yellow")
+
+    def add(self, result: JobResult, lines: Sequence[TrackProgress]) -> None:
         """Print at once what went wrong in a match; without a terminal, also the overall progress."""
         row = result.row
         if row.fault is not None:
@@ -58,16 +63,17 @@ class EvaluationProgress:
             self._say("note", result.replay_error, "yellow")
         if self._console.is_terminal or self._quiet:
             return
-        if line.complete:
+        complete = [line for line in lines if line.complete]
+        for line in complete:
             score = "-"
             if line.summary is not None:
                 score = f"{number(line.summary.mean, line.metric)} {unit_and_title(line.metric)}"
             self._say(f"{line.submission} on {line.track}", f"{counted(line.done, 'match')}, {score}")
-        elif self._tally.clock() - self._said_at >= EVERY:
+        if not complete and self._tally.clock() - self._said_at >= EVERY:
             left = self._tally.time_left()
             about = "" if left is None else f", about {duration(left)} left"
             self._console.print(match_counts(self._tally).append(about))
-        else:
+        elif not complete:
             return
         self._said_at = self._tally.clock()
 

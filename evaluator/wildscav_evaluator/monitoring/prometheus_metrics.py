@@ -8,6 +8,7 @@ from prometheus_client.registry import Collector
 
 from wildscav_evaluator.matches.jobs import JobResult
 from wildscav_evaluator.monitoring.tally import Tally
+from wildscav_evaluator.output.results import SeatTiming
 
 
 class EvaluationMetrics(Collector):
@@ -26,6 +27,7 @@ class EvaluationMetrics(Collector):
         yield from self._matches(done)
         yield from self._queue()
         yield from _steps(done)
+        yield from self._nodes()
         yield GaugeMetricFamily(
             "wildscav_steps_per_second", "Steps a second of all matches being played.", self._tally.speed
         )
@@ -36,7 +38,7 @@ class EvaluationMetrics(Collector):
             "Matches that ended, including those of earlier runs.",
             labels=("track", "submission", "status"),
         )
-        keys = [(one.job.track, one.job.submission.name, one.row.status) for one in done]
+        keys = [(one.job.track, name, row.status) for one in done for name, row in one.rows.items()]
         for key, count in Counter(keys).items():
             matches.add_metric(key, count)
         yield matches
@@ -58,6 +60,24 @@ class EvaluationMetrics(Collector):
             "wildscav_matches_waiting", "Matches that have not begun.", self._tally.waiting
         )
 
+    def _nodes(self) -> Iterator[Metric]:
+        """Yield what each machine of a cluster does; nothing without a cluster."""
+        nodes = self._tally.nodes()
+        if not nodes:
+            return
+        used = GaugeMetricFamily("wildscav_node_used", "1 if a node gets work, else 0.", labels=("node",))
+        cores = GaugeMetricFamily("wildscav_node_cores", "Cores of a node.", labels=("node",))
+        running = GaugeMetricFamily(
+            "wildscav_node_matches_running", "Matches being played on a node.", labels=("node",)
+        )
+        done = CounterMetricFamily("wildscav_node_matches", "Matches that ended on a node.", labels=("node",))
+        for node in nodes:
+            used.add_metric((node.name,), not node.problem)
+            cores.add_metric((node.name,), node.cores)
+            running.add_metric((node.name,), node.running)
+            done.add_metric((node.name,), node.done)
+        yield from (used, cores, running, done)
+
 
 def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
     steps = CounterMetricFamily("wildscav_steps", "Steps of matches that ended.", labels=("track",))
@@ -67,16 +87,19 @@ def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
         "From an observation sent to its answer received, of matches that ended.",
         labels=("track", "submission"),
     )
-    timings = [one.timing for one in done if one.timing is not None]
-    for track in dict.fromkeys(one.track for one in timings):
-        of_track = [one for one in timings if one.track == track]
-        steps.add_metric((track,), sum(one.steps for one in of_track))
-        late.add_metric((track,), sum(seat.late_steps for one in of_track for seat in one.seats))
-        for submission in dict.fromkeys(one.submission for one in of_track):
-            own = [seat for one in of_track if one.submission == submission for seat in one.seats]
+    timed = [(one.job, one.timing) for one in done if one.timing is not None]
+    for track in dict.fromkeys(job.track for job, _ in timed):
+        of_track = [(job, timing) for job, timing in timed if job.track == track]
+        steps.add_metric((track,), sum(timing.steps for _, timing in of_track))
+        own: dict[str, list[SeatTiming]] = {}
+        for job, timing in of_track:
+            for seat in timing.seats:
+                own.setdefault(job.entrants[seat.seat], []).append(seat)
+        late.add_metric((track,), sum(seat.late_steps for seats in own.values() for seat in seats))
+        for submission, seats in own.items():
             latency.add_metric(
                 (track, submission),
-                count_value=sum(seat.steps for seat in own),
-                sum_value=sum(seat.time_used for seat in own),
+                count_value=sum(seat.steps for seat in seats),
+                sum_value=sum(seat.time_used for seat in seats),
             )
     yield from (steps, late, latency)

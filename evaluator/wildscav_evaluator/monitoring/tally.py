@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from wildscav_engine.specs.match_spec import SUBMISSION
+from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobResult
 from wildscav_evaluator.output.results import MetricInfo, Summary, metric_infos
 from wildscav_evaluator.scores.score import summarize
@@ -25,7 +26,16 @@ class TrackProgress:
     running: int = 0
     failed: int = 0
     scores: list[float] = field(default_factory=list)
-    summary: Summary | None = None
+    _summary: tuple[int, Summary] | None = None  # of so many scores
+
+    @property
+    def summary(self) -> Summary | None:
+        """The scores so far; None if there are none."""
+        # Computed on request, because of many entrants only a few are shown.
+        scores = tuple(self.scores)  # copied, because the dashboard is drawn by another thread
+        if scores and (self._summary is None or self._summary[0] != len(scores)):
+            self._summary = len(scores), summarize(scores)
+        return None if self._summary is None else self._summary[1]
 
     @property
     def complete(self) -> bool:
@@ -51,28 +61,37 @@ class Tally:
         jobs: All matches of the evaluation.
         at_once: How many are played at once.
         clock: Returns seconds since any fixed moment.
+        nodes: Returns the machines of the cluster that plays them, if there is one.
     """
 
     def __init__(
-        self, jobs: Sequence[Job], at_once: int = 1, clock: Callable[[], float] = time.monotonic
+        self,
+        jobs: Sequence[Job],
+        at_once: int = 1,
+        clock: Callable[[], float] = time.monotonic,
+        nodes: Callable[[], tuple[Node, ...]] = tuple,
     ) -> None:
+        self.nodes = nodes
         self.at_once, self.clock, self.began = at_once, clock, clock()
         self.jobs = {job.stem: job for job in jobs}
         self.done: dict[str, JobResult] = {}
         self.running: dict[str, RunningMatch] = {}
+        self._failed = 0
         self.broken = 0  # attempts that the platform broke, each played again
         self.lines: dict[tuple[str, str], TrackProgress] = {}
         for job in jobs:
-            key = (job.track, job.submission.name)
-            if key not in self.lines:
-                self.lines[key] = TrackProgress(*key, metric_infos(job.track)[0])
-            self.lines[key].total += 1
+            for key in self._keys(job):
+                if key not in self.lines:
+                    self.lines[key] = TrackProgress(*key, metric_infos(job.track)[0])
+                self.lines[key].total += 1
 
     # Events.
 
     def start(self, job: Job) -> None:
         """Count a match that begins, or begins again."""
-        self._line(job).running += job.stem not in self.done and job.stem not in self.running
+        begins = job.stem not in self.done and job.stem not in self.running
+        for line in self._lines(job):
+            line.running += begins
         self.running[job.stem] = RunningMatch(job, self.clock())
 
     def beat(self, job: Job, heartbeat: Heartbeat) -> None:
@@ -86,8 +105,8 @@ class Tally:
             running.speed += (speed - running.speed) * (SMOOTHING if running.speed else 1.0)
         running.heartbeat, running.heartbeat_at = heartbeat, now
 
-    def add_earlier(self, result: JobResult) -> TrackProgress:
-        """Count a match that an earlier run played, and return its line."""
+    def add_earlier(self, result: JobResult) -> list[TrackProgress]:
+        """Count a match that an earlier run played, and return the lines of its entrants."""
         if result.timing is not None:
             self.broken += len(result.timing.platform_faults)
         return self.add(result)
@@ -98,31 +117,38 @@ class Tally:
         if (running := self.running.get(job.stem)) is not None:
             running.heartbeat = None
 
-    def add(self, result: JobResult) -> TrackProgress:
-        """Count a match that ended, and return its line."""
-        line, stem = self._line(result.job), result.job.stem
+    def add(self, result: JobResult) -> list[TrackProgress]:
+        """Count a match that ended, and return the lines of its entrants."""
+        lines, stem = self._lines(result.job), result.job.stem
         was_running = self.running.pop(stem, None) is not None
-        if stem in self.done:
-            self.done[stem] = result  # its replay was rendered; the match itself is counted already
-            return line
+        counted = stem in self.done
         self.done[stem] = result
-        line.running -= was_running
-        line.done += 1
-        line.failed += result.row.fault is not None
-        if result.row.metrics is not None:
-            line.scores.append(result.row.metrics[line.metric.name])
-            line.summary = summarize(line.scores)
-        return line
+        if counted:
+            return lines  # only its replay was rendered
+        for line, row in zip(lines, result.rows.values(), strict=True):
+            line.running -= was_running
+            line.done += 1
+            line.failed += row.fault is not None
+            if row.metrics is not None:
+                line.scores.append(row.metrics[line.metric.name])
+        self._failed += result.row.fault is not None
+        return lines
 
-    def _line(self, job: Job) -> TrackProgress:
-        return self.lines[job.track, job.submission.name]
+    def _lines(self, job: Job) -> list[TrackProgress]:
+        return [self.lines[key] for key in self._keys(job)]
+
+    def _keys(self, job: Job) -> list[tuple[str, str]]:
+        """Return the keys of the lines of a match: one for each of its entrants."""
+        if job.evaluated is not None:
+            return [(job.track, job.evaluated)]
+        return [(job.track, name) for name in dict.fromkeys(job.entrants.values())]
 
     # State.
 
     @property
     def failed(self) -> int:
         """Matches in which something went wrong."""
-        return sum(line.failed for line in self.lines.values())
+        return self._failed
 
     @property
     def waiting(self) -> int:

@@ -13,9 +13,10 @@ from pydantic import Field
 from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.bounds import MOST_ROUNDS
-from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
 from wildscav_evaluator.output.results import KeptLimits
+from wildscav_evaluator.output.tournament_settings import TournamentSettings
 from wildscav_evaluator.output.versions import Versions
 
 
@@ -28,8 +29,10 @@ class Entrant(FileModel):
     tracks: tuple[str, ...]  # the evaluation's tracks that it plays
 
 
-class Identity(FileModel):
+class Identity(WithOptionalFields):
     """Everything that the results of an evaluation depend on, and so not how many matches run at once."""
+
+    omitted = ("tournament",)
 
     format: Literal[2] = 2
     versions: Versions
@@ -43,6 +46,7 @@ class Identity(FileModel):
     sandbox: str  # the name of the sandbox in which agents run
     limits: dict[str, KeptLimits]  # of each agent in it, by track
     key: str | None = None  # public key of the organizer who signs the ledger, 64 hexadecimal digits
+    tournament: TournamentSettings | None = None  # omitted if submissions are evaluated one by one
 
     @property
     def digest(self) -> str:
@@ -99,6 +103,8 @@ def difference(old: Identity, new: Identity) -> str:
             return "its matches are different"
         if field == "versions":
             return f"it was begun by {was}, and this is {wanted}"
+        if field == "tournament":
+            return _difference_of_tournaments(was, wanted)
         if field == "key":
             return f"it is {_signed(was)}, not {_signed(wanted)}"
         verb = "are" if field in ("tracks", "rounds") else "is"
@@ -116,6 +122,18 @@ def _difference_of_submissions(old: tuple[Entrant, ...], new: tuple[Entrant, ...
     if was.digest != wanted.digest:
         return f"the files of {was.name} have changed since"
     return f"{was.name} plays {', '.join(was.tracks)}, not {', '.join(wanted.tracks)}"
+
+
+def _difference_of_tournaments(old: TournamentSettings | None, new: TournamentSettings | None) -> str:
+    if old is None or new is None:
+        return "it is no tournament" if old is None else "it is a tournament"
+    for name, wanted in new:
+        was = getattr(old, name)
+        if was != wanted:
+            return (
+                f"its {name.replace('_', ' ')} is {_listed(was) or 'none'}, not {_listed(wanted) or 'none'}"
+            )
+    return ""
 
 
 def _signed(key: str | None) -> str:

@@ -6,9 +6,15 @@ memory. A large one is first read in a process with limits, and here only if it 
 
 import json
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+)
 
 from wildscav.errors import UserError
 from wildscav.system.limited_process import LimitExceededError, call_limited
@@ -16,8 +22,8 @@ from wildscav.terminal.console import ascii_json
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.files import read_limited, write_whole
 
-LARGEST = 32 << 20  # bytes of a file
-MEMORY = 128 << 20  # bytes of memory that reading a large file may take
+LARGEST = 64 << 20  # bytes of a file
+MEMORY = 512 << 20  # bytes of memory that reading a large file may take
 SMALL = 256 << 10  # bytes of a file that is read without a trial
 
 
@@ -70,6 +76,21 @@ class FileModel(BaseModel):
         """
         write_whole(path, ascii_json(self.model_dump_json(indent=1)).encode("ascii") + b"\n")
         return path
+
+
+class WithOptionalFields(FileModel):
+    """Base of models whose files omit some fields that are None, so that files without them do not change."""
+
+    omitted: ClassVar[tuple[str, ...]] = ()  # the names of these fields
+
+    @model_serializer(mode="wrap")
+    def _omit(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields: dict[str, Any] = serialize(self)
+        return {
+            name: value
+            for name, value in fields.items()
+            if name not in self.omitted or getattr(self, name) is not None
+        }
 
 
 class FileModelError(UserError):

@@ -4,12 +4,20 @@ RESULTS_FILE = "results.json"
 IDENTITY_FILE = "evaluation.json"  # the identity of the evaluation
 LEDGER_FILE = "ledger.jsonl"
 COMPARISON_FILE = "comparison.json"
+TOURNAMENT_FILE = "tournament.json"
+STANDINGS_PICTURE = "standings.png"
 SUITE_FILE = "suite.toml"  # a copy of an organizer's own suite
 OPENED_FILE = "secret.txt"  # the opened secret
 RECORDS, REPLAYS, LOGS = "records", "replays", "logs"
 MATCHES = "matches"  # the folder of the journal
 
 
-def stem_of(track: str, index: int, submission: str) -> str:
-    """Return the stem of the names of the files of a submission's match."""
-    return f"{track}-{index:03d}-{submission}"
+def stem_of(track: str, index: int, submission: str | None) -> str:
+    """Return the stem of the names of a match's files.
+
+    Args:
+        track: The track.
+        index: The number of the match in the suite or in the tournament.
+        submission: The submission whose evaluation the match belongs to; None in a tournament.
+    """
+    return f"{track}-{index:03d}" if submission is None else f"{track}-{index:03d}-{submission}"

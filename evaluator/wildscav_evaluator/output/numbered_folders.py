@@ -13,6 +13,7 @@ from wildscav_evaluator.output.identity import Identity, read_identity
 
 EVALUATIONS = Path("out/evaluations")
 COMPARISONS = Path("out/comparisons")
+TOURNAMENTS = Path("out/tournaments")
 NUMBERED = re.compile(r"(\d{4,})-.+")
 
 

@@ -11,7 +11,7 @@ from wildscav_evaluator.output.layout import RECORDS
 from wildscav_evaluator.seats import display_names, submission_seats
 
 NAME = re.compile(
-    rf"(?P<track>{'|'.join(TRACKS)})-(?P<match>\d{{3,6}})-(?P<submission>[a-z0-9-]{{2,40}}){re.escape(SUFFIX)}"
+    rf"(?P<track>{'|'.join(TRACKS)})-(?P<match>\d{{3,6}})(?:-(?P<submission>[a-z0-9-]{{2,40}}))?{re.escape(SUFFIX)}"
 )
 
 
@@ -19,8 +19,8 @@ class RecordName(NamedTuple):
     """The parts of the name of a record's file."""
 
     track: str
-    match: int  # in the suite
-    submission: str
+    match: int  # in the suite or in the tournament
+    submission: str | None  # None in a tournament
 
 
 def record_paths(out: Path) -> list[Path]:
@@ -44,10 +44,12 @@ def parse_name(path: Path) -> RecordName | None:
 def misnamed(record: Record, name: RecordName) -> str:
     """Return how a record differs from the name of its file; an empty text if it does not."""
     seats = submission_seats(record.spec.seats)
-    if not seats:
+    if not seats and name.submission is not None:
         return "no submission plays in its match"
     if record.spec.track != name.track:
         return f"it is of {record.spec.track}, not of {name.track}"
+    if name.submission is None:
+        return ""  # the tournament's schedule determines who plays
     expected = display_names(record.spec.seats, [name.submission] * len(seats))
     for seat in seats:
         if record.names[seat] != expected[seat]:

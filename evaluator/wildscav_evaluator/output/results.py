@@ -5,7 +5,7 @@ Two runs of the same command give equal files, except for ``timings``.
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -14,8 +14,9 @@ from pydantic import Field
 from wildscav.errors import UserError
 from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.bounds import MOST_EVALUATIONS, MOST_ROUNDS
-from wildscav_evaluator.output.json_files import LARGEST, FileModel, FileModelError
+from wildscav_evaluator.output.json_files import LARGEST, FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE
+from wildscav_evaluator.output.tournament_settings import TournamentSettings
 from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.suites.seeds import label
 
@@ -51,10 +52,15 @@ class Summary(FileModel):
     high: float
 
 
-class SeatRow(FileModel):
-    """One seat of the submission in a match. Most matches have one; an organizer's suite may have several."""
+class SeatRow(WithOptionalFields):
+    """One seat of a submission in a match. Most matches have one; an organizer's suite may have several."""
+
+    omitted = ("submission", "team")
 
     seat: int
+    # In a tournament: the entrant whose seat it is, and the seat's team. Omitted in an evaluation.
+    submission: str | None = None
+    team: int | None = None
     # The outcome: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error", "disqualified" or
     # "never_joined".
     status: str
@@ -71,20 +77,20 @@ class SeatRow(FileModel):
 
 
 class MatchRow(FileModel):
-    """One match of an evaluation, as it went for the submission."""
+    """One match of an evaluation or a tournament, as it went for one entrant."""
 
-    index: int  # in the suite
+    index: int  # in the suite or in the tournament
     status: str  # of the first of its seats in which something went wrong; "failed": no match
     fault: Fault | None = None  # whose fault it is, if something went wrong
     detail: str = ""  # what went wrong, in one line
     metrics: dict[str, float] | None = None  # the mean of its seats; None if the match has no result
     record: str | None = None  # path in the output folder
     replay: str | None = None  # path in the output folder
-    seats: tuple[SeatRow, ...] = ()  # of the submission; empty if the match has no result
+    seats: tuple[SeatRow, ...] = ()  # of submissions; empty if the match has no result
 
     @classmethod
     def of(cls, index: int, seats: tuple[SeatRow, ...], record: str | None) -> Self:
-        """Sum up how a match went in each of the submission's seats, at least one."""
+        """Sum up how a match went in each of the entrants' seats, at least one."""
         worst = next((seat for seat in seats if seat.fault is not None), seats[0])
         metrics = mean_metrics([seat.metrics for seat in seats])
         return cls(
@@ -96,6 +102,13 @@ class MatchRow(FileModel):
             record=record,
             seats=seats,
         )
+
+    def of_entrant(self, name: str) -> Self:
+        """Return how the match went for one of several entrants."""
+        own = tuple(seat for seat in self.seats if seat.submission == name)
+        if not own:
+            return self  # the match has no result
+        return self.of(self.index, own, self.record).model_copy(update={"replay": self.replay})
 
     @property
     def logs(self) -> tuple[str, ...]:
@@ -110,7 +123,7 @@ def mean_metrics(seats: Sequence[dict[str, float]]) -> dict[str, float]:
 
 
 class Evaluation(FileModel):
-    """One submission on one track."""
+    """One entrant on one track: a submission, or a robot in a tournament."""
 
     submission: str
     version: str
@@ -150,13 +163,13 @@ class SeatTiming(FileModel):
 class MatchTiming(FileModel):
     """How long one match took."""
 
-    submission: str
+    submission: str | None  # None in a tournament, where several submissions meet
     track: str
     index: int
     started: float  # s since 1970, UTC
     wall: float  # s, including the start of the agents and writing the record
     steps: int
-    seats: tuple[SeatTiming, ...]  # of the submission
+    seats: tuple[SeatTiming, ...]  # of the submissions
     platform_faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
 
 
@@ -181,8 +194,10 @@ class KeptLimits(FileModel):
     wall_clock: float | None = None  # s from its start
 
 
-class Results(FileModel):
-    """An evaluation of some submissions on some tracks."""
+class Results(WithOptionalFields):
+    """An evaluation of some submissions on some tracks, or a tournament among them on one track."""
+
+    omitted = ("tournament",)
 
     format: Literal[2] = 2
     versions: Versions  # by which it was played
@@ -193,6 +208,7 @@ class Results(FileModel):
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
     key: str | None = None  # public key of the ledger's signatures, 64 hexadecimal digits
+    tournament: TournamentSettings | None = None  # omitted if submissions were evaluated one by one
     evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MOST_EVALUATIONS)]
     timings: Timings
 
@@ -200,6 +216,16 @@ class Results(FileModel):
     def seed_label(self) -> str:
         """The public part of the seed."""
         return label(self.seed, self.commitment)
+
+    def timings_of(self, evaluation: Evaluation) -> Iterator[MatchTiming]:
+        """Yield the timings of an evaluation's matches, each with the submission's own seats alone."""
+        own = {row.index: {seat.seat for seat in row.seats} for row in evaluation.matches}
+        for timing in self.timings.matches:
+            if timing.track == evaluation.track and timing.submission == evaluation.submission:
+                yield timing
+            elif timing.submission is None and timing.index in own:
+                seats = tuple(seat for seat in timing.seats if seat.seat in own[timing.index])
+                yield timing.model_copy(update={"seats": seats})
 
     @property
     def tracks(self) -> tuple[str, ...]:

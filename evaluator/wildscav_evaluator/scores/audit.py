@@ -21,11 +21,19 @@ from wildscav_evaluator.output.identity import Identity, digest_of, read_identit
 from wildscav_evaluator.output.layout import IDENTITY_FILE, LEDGER_FILE, RESULTS_FILE, stem_of
 from wildscav_evaluator.output.results import FAILED, Evaluation, MatchRow, Results
 from wildscav_evaluator.scores.compare import check_comparison
-from wildscav_evaluator.scores.expected_matches import expected_matches, match_counts
+from wildscav_evaluator.scores.expected_matches import (
+    ExpectedMatch,
+    expected_matches,
+    kind_of,
+    match_counts,
+)
+from wildscav_evaluator.scores.hidden_schedule import deviations
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
+from wildscav_evaluator.tournaments.tournament_file import check_tournament
 
 MOST_NAMED = 20  # missing matches that are named individually
-SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key")  # in both files
+# In both files.
+SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key", "tournament")
 
 
 @dataclass(frozen=True)
@@ -73,24 +81,31 @@ def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
     return AuditedFolder(out, reported, read_identity(out), ledger, fault, key)
 
 
-def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed]) -> Iterator[str]:
+def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recomputed: Results) -> Iterator[str]:
     """Yield one line for each claim of an output folder that its contents do not support.
 
     Args:
         folder: The folder's contents.
         replayed: Its records, played again.
+        recomputed: Its results, with the numbers that follow from the records.
 
     Raises:
         UserError: The suite's own file, or the opened secret, is not that of the results.
     """
     expected = expected_matches(folder.out, folder.reported)
+    counts = match_counts(folder.out, folder.reported)
     yield from _of_identity(folder)
     yield from _of_suite(folder, replayed, expected)
-    yield from _of_rows(folder, match_counts(folder.out, folder.reported))
-    yield from disagreements(replayed, folder.reported, expected)
+    yield from _of_rows(folder, counts, expected)
+    settings = folder.reported.tournament
+    if settings is not None and expected is None:
+        yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
+    yield from disagreements(replayed, folder.reported, recomputed.evaluations, expected)
     yield from _of_versions(folder.reported, replayed)
     yield from _of_ledger(folder)
     if fault := check_comparison(folder.out, folder.reported):
+        yield fault
+    if fault := check_tournament(folder.out, recomputed):
         yield fault
 
 
@@ -128,7 +143,9 @@ def _shown(part: Results | Identity, name: str) -> str:
 
 
 def _of_suite(
-    folder: AuditedFolder, replayed: Sequence[Replayed], expected: Mapping[str, Sequence[MatchSpec]] | None
+    folder: AuditedFolder,
+    replayed: Sequence[Replayed],
+    expected: Mapping[str, Sequence[ExpectedMatch]] | None,
 ) -> Iterator[str]:
     """Check that all entrants played the same matches, and that these are the planned ones."""
     specs: dict[tuple[str, int], MatchSpec] = {}
@@ -139,7 +156,7 @@ def _of_suite(
     if identity is None or set(identity.tracks) != set(folder.reported.tracks):
         return
     if expected is not None:
-        played = [spec for track in identity.tracks for spec in expected.get(track, ())]
+        played = [match.spec for track in identity.tracks for match in expected.get(track, ())]
     else:
         counts = match_counts(folder.out, folder.reported)
         places = [(track, index) for track in identity.tracks for index in range(counts.get(track, 0))]
@@ -147,26 +164,47 @@ def _of_suite(
             return
         played = [specs[place] for place in places]
     if digest_of(played) != identity.matches:
-        yield f"the matches of the suite are not those that {IDENTITY_FILE} names"
+        yield f"the matches of the {kind_of(folder.reported)} are not those that {IDENTITY_FILE} names"
 
 
-def _of_rows(folder: AuditedFolder, counts: Mapping[str, int]) -> Iterator[str]:
-    """Check that every match of the suite is in the results, and that its values are consistent."""
+def _of_rows(
+    folder: AuditedFolder,
+    counts: Mapping[str, int],
+    expected: Mapping[str, Sequence[ExpectedMatch]] | None,
+) -> Iterator[str]:
+    """Check that every match is in the results, and that its values are consistent."""
+    kind = kind_of(folder.reported)
+    planned = _planned_matches(folder.reported, counts, expected)
     for evaluation in folder.reported.evaluations:
         who, count = f"{evaluation.submission} on {evaluation.track}", counts.get(evaluation.track, 0)
         indices = [row.index for row in evaluation.matches]
         known = {*indices}
-        absent = (index for index in range(count) if index not in known)
+        own = planned.get((evaluation.track, evaluation.submission), ())
+        absent = (index for index in own if index not in known)
         for index in islice(absent, MOST_NAMED):
-            yield f"{who}: match {index} of the suite is not in the results"
+            yield f"{who}: match {index} of the {kind} is not in the results"
         if more := sum(1 for _ in absent):
-            yield f"{who}: {more:,} more matches of the suite are not in the results"
+            yield f"{who}: {more:,} more matches of the {kind} are not in the results"
         for index in sorted(index for index in known if not 0 <= index < count):
-            yield f"{who}: match {index} is in the results, but the suite has only {count}"
+            yield f"{who}: match {index} is in the results, but the {kind} has only {count}"
         if len(indices) > len({*indices}):
             yield f"{who}: a match is in the results twice"
         for row in evaluation.matches:
             yield from _of_row(folder, evaluation, row)
+
+
+def _planned_matches(
+    reported: Results, counts: Mapping[str, int], expected: Mapping[str, Sequence[ExpectedMatch]] | None
+) -> Mapping[tuple[str, str], Sequence[int]]:
+    """Return the numbers of the matches that each submission should have played, as far as they are known."""
+    if reported.tournament is None:
+        return {(one.track, one.submission): range(counts.get(one.track, 0)) for one in reported.evaluations}
+    planned: dict[tuple[str, str], list[int]] = {}
+    for track, matches in (expected or {}).items():
+        for index, match in enumerate(matches):
+            for name in match.entrants:
+                planned.setdefault((track, name), []).append(index)
+    return planned
 
 
 def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Iterator[str]:
@@ -206,20 +244,35 @@ def _of_ledger(folder: AuditedFolder) -> Iterator[str]:
         yield f"{LEDGER_FILE} is not closed: the evaluation was not completed, or its end was cut off"
     elif ledger.closed.results != sha256_of(folder.out / RESULTS_FILE):
         yield f"{RESULTS_FILE} is not the file that {LEDGER_FILE} was closed with"
-    ended = ledger.ended
+    yield from _of_matches(folder.out, reported, ledger.ended)
+
+
+def _of_matches(out: Path, reported: Results, ended: Mapping[str, Sequence[Ended]]) -> Iterator[str]:
+    """Compare each match in the results with the ledger."""
     timings = {(one.submission, one.track, one.index): one for one in reported.timings.matches}
+    known = set()
     for evaluation in reported.evaluations:
+        evaluated = evaluation.submission if reported.tournament is None else None
         for row in evaluation.matches:
-            match = stem_of(evaluation.track, row.index, evaluation.submission)
-            times = ended.pop(match, [])
-            timing = timings.get((evaluation.submission, evaluation.track, row.index))
+            match = stem_of(evaluation.track, row.index, evaluated)
+            times = ended.get(match, ())
+            timing = timings.get((evaluated, evaluation.track, row.index))
+            played = row.model_copy(update={"replay": None})
             if not times:
                 yield f"{match}: is in the results, but not in {LEDGER_FILE}"
-            elif (times[-1].row, times[-1].timing) != (row.model_copy(update={"replay": None}), timing):
+            elif (_row_of(times[-1], evaluation, reported), times[-1].timing) != (played, timing):
                 yield f"{match}: {RESULTS_FILE} and {LEDGER_FILE} disagree about it"
-            yield from _of_ended(folder.out, match, times)
+            if match not in known:
+                yield from _of_ended(out, match, times)
+            known.add(match)
     for match in ended:
-        yield f"{match}: is in {LEDGER_FILE}, but not in the results"
+        if match not in known:
+            yield f"{match}: is in {LEDGER_FILE}, but not in the results"
+
+
+def _row_of(ended: Ended, evaluation: Evaluation, reported: Results) -> MatchRow:
+    """Return how a match ended for one submission, according to the ledger."""
+    return ended.row if reported.tournament is None else ended.row.of_entrant(evaluation.submission)
 
 
 def _of_ended(out: Path, match: str, times: Sequence[Ended]) -> Iterator[str]:

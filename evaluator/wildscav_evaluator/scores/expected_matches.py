@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from wildscav.errors import UserError
 from wildscav_engine.record import RecordError, read_record
@@ -9,14 +10,38 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.layout import OPENED_FILE, RESULTS_FILE, SUITE_FILE
 from wildscav_evaluator.output.record_names import parse_name, record_paths
 from wildscav_evaluator.output.results import Results, read_results
+from wildscav_evaluator.output.tournament_settings import SCHEDULE_VERSION
+from wildscav_evaluator.seats import entrants_in_names
 from wildscav_evaluator.suites.rounds import match_count, matches_in_rounds
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import SUITES, Suite
 from wildscav_evaluator.suites.suite_file import read_suite
+from wildscav_evaluator.tournaments.drawing import tournament_match_count, tournament_matches
 
 
-def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[MatchSpec]] | None:
-    """Return the matches of the suite that was played, by track; None while its seed is hidden.
+class ExpectedMatch(NamedTuple):
+    """A match as the suite, or the schedule of a tournament, determines it."""
+
+    spec: MatchSpec
+    names: tuple[str, ...] | None = None  # the display name of every seat; None in an evaluation
+
+    @property
+    def entrants(self) -> set[str]:
+        """The entrants of a match of a tournament."""
+        return set(entrants_in_names(self.spec.seats, self.names or ()).values())
+
+    def is_played_by(self, spec: MatchSpec, names: tuple[str, ...]) -> bool:
+        """Return whether a record with this spec and these display names is of this match."""
+        return self.spec == spec and self.names in (None, names)
+
+
+def kind_of(reported: Results) -> str:
+    """Return what determined the matches: the suite, or the tournament's schedule."""
+    return "suite" if reported.tournament is None else "tournament"
+
+
+def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[ExpectedMatch]] | None:
+    """Return the matches that should have been played, by track; None while their seed is hidden.
 
     Raises:
         UserError: The suite's own file, or the opened secret, is not that of the results.
@@ -29,17 +54,48 @@ def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[Matc
     if seed is None:
         return None
     played = [track for track in reported.tracks if track in suite.tracks]
-    return {track: matches_in_rounds(suite, track, seed, reported.rounds) for track in played}
+    if reported.tournament is None:
+        return {
+            track: [ExpectedMatch(spec) for spec in matches_in_rounds(suite, track, seed, reported.rounds)]
+            for track in played
+        }
+    entrants = entrants_of(reported)
+    return {
+        track: [
+            ExpectedMatch(match.spec, match.names)
+            for match in tournament_matches(
+                suite, track, seed, reported.rounds, reported.tournament, entrants
+            )
+        ]
+        for track in played
+    }
 
 
 def match_counts(out: Path, reported: Results) -> Mapping[str, int]:
-    """Return how many matches the suite has on each of its tracks, which does not depend on its seed.
+    """Return how many matches should have been played on each track, which does not depend on the seed.
 
     Raises:
         UserError: The suite's own file is not that of the results, or there are too many.
     """
+    if reported.tournament is not None:
+        count = tournament_match_count(reported.rounds, reported.tournament, entrants_of(reported))
+        return dict.fromkeys(reported.tracks, count)
     suite = played_suite(out, reported)
     return {name: match_count(suite, name, reported.rounds) for name in suite.tracks}
+
+
+def entrants_of(reported: Results) -> list[str]:
+    """Return the names of the entrants of a tournament, sorted.
+
+    Raises:
+        UserError: This version of Wildscav makes other schedules.
+    """
+    if reported.tournament is not None and reported.tournament.schedule != SCHEDULE_VERSION:
+        raise UserError(
+            f"the tournament was played with version {reported.tournament.schedule} of its schedule, and "
+            f"this is version {SCHEDULE_VERSION}: check it with the Wildscav that played it"
+        )
+    return sorted(one.submission for one in reported.evaluations)
 
 
 def played_suite(out: Path, reported: Results) -> Suite:
@@ -105,11 +161,12 @@ def check_opened(out: Path, commitment: str) -> int:
     return len(paths)
 
 
-def _is_expected(path: Path, expected: Mapping[str, Sequence[MatchSpec]]) -> bool:
+def _is_expected(path: Path, expected: Mapping[str, Sequence[ExpectedMatch]]) -> bool:
     name = parse_name(path)
     if name is None or name.match >= len(expected.get(name.track, ())):
         return False
     try:
-        return read_record(path).spec == expected[name.track][name.match]
+        record = read_record(path)
     except RecordError as error:
         raise UserError(str(error)) from error
+    return expected[name.track][name.match].is_played_by(record.spec, record.names)

@@ -26,13 +26,10 @@ def evaluation_lateness_note(evaluation: Evaluation, timings: Iterable[MatchTimi
 
     Args:
         evaluation: The evaluation of the submission on one track.
-        timings: The timings of all matches.
+        timings: The timings of its matches.
     """
-    key = (evaluation.submission, evaluation.track)
     late: dict[str, Sequence[int]] = {}
     for timing in timings:
-        if (timing.submission, timing.track) != key:
-            continue
         for seat in timing.seats:
             if seat.late_for_platform:
                 where = f", seat {seat.seat}" if len(timing.seats) > 1 else ""

@@ -4,19 +4,19 @@ Nothing that agents or files claim is trusted here. A record's metrics are those
 plays it now, and a record counts only if that equals the recorded match, step by step.
 """
 
-import os
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from multiprocessing import active_children, get_context
 from pathlib import Path
+from typing import NamedTuple
 
 from wildscav.errors import describe
-from wildscav.system.worker_processes import become_worker, starting_workers
 from wildscav.terminal.console import printable
-from wildscav_engine.record import RECORD_VERSION, RecordError, read_record, verify_record
+from wildscav_engine.record import FILE_LIMIT, RECORD_VERSION, RecordError, verify_record
+from wildscav_engine.record.format import decode
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.storage.files import read_limited
 from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.output.layout import RECORDS
 from wildscav_evaluator.output.record_names import misnamed, parse_name
 from wildscav_evaluator.output.results import (
@@ -28,8 +28,9 @@ from wildscav_evaluator.output.results import (
     metric_infos,
 )
 from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.scores.expected_matches import ExpectedMatch, kind_of
 from wildscav_evaluator.scores.score import summary
-from wildscav_evaluator.seats import submission_seats
+from wildscav_evaluator.seats import entrants_in_names, submission_seats
 
 RECORDED = "recorded"  # status of a match of which only the record is known
 
@@ -40,17 +41,19 @@ class Replayed:
 
     record: str  # path in the output folder
     track: str
-    index: int  # in the suite
-    submission: str
+    index: int  # in the suite or in the tournament
+    submission: str | None  # None in a tournament, where several submissions meet
     spec: MatchSpec | None = None
-    seats: Mapping[int, dict[str, float]] | None = None  # metrics by seat; None if the record is invalid
+    names: tuple[str, ...] = ()  # the display name of each seat
+    # The entrants' seats, with the metrics of each; None if the record is invalid.
+    seats: Mapping[int, dict[str, float]] | None = None
     fault: str = ""  # why the record is not valid
     versions: Versions | None = None  # with which it was played, according to the record
 
     @property
-    def key(self) -> tuple[str, str, int]:
-        """The track, submission and index of the match."""
-        return self.track, self.submission, self.index
+    def entrants(self) -> dict[int, str]:
+        """The entrants of a valid record of a tournament, by their seats."""
+        return {} if self.spec is None else entrants_in_names(self.spec.seats, self.names)
 
     @property
     def metrics(self) -> dict[str, float] | None:
@@ -58,59 +61,69 @@ class Replayed:
         return None if self.seats is None else mean_metrics(list(self.seats.values()))
 
 
-def replay_all(paths: Sequence[Path], jobs: int) -> Iterator[Replayed]:
+class RecordFile(NamedTuple):
+    """The file of a record, as it travels to the process or machine that plays it again."""
+
+    name: str
+    content: bytes = b""
+    error: str = ""  # why it could not be read
+
+
+def replay_all(paths: Sequence[Path], executor: Executor) -> Iterator[Replayed]:
     """Play records again, and yield the result of each, in their order.
 
     Args:
         paths: The records.
-        jobs: How many to play at once, each in its own process; if 1, they are played in this process.
+        executor: Where to play them.
     """
-    if jobs == 1:
-        yield from map(replay_one, paths)
-        return
-    count, spawn = min(jobs, len(paths)), get_context("spawn")
-    before = active_children()
-    with ProcessPoolExecutor(count, spawn, become_worker, (os.getpid(),)) as pool:
-        try:
-            # The first alone, so that the others find the compiled code in the cache.
-            with starting_workers():
-                first = pool.submit(replay_one, paths[0])
-            yield first.result()
-            with starting_workers():
-                others = pool.map(replay_one, paths[1:])
-            yield from others
-        except BaseException:
-            # Stop the workers: what they are playing may take long and is no longer needed.
-            for worker in set(active_children()).difference(before):
-                worker.terminate()
-            raise
+    yield from executor.map(replay_file, map(read_file, paths))
+
+
+def read_file(path: Path) -> RecordFile:
+    """Read the file of a record."""
+    try:
+        return RecordFile(path.name, read_limited(path, FILE_LIMIT))
+    except OSError as error:
+        return RecordFile(path.name, error=f"cannot be read: {error.strerror}")
 
 
 def replay_one(path: Path) -> Replayed:
+    """Play a record again in this process."""
+    return replay_file(read_file(path))
+
+
+def replay_file(file: RecordFile) -> Replayed:
     """Play a record again; return its faults instead of raising, so that the others are still played."""
-    name, place = parse_name(path), f"{RECORDS}/{path.name}"
+    name, place = parse_name(Path(file.name)), f"{RECORDS}/{file.name}"
     if name is None:
         return Replayed(place, "", 0, "", fault="it is not named as evaluations name records")
     reported = Replayed(place, *name)
+    if file.error:
+        return replace(reported, fault=printable(file.error))
     try:
-        record = read_record(path)
+        record = decode(file.content)
         found = verify_record(record)
         fault = misnamed(record, name) if found.holds else found.message
     except RecordError as error:
-        fault = str(error).removeprefix(f"{path}: ")
+        fault = str(error)
     except OSError as error:
         fault = describe(error)
     if fault:
         return replace(reported, fault=printable(fault))
     # The record is valid: its result is that of the match played again.
-    seats = {seat: dict(record.result.seats[seat].metrics) for seat in submission_seats(record.spec.seats)}
+    filled = (
+        entrants_in_names(record.spec.seats, record.names)
+        if name.submission is None
+        else submission_seats(record.spec.seats)
+    )
+    seats = {seat: dict(record.result.seats[seat].metrics) for seat in filled}
     versions = Versions(
         engine=record.engine_version,
         simulation=record.simulation_version,
         generator=record.generator_version,
         record=RECORD_VERSION,
     )
-    return replace(reported, spec=record.spec, seats=seats, versions=versions)
+    return replace(reported, spec=record.spec, names=record.names, seats=seats, versions=versions)
 
 
 def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Evaluation]:
@@ -121,18 +134,32 @@ def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Ev
         reported: The evaluation's own results, the source of what records do not contain: the order of the
             evaluations, the versions of the submissions, and the behaviour of agents.
     """
-    held = {one.key: one for one in replayed if one.seats is not None}
+    held: dict[tuple[str, str], dict[int, Replayed]] = {}
+    for submission, one in _by_submission(replayed):
+        held.setdefault((one.track, submission), {})[one.index] = one
     before = {(one.track, one.submission): one for one in (reported.evaluations if reported else ())}
     tracks = list(TRACKS)
-    found = sorted({key[:2] for key in held} - before.keys(), key=lambda key: (tracks.index(key[0]), key[1]))
-    return [_evaluation(*key, held, before.get(key)) for key in (*before, *found)]
+    found = sorted(held.keys() - before.keys(), key=lambda key: (tracks.index(key[0]), key[1]))
+    return [_evaluation(*key, held.get(key, {}), before.get(key)) for key in (*before, *found)]
+
+
+def _by_submission(replayed: Iterable[Replayed]) -> Iterator[tuple[str, Replayed]]:
+    """Yield the valid records with their submission, those of a tournament once for each entrant."""
+    for one in replayed:
+        if one.seats is None:
+            continue
+        if one.submission is not None:
+            yield one.submission, one
+            continue
+        for entrant in dict.fromkeys(one.entrants.values()):
+            own = {seat: one.seats[seat] for seat, name in one.entrants.items() if name == entrant}
+            yield entrant, replace(one, seats=own)
 
 
 def _evaluation(
-    track: str, submission: str, held: Mapping[tuple[str, str, int], Replayed], reported: Evaluation | None
+    track: str, submission: str, recorded: Mapping[int, Replayed], reported: Evaluation | None
 ) -> Evaluation:
     rows = {row.index: row for row in (reported.matches if reported else ())}
-    recorded = {one.index: one for one in held.values() if (one.track, one.submission) == (track, submission)}
     matches = tuple(_row(index, rows.get(index), recorded.get(index)) for index in sorted({*rows, *recorded}))
     metrics = metric_infos(track, next((one.spec.metrics for one in recorded.values() if one.spec), ()))
     return Evaluation(
@@ -152,29 +179,45 @@ def _row(index: int, reported: MatchRow | None, recorded: Replayed | None) -> Ma
         return reported.model_copy(update={"metrics": None, "record": None, "seats": ()})
     known = {seat.seat: seat for seat in (reported.seats if reported else ())}
     seats = tuple(
-        known.get(seat, SeatRow(seat=seat, status=RECORDED)).model_copy(update={"metrics": metrics})
+        known.get(seat, SeatRow(seat=seat, status=RECORDED)).model_copy(
+            update={"metrics": metrics, **_place(recorded, seat)}
+        )
         for seat, metrics in recorded.seats.items()
     )
     row = reported or MatchRow(index=index, status=RECORDED)
     return row.model_copy(update={"metrics": recorded.metrics, "record": recorded.record, "seats": seats})
 
 
+def _place(recorded: Replayed, seat: int) -> dict[str, object]:
+    """Return whose a seat of a tournament is, and its team."""
+    if recorded.submission is not None or recorded.spec is None:
+        return {}
+    return {"submission": recorded.entrants[seat], "team": recorded.spec.team_of_seats[seat]}
+
+
 def disagreements(
-    replayed: Sequence[Replayed], reported: Results, expected: Mapping[str, Sequence[MatchSpec]] | None
+    replayed: Sequence[Replayed],
+    reported: Results,
+    recomputed: Sequence[Evaluation],
+    expected: Mapping[str, Sequence[ExpectedMatch]] | None,
 ) -> Iterator[str]:
     """Yield one line for each of an evaluation's results that its records do not support.
 
     Args:
         replayed: The records, played again.
         reported: The evaluation's own results.
+        recomputed: The evaluations that follow from the records.
         expected: The matches of the suite by track; None if they are not known.
     """
     for one in replayed:
+        if one.spec is not None and (one.submission is None) != (reported.tournament is not None):
+            kind = "an evaluation" if reported.tournament is None else "a tournament"
+            yield f"{one.record}: is not named as the records of {kind} are"
         if one.spec is not None and expected is not None:
-            specs = expected.get(one.track, ())
-            if one.index >= len(specs) or specs[one.index] != one.spec:
-                yield f"{one.record}: is not match {one.index} of the suite"
-    found = {(one.track, one.submission): one for one in recompute(replayed, reported)}
+            matches = expected.get(one.track, ())
+            if one.index >= len(matches) or not matches[one.index].is_played_by(one.spec, one.names):
+                yield f"{one.record}: is not match {one.index} of the {kind_of(reported)}"
+    found = {(one.track, one.submission): one for one in recomputed}
     for evaluation in reported.evaluations:
         yield from _differences(evaluation, found.pop((evaluation.track, evaluation.submission)))
     for track, submission in found:
@@ -191,7 +234,8 @@ def _differences(reported: Evaluation, found: Evaluation) -> Iterator[str]:
         elif before.record is not None and row.record is None:
             yield f"{who}, match {row.index}: its record is missing or does not hold"
         elif _scored(before) != _scored(row):
-            yield f"{who}, match {row.index}: the results say {_metrics(before)}, its record {_metrics(row)}"
+            shown = _metrics if before.metrics != row.metrics else _seats
+            yield f"{who}, match {row.index}: the results say {shown(before)}, its record {shown(row)}"
     if reported.metrics != found.metrics:
         yield f"{who}: its metrics are described differently"
     for name in {**reported.summary, **found.summary}:
@@ -202,13 +246,28 @@ def _differences(reported: Evaluation, found: Evaluation) -> Iterator[str]:
 
 def _scored(row: MatchRow) -> tuple[object, ...]:
     """Return the part of a match's result that a record can prove."""
-    return row.metrics, row.record, [(seat.seat, seat.metrics) for seat in row.seats]
+    return (
+        row.metrics,
+        row.record,
+        [(seat.seat, seat.submission, seat.team, seat.metrics) for seat in row.seats],
+    )
 
 
 def _metrics(row: MatchRow) -> str:
     if row.metrics is None:
         return "nothing"
     return ", ".join(f"{name} {value}" for name, value in row.metrics.items())
+
+
+def _seats(row: MatchRow) -> str:
+    """Return what the mean metrics of a match do not show: its record, and its seats with their teams."""
+    seats = [
+        f"seat {seat.seat}"
+        + ("" if seat.submission is None else f" of {seat.submission} in team {seat.team}")
+        + f" ({', '.join(f'{name} {value}' for name, value in seat.metrics.items())})"
+        for seat in row.seats
+    ]
+    return ", ".join([row.record or "no record", *seats])
 
 
 def _statistics(evaluation: Evaluation, name: str) -> str:

@@ -2,16 +2,15 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from wildscav_evaluator.output.results import MatchRow, MetricInfo, Summary
+from wildscav_evaluator.resampling import SEED, expanded_tail
 
 RESAMPLES = 10_000
-CONFIDENCE = 0.95
-SEED = 0  # of all resampling, so that an interval depends on the values alone and can be recomputed
 
 
 def summary(metrics: Iterable[MetricInfo], rows: Iterable[MatchRow]) -> dict[str, Summary]:
@@ -28,13 +27,16 @@ def summarize(values: Sequence[float]) -> Summary:
     Args:
         values: The metric in every match played, in the order of the suite; at least one.
     """
-    count = len(values)
-    # Exact sums, so that the result does not depend on how a sum is split.
-    mean = math.fsum(values) / count
+    count, mean = len(values), mean_of(values)
     squares = math.fsum((value - mean) ** 2 for value in values)
     deviation = math.sqrt(squares / (count - 1)) if count > 1 else None
     low, high = interval(np.asarray(values, np.float64))
     return Summary(mean=mean, std=deviation, low=low, high=high)
+
+
+def mean_of(values: Sequence[float]) -> float:
+    """Return the mean of a metric over matches, at least one."""
+    return math.fsum(values) / len(values)  # an exact sum does not depend on how it is split
 
 
 def interval(values: NDArray[np.float64]) -> tuple[float, float]:
@@ -49,19 +51,13 @@ def interval(values: NDArray[np.float64]) -> tuple[float, float]:
     count = len(values)
     if count == 1:
         return float(values[0]), float(values[0])
-    picks = np.random.Generator(np.random.Philox(SEED)).integers(0, count, size=(RESAMPLES, count))
-    means = values[picks].sum(axis=1) / count
+    means = values[_picks(count)].sum(axis=1) / count
     tail = 100.0 * expanded_tail(count)
     low, high = np.percentile(means, (tail, 100.0 - tail))
     return float(low), float(high)
 
 
-def expanded_tail(count: int) -> float:
-    """Return the share of the resamples beyond each end of the interval.
-
-    Args:
-        count: The number of values in the sample, at least two.
-    """
-    quantile = special.stdtrit(count - 1, (1.0 - CONFIDENCE) / 2.0)  # of Student's distribution
-    tail = special.ndtr(quantile * math.sqrt(count / (count - 1)))
-    return round(float(tail), 6)  # rounded, so that the library's last digit does not matter
+@lru_cache(maxsize=2)
+def _picks(count: int) -> NDArray[np.int64]:
+    """Return which of so many values each resample takes."""
+    return np.random.Generator(np.random.Philox(SEED)).integers(0, count, size=(RESAMPLES, count))

@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import wildscav
+from wildscav.errors import UserError
 from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox import SANDBOXES
@@ -71,7 +72,7 @@ def base_name(python: str) -> str:
 
 def built_name(submission: Submission) -> str:
     """Return the name of a submission's image, which depends on its content and the SDK."""
-    return f"localhost/wildscav/{submission.name}:{submission.digest[:16]}-{sdk_digest()}"
+    return f"localhost/wildscav/{submission.manifest.name}:{submission.digest[:16]}-{sdk_digest()}"
 
 
 def build_image(
@@ -159,6 +160,18 @@ def _with_image(submission: Submission, sandbox: str) -> Submission:
             f"run wildscav build {submission.folder}"
         )
     return submission
+
+
+def image_problem(name: str) -> str:
+    """Return why an image cannot be used on this machine, in one line; an empty text if it can."""
+    try:
+        engine = find_engine()
+        if not _exists(engine, name):
+            return f"it has no image {name}"
+        _check_settings(engine, name)
+    except UserError as error:
+        return str(error)
+    return ""
 
 
 def lacks_packages(submission: Submission) -> bool:

@@ -93,11 +93,12 @@ class Submission:
     manifest: Manifest
     digest: str  # of every file in the folder, or of the image; 32 hexadecimal digits
     image: str | None = None  # the image that it was built into or is
+    entered_as: str | None = None  # another name for it, where several submissions have its name
 
     @property
     def name(self) -> str:
-        """Its name, as the manifest gives it."""
-        return self.manifest.name
+        """Its name, as the manifest gives it unless it is entered under another one."""
+        return self.entered_as or self.manifest.name
 
 
 def load_submission(folder: Path) -> Submission:

@@ -55,6 +55,11 @@ def read_secret(path: Path) -> SuiteSeed:
             "`wildscav secret new FILE` makes one",
             exit_code=2,
         )
+    return seed_of(content)
+
+
+def seed_of(content: bytes) -> SuiteSeed:
+    """Return the seed that the content of a secret determines."""
     # Not the commitment itself, which is public.
     value = hashlib.sha256(b"wildscav suite seed\0" + content).digest()
     return SuiteSeed(int.from_bytes(value, "big"), commitment_of(content))

@@ -33,9 +33,16 @@ OWN = {
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
     "Agents": ("init", "play", "check", "build"),
-    "Evaluations": ("evaluate", "compare", "leaderboard", "replay", "verify", "rescore", "replay-agent"),
-    "Organizers": ("secret", "key", "serve", "doctor"),
-    "Maps": ("map", "look"),
+    "Evaluations": (
+        *("evaluate", "compare", "tournament", "leaderboard"),
+        *("replay", "verify", "rescore", "audit", "replay-agent"),
+    ),
+    "Seasons": (
+        *("login", "logout", "team", "submit", "submissions"),
+        *("matches", "logs", "cancel"),
+    ),
+    "Organizers": ("season", "secret", "key", "serve", "doctor"),
+    "Maps": ("map", "look", "make-maps"),
     "The original game": ("legacy",),
 }
 OTHERS = "Others"
@@ -44,18 +51,27 @@ HELP_ORDER = tuple(name for names in PANELS.values() for name in names)
 PACKAGE_EXTRAS = {"wildscav_leaderboard": "leaderboard", "wildscav_evaluator": "evaluator"}
 # The extra that installs a missing module, for commands of any other package.
 EXTRAS = {
+    "alembic": "leaderboard",
     "cryptography": "evaluator",
+    "fastapi": "leaderboard",
     "grpc_health": "engine",
+    "httpx": "leaderboard",
+    "jinja2": "leaderboard",
+    "limits": "leaderboard",
     "numba": "engine",
     "prometheus_client": "engine",
     "PIL": "maps",
+    "pwdlib": "leaderboard",
     "pydantic": "engine",
     "rerun": "view",
     "rfc8785": "evaluator",
     "scipy": "maps",
     "sqlalchemy": "leaderboard",
+    "standardwebhooks": "leaderboard",
     "structlog": "engine",
+    "tomli_w": "leaderboard",
     "trimesh": "maps",
+    "uvicorn": "leaderboard",
 }
 
 

@@ -1,6 +1,8 @@
 """``wildscav replay``: render a record as a Rerun recording, or show it in a browser."""
 
 import shlex
+from collections.abc import Callable
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,13 +16,19 @@ if TYPE_CHECKING:
 
 RERUN_MAGIC = b"RRF"  # the first bytes of every .rrd file
 SUFFIX = ".rrd"
+SOURCES = "wildscav.record_sources"  # entry points: functions such as RecordSource
+# Returns the record of a match of a season. Its arguments are the match's number, and the season's address or
+# None for the one that the user logged in to.
+RecordSource = Callable[[int, str | None], Path]
 
 
 def replay(
     record: Annotated[
         Path,
         typer.Argument(
-            help="Record file; with --web also a replay (.rrd).", metavar="RECORD", show_default=False
+            help="Record file, or the number of a match of a season; with --web also a replay (.rrd).",
+            metavar="RECORD",
+            show_default=False,
         ),
     ],
     output: Annotated[
@@ -42,10 +50,19 @@ def replay(
     port: Annotated[
         int | None, typer.Option(help="Port that --web listens on. Default: any free one.", min=0, max=65535)
     ] = None,
+    season: Annotated[
+        str | None,
+        typer.Option(
+            help="Address of the season that a number is about. Default: the one that you logged in to last.",
+            metavar="URL",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Render a record as a replay that can be watched in 3D."""
     if not web and (host is not None or port is not None):
         raise UserError("--host and --port are for --web: add --web", exit_code=2)
+    record = _found(record, season)
     if web and _is_replay(record):
         _refuse_rendering_options(output, follow, images)
         return _serve(_read(record), record.name, host, port)
@@ -56,6 +73,21 @@ def replay(
     if web:
         return _serve(content, record.name, host, port)
     return None
+
+
+def _found(record: Path, season: str | None) -> Path:
+    """Return the path of a record: as it was named, or of the match that has this number."""
+    text = str(record)
+    if record.exists() or not (text.isascii() and text.isdigit()):
+        if season is not None:
+            raise UserError("--season is for the number of a match", exit_code=2)
+        return record
+    for point in entry_points(group=SOURCES):
+        source: RecordSource = point.load()
+        return source(int(text), season)
+    raise UserError(
+        f"match {text} is of a season: install what asks for it: pip install 'wildscav[leaderboard]'"
+    )
 
 
 def _is_replay(path: Path) -> bool:

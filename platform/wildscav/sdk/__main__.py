@@ -10,17 +10,15 @@ import asyncio
 import importlib
 import os
 import sys
-import tomllib
 import traceback
-from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn
 
-from wildscav.agent import Agent
 from wildscav.errors import RefusedError, ServerUnreachableError, UserError
 from wildscav.sdk.credentials import CA_VARIABLE, CERT_VARIABLE, KEY_VARIABLE
 from wildscav.sdk.run import run
+from wildscav.sdk.submission_folder import MANIFEST, entry_point_of, load_agent_class, read_manifest
 from wildscav.sdk.watchdog import watch_start_up
 
 PLAYED, USAGE, AGENT_FAILED, NO_SERVER = 0, 2, 3, 4
@@ -40,7 +38,7 @@ def main(arguments: list[str]) -> int:
     try:
         entry_point = _enter(target)
         watch_start_up()
-        run(_load(entry_point))
+        run(load_agent_class(entry_point))
     except UserError as error:
         return _fail(error.exit_code, str(error))
     except (ServerUnreachableError, RefusedError) as error:
@@ -73,30 +71,14 @@ def _enter(target: str) -> str:
     If the submission has a command, this process is replaced with it.
     """
     if ":" not in target and Path(target).is_dir():
-        manifest = _manifest(Path(target) / "submission.toml")
+        manifest = read_manifest(Path(target) / MANIFEST)
         os.chdir(target)
         if "command" in manifest:
             _execute(manifest["command"])
-        entry_point = _entry_point(manifest)
+        entry_point = entry_point_of(manifest)
     else:
         entry_point = target
     sys.path.insert(0, str(Path.cwd()))
-    return entry_point
-
-
-def _manifest(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise UserError(f"cannot read {path}: {error.strerror}", USAGE) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise UserError(f"{path} is not valid TOML: {error}", USAGE) from None
-
-
-def _entry_point(manifest: dict[str, Any]) -> str:
-    entry_point = manifest.get("entry_point")
-    if not isinstance(entry_point, str):
-        raise UserError("submission.toml has neither an entry_point nor a command", USAGE)
     return entry_point
 
 
@@ -109,18 +91,6 @@ def _execute(command: Any) -> NoReturn:
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise UserError(f"cannot run the command {command[0]!r}: {reason}", USAGE) from None
-
-
-def _load(entry_point: str) -> Callable[[], Agent]:
-    """Import the agent's class. Exceptions of its module are passed on."""
-    module_name, _, class_name = entry_point.partition(":")
-    if not module_name or not class_name:
-        raise UserError(f"entry point is {entry_point!r}, must be MODULE:CLASS, such as agent:MyAgent", USAGE)
-    module = importlib.import_module(module_name)
-    factory: object = getattr(module, class_name, None)
-    if not callable(factory):
-        raise UserError(f"module {module_name} ({module.__file__}) has no class {class_name}", AGENT_FAILED)
-    return factory
 
 
 def _print_own_code(error: BaseException) -> None:

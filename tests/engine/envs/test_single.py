@@ -125,7 +125,13 @@ def test_train_and_test_episodes_share_neither_seeds_nor_maps(split: str, odd: i
             {"action_mode": "piano"},
             "action_mode: Input should be 'dict', 'box', 'baseline' or 'multidiscrete'",
         ),
-        ({"opponents": ("hunter",)}, "is filled by 'hunter'"),
+        ({"opponents": ("hunter",)}, "opponents.0: there is no robot 'hunter'"),
+        (
+            {"opponents": ("walker", "figther")},
+            r"opponents.1: there is no robot 'figther' \(did you mean 'fighter'",
+        ),
+        ({"opponents": "fighter"}, "opponents: 'fighter' is not a list with an entry for each seat"),
+        ({"opponents": ("agents/hunter",)}, r"given as wildscav.opponents.submission\('agents/hunter'\)"),
         ({"map": 1000}, "maps have the ids 1 to 999"),
         (
             {"preset": "paper-capture"},

@@ -8,8 +8,9 @@ from tests.evaluator.ledger.forging import Forgery, Rescored, copied
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
-from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
@@ -47,7 +48,7 @@ def key(key_file: Path) -> SigningKey:
 
 
 @pytest.fixture(scope="session")
-def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> Plan:
+def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> EvaluationPlan:
     """Two submissions on five short matches."""
     folder = tmp_path_factory.mktemp("season")
     for name, direction in (("ada", "observation.step * 9.0"), ("bob", "90.0")):
@@ -55,11 +56,11 @@ def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> Plan:
         (folder / name / "agent.py").write_text(AGENT.format(direction=direction))
         (folder / name / "submission.toml").write_text(MANIFEST.format(name=name))
     (folder / "tiny.toml").write_text(SUITE)
-    return Plan(
-        (load_submission(folder / "ada"), load_submission(folder / "bob")),
-        ("navigation",),
-        read_suite(folder / "tiny.toml"),
-        SuiteSeed(0),
+    return EvaluationPlan(
+        submissions=(load_submission(folder / "ada"), load_submission(folder / "bob")),
+        tracks=("navigation",),
+        suite=read_suite(folder / "tiny.toml"),
+        seed=SuiteSeed(0),
         replays="none",
         jobs=1,
         out=folder / "out",
@@ -68,7 +69,7 @@ def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> Plan:
 
 
 @pytest.fixture(scope="session")
-def evaluated(plan: Plan, compiled: None) -> Path:
+def evaluated(plan: EvaluationPlan, compiled: None) -> Path:
     run_session(plan, plan.out / "wildscav.db")
     return plan.out
 
@@ -93,7 +94,7 @@ def rescored(capsys: pytest.CaptureFixture[str]) -> Rescored:
     def run(forgery: Forgery, key: str | None = None) -> str:
         capsys.readouterr()
         with pytest.raises(UserError) as refused:
-            run_rescore(forgery.out, 1, key)
+            run_rescore(forgery.out, LocalExecutor(1), key)
         assert refused.value.exit_code != 0
         return f"{capsys.readouterr().err}\n{refused.value}"
 

@@ -16,7 +16,7 @@ from wildscav_evaluator.ledger.ledger import sha256_of
 from wildscav_evaluator.output.identity import Identity, read_identity, write_identity
 from wildscav_evaluator.output.journal import Entry as JournalEntry
 from wildscav_evaluator.output.journal import entry_path, file_digest
-from wildscav_evaluator.output.layout import LEDGER_FILE
+from wildscav_evaluator.output.layout import LEDGER_FILE, stem_of
 from wildscav_evaluator.output.results import (
     Evaluation,
     MatchRow,
@@ -99,22 +99,37 @@ class Forgery:
         """Write something else into evaluation.json."""
         write_identity(self.identity.model_copy(update=fields), self.out)
 
-    def rewrite_journal(self) -> None:
-        """Have the journal say what the results say."""
-        timings = {(one.submission, one.index): one for one in self.results.timings.matches}
+    def rows(self) -> dict[str, MatchRow]:
+        """Return how every match went, by its stem; in a tournament, the seats of all entrants together."""
+        found: dict[str, MatchRow] = {}
         for one in self.results.evaluations:
             for row in one.matches:
-                path = entry_path(self.out, f"{one.track}-{row.index:03d}-{one.submission}")
-                if row.record is None:
-                    path.unlink(missing_ok=True)
-                    continue
-                JournalEntry(
-                    evaluation=self.identity.digest,
-                    match=path.stem,
-                    record=file_digest(self.out / row.record),
-                    row=row,
-                    timing=timings[one.submission, row.index],
-                ).write(path)
+                stem = stem_of(one.track, row.index, one.submission if self.alone else None)
+                seats = (*found[stem].seats, *row.seats) if stem in found else row.seats
+                together = tuple(sorted(seats, key=lambda seat: seat.seat))
+                found[stem] = MatchRow.of(row.index, together, row.record) if together else row
+        return found
+
+    @property
+    def alone(self) -> bool:
+        """Whether each submission was evaluated alone."""
+        return self.results.tournament is None
+
+    def rewrite_journal(self) -> None:
+        """Have the journal say what the results say."""
+        timings = {stem_of(one.track, one.index, one.submission): one for one in self.results.timings.matches}
+        for stem, row in self.rows().items():
+            path = entry_path(self.out, stem)
+            if row.record is None:
+                path.unlink(missing_ok=True)
+                continue
+            JournalEntry(
+                evaluation=self.identity.digest,
+                match=path.stem,
+                record=file_digest(self.out / row.record),
+                row=row,
+                timing=timings[stem],
+            ).write(path)
 
     def facts(self) -> list[Fact]:
         lines = (self.out / LEDGER_FILE).read_bytes().splitlines()
@@ -122,11 +137,7 @@ class Forgery:
 
     def rewrite_ledger(self, key: SigningKey | None = None) -> None:
         """Have the ledger say what all else says, every digest right, signed with a key or not at all."""
-        rows = {
-            f"{one.track}-{row.index:03d}-{one.submission}": row
-            for one in self.results.evaluations
-            for row in one.matches
-        }
+        rows = self.rows()
         public = None if key is None else key.public
         self.identify(key=public)
         self.tell(key=public)

@@ -7,14 +7,17 @@ from tests.evaluator.ledger.forging import Forgery, Rescored
 
 from wildscav_evaluator.cli.commands.compare import compare
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
-from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.output.layout import COMPARISON_FILE
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.compare import Comparisons
 
 
 @pytest.fixture
-def compared(plan: Plan, signed: Forgery, key_file: Path, capsys: pytest.CaptureFixture[str]) -> Forgery:
+def compared(
+    plan: EvaluationPlan, signed: Forgery, key_file: Path, capsys: pytest.CaptureFixture[str]
+) -> Forgery:
     """A comparison of what was played already, signed with the same key."""
     ada, bob = (one.folder for one in plan.submissions)
     suite = str(signed.out / "suite.toml")
@@ -29,7 +32,7 @@ def compared(plan: Plan, signed: Forgery, key_file: Path, capsys: pytest.Capture
 def test_a_comparison_can_be_signed(
     compared: Forgery, key: SigningKey, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run_rescore(compared.out, 1, key.public)
+    run_rescore(compared.out, LocalExecutor(1), key.public)
 
     assert "10 records played again: all agree" in capsys.readouterr().out
 

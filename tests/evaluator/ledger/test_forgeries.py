@@ -12,26 +12,27 @@ from tests.evaluator.ledger.forging import Forgery, Rescored
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.replay_agent import run_again
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
-from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 
 
 def test_what_was_really_evaluated_is_borne_out(
     signed: Forgery, key: SigningKey, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run_rescore(signed.out, 1, key.public)
+    run_rescore(signed.out, LocalExecutor(1), key.public)
     said = " ".join(capsys.readouterr().out.split())
     assert "10 records played again: all agree" in said
     assert f"signed with the key {key.public}: nothing was changed or removed since" in said
 
-    run_rescore(signed.out, 1)
+    run_rescore(signed.out, LocalExecutor(1))
     assert "if that is the organizer's, confirm it with --key" in capsys.readouterr().out
 
 
 def test_an_unsigned_folder_is_told_to_prove_no_more_than_it_does(
     unsigned: Forgery, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run_rescore(unsigned.out, 1)
+    run_rescore(unsigned.out, LocalExecutor(1))
     assert "not signed: the recorded actions give these scores" in capsys.readouterr().out
 
 
@@ -93,7 +94,7 @@ def test_a_suite_is_demanded_whole_even_of_a_folder_that_is_forged_throughout(
 
 
 def test_only_the_submission_itself_shows_that_it_acted_so(
-    plan: Plan, unsigned: Forgery, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    plan: EvaluationPlan, unsigned: Forgery, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ada = plan.submissions[0]
     path = unsigned.out / "records" / f"navigation-{worst(unsigned):03d}-ada.wsr"
@@ -102,7 +103,7 @@ def test_only_the_submission_itself_shows_that_it_acted_so(
 
     replace_record(unsigned)
     unsigned.rewrite_ledger()
-    run_rescore(unsigned.out, 1)  # nobody signed it, and every file tells the same
+    run_rescore(unsigned.out, LocalExecutor(1))  # nobody signed it, and every file tells the same
 
     with pytest.raises(
         UserError, match=r"seat 0 \(ada\) acts differently than recorded in .* first in step 1:"

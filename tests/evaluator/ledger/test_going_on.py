@@ -9,12 +9,12 @@ from tests.evaluator.ledger.forging import Forgery, with_metrics
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
-from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.ledger.keys import new_key
 from wildscav_evaluator.output.layout import LEDGER_FILE
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 
 
-def test_an_edited_journal_does_not_get_into_the_results(plan: Plan, unsigned: Forgery) -> None:
+def test_an_edited_journal_does_not_get_into_the_results(plan: EvaluationPlan, unsigned: Forgery) -> None:
     unsigned_plan = replace(plan, key=None, out=unsigned.out)
     better = with_metrics(
         unsigned.evaluation("ada").matches[0],
@@ -35,7 +35,9 @@ def test_an_edited_journal_does_not_get_into_the_results(plan: Plan, unsigned: F
     assert "the metrics of navigation-000-ada in the journal are not those of its record" in said[1]
 
 
-def test_a_signed_evaluation_goes_on_only_with_its_key(plan: Plan, signed: Forgery, tmp_path: Path) -> None:
+def test_a_signed_evaluation_goes_on_only_with_its_key(
+    plan: EvaluationPlan, signed: Forgery, tmp_path: Path
+) -> None:
     with pytest.raises(UserError, match=r"it is signed with the key .*, not unsigned"):
         run_session(replace(plan, key=None, out=signed.out), signed.out / "wildscav.db")
     other = new_key(tmp_path / "other.key")
@@ -47,7 +49,7 @@ def test_a_signed_evaluation_goes_on_only_with_its_key(plan: Plan, signed: Forge
     assert (signed.out / LEDGER_FILE).read_bytes() == before, "nothing happened that was to be entered"
 
 
-def test_a_loss_cannot_be_removed_to_be_played_again(plan: Plan, signed: Forgery) -> None:
+def test_a_loss_cannot_be_removed_to_be_played_again(plan: EvaluationPlan, signed: Forgery) -> None:
     signed.remove_match("ada", worst(signed))
 
     with pytest.raises(

@@ -7,6 +7,7 @@ from tests.evaluator.ledger.forging import Forgery, Rescored
 from wildscav.cli.verify import verify
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.entries import Closed
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import read_ledger
@@ -58,7 +59,7 @@ def test_a_platform_fault_that_the_organizer_signed_is_borne_out(
     signed.rewrite_ledger(key)  # as the evaluation itself writes it when the platform fails
     capsys.readouterr()
 
-    run_rescore(signed.out, 1, key.public)
+    run_rescore(signed.out, LocalExecutor(1), key.public)
 
     assert "6 records played again: all agree" in capsys.readouterr().out
     assert "only a ledger that the organizer signed" in rescored(signed)

@@ -8,6 +8,7 @@ from tests.evaluator.results_by_hand import identity_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.entries import Begun, Resumed
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
@@ -141,5 +142,5 @@ def test_a_signed_evaluation_that_was_killed_comes_to_a_whole_ledger(
     assert ledger is not None
     assert sum(isinstance(entry.fact, Resumed) for entry in ledger.entries) == 2
     assert len(ledger.played) == 8
-    run_rescore(out, 1, key.public)
+    run_rescore(out, LocalExecutor(1), key.public)
     assert "8 records played again: all agree" in capsys.readouterr().out

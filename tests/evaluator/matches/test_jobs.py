@@ -12,7 +12,7 @@ def job(name: str, sensors: dict[str, dict[str, object]], *, replay: bool = Fals
         name=name, version="1", entry_point="agent:Agent", tracks=("navigation",), sensors=sensors
     )
     submission = Submission(Path("/") / name, manifest, digest="0" * 32)
-    return Job(submission, "navigation", 0, MatchSpec(track="navigation"), Path("/out"), replay)
+    return Job.of_one(submission, "navigation", 0, MatchSpec(track="navigation"), Path("/out"), replay)
 
 
 def test_only_sensors_that_submissions_ask_for_are_compiled_beforehand() -> None:

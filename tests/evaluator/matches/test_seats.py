@@ -42,7 +42,10 @@ def play(submission: Submission, out: Path, seats: tuple[str, ...]) -> JobResult
     small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
     spec = MatchSpec(track="navigation", map=small, seats=seats, time_limit=STEPS / 10)
     with asyncio.Runner() as runner:
-        return run_job(runner, Job(submission, "navigation", 0, spec, out, False, "same", limits=LIMITS))
+        return run_job(
+            runner,
+            Job.of_one(submission, "navigation", 0, spec, out, False, evaluation="same", limits=LIMITS),
+        )
 
 
 @pytest.fixture

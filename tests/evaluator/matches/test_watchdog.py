@@ -15,7 +15,7 @@ PATIENCE = Patience(set_up=300.0, seat=30.0, step=90.0, rendering=300.0)
 @pytest.fixture
 def job(submit: Submit, tmp_path: Path) -> Job:
     spec = MatchSpec(track="battle", seats=("submission", "submission", "fighter"), time_limit=600.0)
-    return Job(submit("walker", WALKER), "battle", 0, spec, tmp_path, replay=True)
+    return Job.of_one(submit("walker", WALKER), "battle", 0, spec, tmp_path, replay=True)
 
 
 def wait(watchdog: Watchdog, seconds: float) -> str:

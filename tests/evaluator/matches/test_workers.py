@@ -73,7 +73,7 @@ def sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 def job(submission: Submission, index: int, out: Path) -> Job:
     small = MapSpec(config=MapConfig(size=40, houses=0))
     spec = MatchSpec(track="navigation", map=small, seed=index, time_limit=STEPS / 10)
-    return Job(submission, "navigation", index, spec, out, replay=False)
+    return Job.of_one(submission, "navigation", index, spec, out, replay=False)
 
 
 def run(
@@ -84,7 +84,7 @@ def run(
         workers.precompile()
         for result in workers.run(jobs, watch.start, watch.handle):
             watch.add(result)
-    return {(result.job.submission.name, result.job.index): result for result in watch.tally.done.values()}
+    return {(result.job.evaluated, result.job.index): result for result in watch.tally.done.values()}
 
 
 @pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow)])
@@ -179,7 +179,7 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(
 
     with Workers(2) as workers:
         results = workers.run([only, job(submit("walker", WALKER), 0, out)])
-        assert next(results).job.submission.name == "walker"
+        assert next(results).job.evaluated == "walker"
         while not log.exists() or not log.read_text().strip():
             time.sleep(0.05)
         agent = Path("/proc") / log.read_text().strip()

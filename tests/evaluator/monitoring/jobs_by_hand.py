@@ -15,7 +15,7 @@ def jobs(**counts: int) -> list[Job]:
     )
     walker = Submission(Path("/walker"), manifest, digest="0" * 32)
     return [
-        Job(walker, track, index, MatchSpec(track=track, time_limit=60.0), Path("/out"), replay=False)
+        Job.of_one(walker, track, index, MatchSpec(track=track, time_limit=60.0), Path("/out"), replay=False)
         for track, count in counts.items()
         for index in range(count)
     ]

@@ -13,11 +13,11 @@ from wildscav.errors import UserError
 from wildscav.monitoring.logs import open_log
 from wildscav.monitoring.metrics import serving_metrics
 from wildscav_evaluator.cli.sessions.evaluate import run_session
-from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.matches.jobs import Heartbeat
 from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
 from wildscav_evaluator.monitoring.tally import Tally
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
@@ -109,7 +109,15 @@ def test_text_is_for_people_and_without_a_form_nothing_is_written(capsys: pytest
 def test_an_evaluation_is_watched_while_it_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "short.toml").write_text(SUITE)
     suite, homing = read_suite(tmp_path / "short.toml"), load_submission(HOMING)
-    plan = Plan((homing,), ("navigation",), suite, SuiteSeed(0), replays="none", jobs=1, out=tmp_path / "out")
+    plan = EvaluationPlan(
+        submissions=(homing,),
+        tracks=("navigation",),
+        suite=suite,
+        seed=SuiteSeed(0),
+        replays="none",
+        jobs=1,
+        out=tmp_path / "out",
+    )
 
     run_session(plan, tmp_path / "db", MonitorOptions("json", 0))
 

@@ -21,7 +21,7 @@ DETAIL = "the agent's process ended (exit code 3): RuntimeError: [red]lost[/red]
 def shown(submit: Submit, tmp_path: Path, *, terminal: bool) -> str:
     """What is printed when one of two matches fails and the other does not."""
     jobs = [
-        Job(submit(name), "navigation", 0, MatchSpec(track="navigation"), tmp_path, replay=False)
+        Job.of_one(submit(name), "navigation", 0, MatchSpec(track="navigation"), tmp_path, replay=False)
         for name in ("crasher", "walker")
     ]
     console = Console(file=io.StringIO(), force_terminal=terminal, width=80, color_system=None)

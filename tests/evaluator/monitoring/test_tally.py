@@ -1,5 +1,6 @@
 """Where an evaluation stands: counts, scores so far and the time left."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -7,8 +8,11 @@ from rich.console import Console
 from tests.evaluator.monitoring.jobs_by_hand import jobs, played
 
 from wildscav_evaluator.matches.jobs import Heartbeat
+from wildscav_evaluator.monitoring import tally as tally_module
 from wildscav_evaluator.monitoring.dashboard import dashboard, duration
 from wildscav_evaluator.monitoring.tally import Tally
+from wildscav_evaluator.output.results import Summary
+from wildscav_evaluator.scores.score import summarize
 
 
 class Clock:
@@ -33,11 +37,11 @@ def test_every_match_is_waiting_then_running_then_done(clock: Clock) -> None:
     tally.start(first)
     tally.start(second)
     tally.add(played(first, 5.0))
-    line = tally.add(played(second, 5.0, fault=True))
+    (line,) = tally.add(played(second, 5.0, fault=True))
 
     assert (tally.waiting, len(tally.running), len(tally.done), tally.failed) == (1, 0, 2, 1)
     assert (line.done, line.running, line.failed, line.complete) == (2, 0, 1, False)
-    assert tally.add(played(third, 5.0)).complete
+    assert tally.add(played(third, 5.0))[0].complete
 
 
 def test_a_match_that_is_only_rendered_now_is_not_counted_again(clock: Clock) -> None:
@@ -46,7 +50,7 @@ def test_a_match_that_is_only_rendered_now_is_not_counted_again(clock: Clock) ->
     tally.add(played(job, 5.0))
 
     tally.start(job)
-    line = tally.add(played(job, 5.0))
+    (line,) = tally.add(played(job, 5.0))
 
     assert (line.done, line.running, len(line.scores), tally.waiting) == (1, 0, 1, 0)
 
@@ -55,7 +59,7 @@ def test_scores_so_far_have_their_interval(clock: Clock) -> None:
     every = jobs(navigation=4)
     tally = Tally(every, clock=clock)
     for job, score in zip(every, (2.0, 4.0, 6.0), strict=False):
-        line = tally.add(played(job, 1.0, score))
+        (line,) = tally.add(played(job, 1.0, score))
 
     assert line.summary is not None
     assert (line.summary.mean, line.summary.low, line.summary.high) == (4.0, 2.0, 6.0)
@@ -150,8 +154,7 @@ def test_the_dashboard_shows_it_all(clock: Clock) -> None:
 def test_a_narrow_terminal_shows_every_figure_whole(clock: Clock, width: int) -> None:
     every = jobs(navigation=110)
     for index, job in enumerate(every):
-        manifest = job.submission.manifest.model_copy(update={"name": "an-agent-with-a-long-name"})
-        every[index] = replace(job, submission=replace(job.submission, manifest=manifest))
+        every[index] = replace(job, evaluated="an-agent-with-a-long-name")
     tally = Tally(every, clock=clock)
     for job in every[:100]:
         tally.add(played(job, 30.0, 123.4, fault=job is every[7]))
@@ -182,3 +185,22 @@ def test_many_running_matches_do_not_fill_the_terminal(clock: Clock) -> None:
 )
 def test_durations(seconds: float, says: str) -> None:
     assert duration(seconds) == says
+
+
+def test_intervals_are_computed_only_for_what_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tournament of a thousand entrants would otherwise spend most of its time on intervals."""
+    asked: list[int] = []
+
+    def counting(values: Sequence[float]) -> Summary:
+        asked.append(len(values))
+        return summarize(values)
+
+    monkeypatch.setattr(tally_module, "summarize", counting)
+    every = jobs(navigation=4)
+    tally = Tally(every)
+    for job in every:
+        (line,) = tally.add(played(job, 1.0))
+    assert asked == []
+    assert line.summary is not None
+    assert line.summary == line.summary
+    assert asked == [4]

@@ -12,13 +12,13 @@ from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journa
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
-from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.output.results import read_results
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
-from wildscav_leaderboard.database import reading
-from wildscav_leaderboard.models import Evaluation, MatchResult
+from wildscav_leaderboard.results.database import reading
+from wildscav_leaderboard.results.models import Evaluation, MatchResult
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -58,6 +58,7 @@ def check_same_as_whole(out: Path, whole: Path) -> None:
         assert session.scalar(select(func.count()).select_from(MatchResult)) == MATCHES
 
 
+@pytest.mark.slow
 def test_an_evaluation_that_was_killed_again_and_again_comes_to_the_same(
     pair: tuple[Path, Path], suite: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -87,8 +88,14 @@ def test_an_evaluation_that_was_killed_again_and_again_comes_to_the_same(
 def run_here(pair: tuple[Path, Path], suite: Path, out: Path) -> None:
     """The same command in this process."""
     submissions = tuple(map(load_submission, pair))
-    plan = Plan(
-        submissions, ("navigation",), read_suite(suite), SuiteSeed(0), replays="none", jobs=1, out=out
+    plan = EvaluationPlan(
+        submissions=submissions,
+        tracks=("navigation",),
+        suite=read_suite(suite),
+        seed=SuiteSeed(0),
+        replays="none",
+        jobs=1,
+        out=out,
     )
     with pytest.raises(UserError, match="crasher failed in every match of navigation"):
         run_session(plan, out / "wildscav.db")

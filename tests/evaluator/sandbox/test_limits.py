@@ -20,7 +20,7 @@ def test_a_jobs_limits_are_those_of_its_agents(tmp_path: Path) -> None:
     submission = load_submission(REPOSITORY / "submissions" / "random")
     spec = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3))
 
-    seating = Job(submission, "navigation", 0, spec, tmp_path, replay=False, limits=TIGHT).seating
+    seating = Job.of_one(submission, "navigation", 0, spec, tmp_path, replay=False, limits=TIGHT).seating
 
     assert seating.limits == TIGHT
     assert launch_for(submission, "unix:/nowhere", "token", tmp_path / "log", seating.limits).limits == TIGHT

@@ -9,9 +9,10 @@ import pytest
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.cli.sessions.rescore import recomputed, run_rescore
-from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import Evaluation, Results, read_results, write_results
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.expected_matches import expected_matches
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, replay_one
 from wildscav_evaluator.submissions.submission import load_submission
@@ -25,11 +26,11 @@ HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The output folder of an evaluation."""
     out = tmp_path_factory.mktemp("evaluation") / "out"
-    plan = Plan(
-        (load_submission(HOMING),),
-        ("navigation",),
-        SUITES["quick"],
-        SuiteSeed(0),
+    plan = EvaluationPlan(
+        submissions=(load_submission(HOMING),),
+        tracks=("navigation",),
+        suite=SUITES["quick"],
+        seed=SuiteSeed(0),
         replays="none",
         jobs=1,
         out=out,
@@ -53,7 +54,8 @@ def with_evaluation(told: Results, evaluation: Evaluation) -> Results:
 
 
 def faults(replayed: Sequence[Replayed], told: Results) -> str:
-    return "\n".join(disagreements(replayed, told, expected_matches(Path(), told)))
+    found = recompute(replayed, told)
+    return "\n".join(disagreements(replayed, told, found, expected_matches(Path(), told)))
 
 
 def test_every_number_of_an_evaluation_comes_out_again(replayed: list[Replayed], told: Results) -> None:
@@ -167,7 +169,7 @@ def test_the_command_shows_the_tables_and_says_whether_all_agree(
     copy = tmp_path / "out"
     shutil.copytree(out, copy)
 
-    run_rescore(copy, jobs=1)
+    run_rescore(copy, LocalExecutor(1))
     agreed = capsys.readouterr().out
     assert "navigation · suite quick · seed 0" in agreed
     assert "5 records played again: all agree with" in " ".join(agreed.split())
@@ -176,7 +178,7 @@ def test_the_command_shows_the_tables_and_says_whether_all_agree(
     changed = evaluation.model_copy(update={"summary": {}})
     write_results(with_evaluation(told, changed), copy)
     with pytest.raises(UserError):
-        run_rescore(copy, jobs=1)
+        run_rescore(copy, LocalExecutor(1))
     said = " ".join(capsys.readouterr().err.split())
     assert "success is missing, its records give" in said
 
@@ -190,17 +192,17 @@ def test_records_of_an_evaluation_that_came_to_no_results_yet_are_played_again_a
     lines = (copy / "ledger.jsonl").read_bytes().splitlines(keepends=True)
     (copy / "ledger.jsonl").write_bytes(b"".join(lines[:-1]))  # without the entry of the results
 
-    run_rescore(copy, jobs=1)
+    run_rescore(copy, LocalExecutor(1))
     said = " ".join(capsys.readouterr().out.split())
     assert "navigation · suite quick · seed 0" in said
     assert "played in process; each agent: " in said
     assert "there is no" in said
 
     (copy / "evaluation.json").unlink()
-    run_rescore(copy, jobs=1)
+    run_rescore(copy, LocalExecutor(1))
     assert "navigation · suite unknown · seed unknown" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_folder_without_records_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there are no records in"):
-        run_rescore(tmp_path, jobs=1)
+        run_rescore(tmp_path, LocalExecutor(1))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from wildscav_evaluator.output.results import MatchRow, MetricInfo
-from wildscav_evaluator.scores.score import expanded_tail, summarize, summary
+from wildscav_evaluator.scores.score import summarize, summary
 
 
 def test_mean_and_deviation_of_the_sample() -> None:
@@ -45,10 +45,6 @@ def test_the_interval_of_a_few_matches_is_as_wide_as_they_lie_apart() -> None:
     result = summarize([1.0, 5.0, 9.0])
 
     assert (result.low, result.high) == (1.0, 9.0)
-    # 2.5 % of a normal distribution, but for what a small sample does not know of its own spread.
-    assert expanded_tail(3) == 0.0
-    assert expanded_tail(10) == pytest.approx(0.0086, abs=1e-4)  # t of 9 is 2.262, times √(10 / 9) is 2.385
-    assert expanded_tail(10_000) == pytest.approx(0.025, abs=1e-4)
 
 
 def test_nineteen_of_twenty_intervals_hold_the_true_mean() -> None:

@@ -202,4 +202,4 @@ def test_the_baselines_are_submissions_like_any_other(name: str) -> None:
     submission = load_submission(REPOSITORY / "submissions" / name)
 
     assert submission.name == name
-    assert set(submission.manifest.tracks) == {"navigation", "gathering", "battle"}
+    assert set(submission.manifest.tracks) == {"navigation", "gathering", "capture", "battle", "royale"}

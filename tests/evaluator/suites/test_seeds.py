@@ -11,9 +11,9 @@ from tests.platform.helpers.command import Done, command_here
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
-from wildscav_evaluator.evaluation import Plan
 from wildscav_evaluator.output.layout import OPENED_FILE
 from wildscav_evaluator.output.results import read_results
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.expected_matches import check_opened, expected_matches
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
@@ -38,7 +38,15 @@ def evaluated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     file.write_bytes(b"nobody knows this, and nobody is going to guess it\n")
     suite, seed = SUITES["quick"], read_secret(file)
     homing = load_submission(HOMING)
-    plan = Plan((homing,), ("navigation",), suite, seed, replays="none", jobs=1, out=out)
+    plan = EvaluationPlan(
+        submissions=(homing,),
+        tracks=("navigation",),
+        suite=suite,
+        seed=seed,
+        replays="none",
+        jobs=1,
+        out=out,
+    )
     run_session(plan, out / "wildscav.db")
     return file, out
 

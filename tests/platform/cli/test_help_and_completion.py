@@ -156,7 +156,17 @@ WRONG = [
     "evaluate homing --out {file}",
     "evaluate homing --out {file}/out",
     "evaluate homing homing",
+    "evaluate homing --address localhost:1",
+    "evaluate homing --executor ray --address localhost",
+    "rescore {empty} --executor ry",
+    "doctor --executor ray --address 127.0.0.1:1",
+    "make-maps",
+    "make-maps --level easy --suite quick",
+    "make-maps --suite quick --track swimming",
+    "make-maps --level easy --address localhost:1",
     "compare homing {empty}",
+    "tournament homing --track battle",
+    "tournament homing {empty} --track battle",
     "leaderboard --db {file}",
     "replay {binary}",
     "replay {empty}",
@@ -192,6 +202,62 @@ WRONG = [
     "look --config {binary}",
     "legacy install {file}",
     "legacy install new --maps 5-1",
+    "leaderboard --season",
+    "leaderboard --season --suite quick",
+    "leaderboard 127.0.0.1:1",
+    "leaderboard {binary}",
+    "replay 12",
+    "replay 12 --season ftp://there",
+    "replay {binary} --season 127.0.0.1:1",
+    "login",
+    "login {file}/{file}",
+    "login 127.0.0.1:1",
+    "login 127.0.0.1:1 --invitation key",
+    "logout",
+    "logout 127.0.0.1:1",
+    "team create ants",
+    "team join key",
+    "team leave --season 127.0.0.1:1",
+    "team show ants",
+    "team key --season 127.0.0.1:1",
+    "submit {broken}",
+    "submit {nothing}",
+    "submit homing",
+    "submissions",
+    "submissions --wait",
+    "submissions 1 --season 127.0.0.1:1",
+    "matches 1",
+    "matches 1 --match 2",
+    "logs",
+    "logs 1 --match 2",
+    "logs --match 2",
+    "cancel 1",
+    "season demo --folder {broken}",
+    "season demo --sandbox bublewrap",
+    "season init {file}",
+    "season init new --name A/B",
+    "season serve {empty}",
+    "season status {nothing}",
+    "season invite {empty}",
+    "season organizer {empty} anna",
+    "season announce {file} welcome",
+    "season pause {empty}",
+    "season resume {empty}",
+    "season rerun {empty} 1",
+    "season disqualify {empty} foxes --reason cheating",
+    "season freeze {empty}",
+    "season finalize {empty}",
+    "season export {empty} {nothing}",
+    "audit {empty}",
+    "audit {nothing}",
+    "audit {file}",
+    "audit http://127.0.0.1:1/",
+    "audit ftp://127.0.0.1/",
+    "audit {empty} --records few",
+    "season backup {empty} backup.tar",
+    "season restore {file} new",
+    "season restore {nothing} new",
+    "season check {empty}",
 ]
 
 
@@ -221,6 +287,7 @@ def test_what_is_wrong_is_said_without_a_traceback_and_leaves_nothing_behind(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "settings"))  # logged in nowhere
     monkeypatch.setattr("sys.argv", ["wildscav", *line.format(**kit).split()])
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
     with pytest.raises(SystemExit) as ended:
@@ -234,7 +301,8 @@ def test_what_is_wrong_is_said_without_a_traceback_and_leaves_nothing_behind(
 
 
 def test_every_command_is_given_something_wrong() -> None:
-    tried = {" ".join(arguments) for arguments in EVERYTHING} - {"", "map", "key", "secret", "legacy"}
+    groups = {"", "map", "key", "secret", "legacy", "season", "team"}
+    tried = {" ".join(arguments) for arguments in EVERYTHING} - groups
     assert tried == {name for name in tried if any(line.startswith(f"{name} ") for line in WRONG)}
 
 

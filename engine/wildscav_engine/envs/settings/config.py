@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
+from wildscav_engine.envs.settings.players import Player, Sampler, read_entry, seat_entry
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, parse_sensors
 from wildscav_engine.specs.actions import Field as ActionField
@@ -21,6 +22,7 @@ from wildscav_engine.tracks.rewards import RewardSum
 ActionMode = Literal["dict", "box", "baseline", "multidiscrete"]
 RenderMode = Literal["rgb_array", "depth_array", "human"]
 RenderView = Literal["eyes", "top"]
+PlayerEntry = Annotated[Any, AfterValidator(read_entry)]  # becomes a ``Player`` or a ``Sampler``
 
 MAX_TEAMMATES = 7  # in the default observations of a learner, the nearest ones
 
@@ -38,10 +40,10 @@ class EnvConfig(Spec):
     starts: tuple[Position | None, ...] | None = None  # m, of every seat
     start_range: Annotated[float, Field(ge=0, le=2000)] | None = None  # m, distance of starts from the target
     target: Position | None = None  # m; None: a random place
-    # Seats: learners first, then the robots on their team, then opponents.
+    # Seats: learners first, then the others on their team, then opponents; see ``settings/players.py``.
     agents: Annotated[int, Field(ge=1, le=1000)] = 1
-    teammates: tuple[str, ...] = ()
-    opponents: tuple[str, ...] | None = None  # None: the track's default
+    teammates: tuple[PlayerEntry, ...] = ()
+    opponents: tuple[PlayerEntry, ...] | None = None  # None: the track's default
     teams: tuple[int, ...] | None = None  # one per seat; None: see ``team_of_seats``
     # Duration and rules.
     time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = None  # s; None: the track's default
@@ -64,6 +66,13 @@ class EnvConfig(Spec):
     )
     threads: Annotated[int, Field(ge=1, le=1024)] = 1
 
+    @field_validator("teammates", "opponents", mode="before")
+    @classmethod
+    def _is_list_of_players(cls, value: object) -> object:
+        if value is None or isinstance(value, list | tuple):
+            return value
+        raise ValueError(f"{value!r} is not a list with an entry for each seat, such as ('fighter',) * 3")
+
     @model_validator(mode="after")
     def _is_consistent(self) -> Self:
         if self.track not in TRACKS:
@@ -74,7 +83,7 @@ class EnvConfig(Spec):
         return self
 
     @property
-    def robots(self) -> tuple[str, ...]:
+    def all_opponents(self) -> tuple[Player | Sampler, ...]:
         """The opponents of the learners."""
         if self.opponents is not None:
             return self.opponents
@@ -83,9 +92,14 @@ class EnvConfig(Spec):
         return (TRACKS[self.track].robot,) * max(0, missing)
 
     @property
+    def players(self) -> tuple[Player | Sampler, ...]:
+        """What plays in each seat behind the learners'."""
+        return self.teammates + self.all_opponents
+
+    @property
     def seats(self) -> tuple[str, ...]:
-        """What fills each seat."""
-        return (SUBMISSION,) * self.agents + self.teammates + self.robots
+        """What fills each seat, as in the spec of a match: policies count as submissions."""
+        return (SUBMISSION,) * self.agents + tuple(map(seat_entry, self.players))
 
     @property
     def team_of_seats(self) -> tuple[int, ...] | None:
@@ -100,7 +114,7 @@ class EnvConfig(Spec):
         is_competitive = TRACKS[self.track].teams(2) == (0, 1)
         if is_competitive and not self.teammates:
             return None
-        return (0,) * together + tuple(range(1, 1 + len(self.robots)))
+        return (0,) * together + tuple(range(1, 1 + len(self.all_opponents)))
 
     @property
     def reward_weights(self) -> Mapping[str, float]:

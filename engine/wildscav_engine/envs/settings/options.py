@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypedDict
 
 from wildscav_engine.envs.settings.config import ActionMode, RenderMode, RenderView
+from wildscav_engine.envs.settings.players import Player, Policy, Sampler, StatefulPolicy
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import Position
@@ -15,6 +16,7 @@ from wildscav_engine.specs.rules import Rules
 from wildscav_engine.specs.supply_config import SupplyConfig
 from wildscav_engine.specs.zone_config import ZoneConfig
 
+Entry = Player | Policy | StatefulPolicy | Sampler  # what fills a seat; see ``settings/players.py``
 Table = Mapping[str, Any]  # fields of a spec by name that differ from their defaults
 
 
@@ -33,8 +35,8 @@ class EnvOptions(TypedDict, total=False):
     target: Position | None
     # Seats
     agents: int
-    teammates: Sequence[str]
-    opponents: Sequence[str] | None
+    teammates: Sequence[Entry]
+    opponents: Sequence[Entry] | None
     teams: Sequence[int] | None
     # Duration and rules
     time_limit: float | None

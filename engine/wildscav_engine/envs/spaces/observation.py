@@ -14,6 +14,7 @@ from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
+from wildscav_engine.sensors.batched import BatchedSensor
 from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, select_cameras
 from wildscav_engine.sensors.scalars import ScalarSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
@@ -99,9 +100,9 @@ def _bounded(space: Box) -> Box:
 
 
 class SensorReader:
-    """Reads the chosen sensors of all learners of a batch."""
+    """Reads the chosen sensors of some seats of all matches of a batch."""
 
-    def __init__(self, sensors: Mapping[str, Sensor], learners: Sequence[int], threads: int) -> None:
+    def __init__(self, sensors: Mapping[str, Sensor], seats: Sequence[int], threads: int) -> None:
         self._static = {
             name: sensor
             for name, sensor in sensors.items()
@@ -110,15 +111,15 @@ class SensorReader:
         self._others = {name: sensor for name, sensor in sensors.items() if name not in self._static}
         self._optical = [sensor for sensor in sensors.values() if isinstance(sensor, OpticalSensor)]
         self._lenses = {name: sensor.lens for name, sensor in self._static.items()}
-        self._learners, self._threads = list(learners), threads
-        self._rows = np.array(self._learners, np.int64)
-        self._maps: list[GameMap] = []  # the map of every learner
+        self._seats, self._threads = list(seats), threads
+        self._rows = np.array(self._seats, np.int64)
+        self._maps: list[GameMap] = []  # the map of every seat that is read
         self._viewers = np.zeros(0, np.int32)
 
     def set_maps(self, maps: "Sequence[GameMap]") -> None:
         """Set the map of every match."""
-        self._maps = [game_map for game_map in maps for _ in self._learners]
-        self._viewers = np.tile(np.array(self._learners, np.int32), len(maps))
+        self._maps = [game_map for game_map in maps for _ in self._seats]
+        self._viewers = np.tile(np.array(self._seats, np.int32), len(maps))
         for game_map in maps:
             for sensor in self._optical:
                 sensor.prepare(game_map)  # in advance, because all threads would do it
@@ -131,6 +132,9 @@ class SensorReader:
             if isinstance(sensor, ScalarSensor):
                 found[name] = sensor.read_all(batch.state, self._rows)
                 continue
+            if isinstance(sensor, BatchedSensor):
+                found[name] = sensor.read_batch(batch.state, batch.seen, self._rows)
+                continue
             readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
 
@@ -140,20 +144,20 @@ class SensorReader:
 
         def read(part: slice) -> bool:
             for match in range(part.start, part.stop):
-                readings[match] = sensor.read(matches[match], self._learners)
+                readings[match] = sensor.read(matches[match], self._seats)
             return True
 
         least = len(matches)
         if isinstance(sensor, OpticalSensor):
-            least = -(-sensor.min_images_per_thread // len(self._learners))
+            least = -(-sensor.min_images_per_thread // len(self._seats))
         share(read, len(matches), self._threads, least)
         return [readings[match] for match in range(len(matches))]
 
     def _read_static(self, batch: "Batch", found: Readings) -> None:
-        """Render sensors that see only the map, which need only the poses of the learners."""
-        agents, count = batch.state.agents, len(self._learners)
-        eyes = (agents.position[:, :count] + EYES).reshape(-1, 3)
-        yaws, pitches = agents.yaw[:, :count].flatten(), agents.pitch[:, :count].flatten()
+        """Render sensors that see only the map, which need only the poses of the seats."""
+        agents, count, seats = batch.state.agents, len(self._seats), self._rows
+        eyes = (agents.position[:, seats] + EYES).reshape(-1, 3)
+        yaws, pitches = agents.yaw[:, seats].flatten(), agents.pitch[:, seats].flatten()
         for name, sensor in self._static.items():
             images = self._render(sensor, Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name]))
             found[name] = images.reshape(-1, count, *sensor.shape)

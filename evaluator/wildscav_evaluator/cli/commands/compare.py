@@ -18,6 +18,7 @@ from wildscav_evaluator.cli.options.evaluation import (
     SeedOption,
     SuiteOption,
 )
+from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
 
@@ -44,6 +45,8 @@ def compare(
     out: OutOption = None,
     fresh: FreshOption = False,
     sandbox: InSandbox = None,
+    executor: ExecutorOption = "local",
+    address: AddressOption = None,
     sign: SignOption = None,
     log_format: LogOption = None,
     metrics_port: MetricsOption = None,
@@ -54,12 +57,11 @@ def compare(
     The verdict comes from a paired bootstrap: one is better if the 95 % interval of the differences, match by
     match, excludes zero. The same command continues a comparison that was interrupted.
     """
-    from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.cli.sessions.compare import common_tracks, run_comparison, with_distinct_names
-    from wildscav_evaluator.evaluation import Plan, in_own_folder
     from wildscav_evaluator.monitoring.monitor import MonitorOptions
     from wildscav_evaluator.output.numbered_folders import COMPARISONS
+    from wildscav_evaluator.plans.evaluation import EvaluationPlan
     from wildscav_evaluator.suites.suite_file import find_suite
 
     loaded, chosen = with_distinct_names(load_submissions([first, second])), find_suite(suite)
@@ -68,22 +70,22 @@ def compare(
         raise UserError(f"suite {chosen.name} has no track that both {first} and {second} play", exit_code=2)
     first_seed = suite_seed(seed, secret)
     key = signing_key(sign, out or COMPARISONS, loaded)
-    runs_in, loaded = chosen_sandbox(sandbox, loaded)
-    if key is not None:
-        warn_of_open_key(runs_in)
-    plan = Plan(
-        submissions=loaded,
-        tracks=tracks,
-        suite=chosen,
-        seed=first_seed,
-        replays="none",
-        jobs=jobs or cores(),
-        out=out or COMPARISONS,
-        fresh=fresh,
-        rounds=rounds,
-        sandbox=runs_in,
-        key=key,
-    )
-    run_comparison(
-        plan if out else in_own_folder(plan), MonitorOptions(log_format, metrics_port), as_json=as_json
-    )
+    with executor_of(executor, address, jobs) as machines:
+        runs_in, loaded = chosen_sandbox(sandbox, loaded, machines)
+        if key is not None:
+            warn_of_open_key(runs_in)
+        plan = EvaluationPlan(
+            submissions=loaded,
+            tracks=tracks,
+            suite=chosen,
+            seed=first_seed,
+            replays="none",
+            jobs=machines.at_once,
+            out=out or COMPARISONS,
+            fresh=fresh,
+            rounds=rounds,
+            sandbox=runs_in,
+            key=key,
+        )
+        options = MonitorOptions(log_format, metrics_port)
+        run_comparison(plan if out else plan.in_own_folder(), options, machines, as_json=as_json)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
+from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -12,8 +13,23 @@ if TYPE_CHECKING:
     from wildscav_evaluator.sandbox import Promise
 
 
-def doctor(as_json: AsJson = False) -> None:
-    """Test every promise of every sandbox on this machine, and everything that other packages add."""
+def doctor(
+    executor: ExecutorOption = "local", address: AddressOption = None, as_json: AsJson = False
+) -> None:
+    """Test every promise of every sandbox on this machine, and everything that other packages add.
+
+    With --executor ray, test the nodes of a cluster instead: which can be used, and the sandboxes there.
+    """
+    with executor_of(executor, address) as machines:
+        if machines.name != "local":
+            from wildscav_evaluator.cli.sessions.doctor import examine_nodes
+
+            examine_nodes(machines, as_json=as_json)
+        else:
+            _examine_this_machine(as_json=as_json)
+
+
+def _examine_this_machine(*, as_json: bool) -> None:
     from rich.text import Text
 
     from wildscav.terminal.console import console, print_json

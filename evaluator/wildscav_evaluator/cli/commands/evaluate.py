@@ -21,6 +21,7 @@ from wildscav_evaluator.cli.options.evaluation import (
     Submissions,
     SuiteOption,
 )
+from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
 
@@ -43,6 +44,8 @@ def evaluate(
     fresh: FreshOption = False,
     db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
     sandbox: InSandbox = None,
+    executor: ExecutorOption = "local",
+    address: AddressOption = None,
     sign: SignOption = None,
     log_format: LogOption = None,
     metrics_port: MetricsOption = None,
@@ -53,32 +56,31 @@ def evaluate(
     The same command continues an evaluation that was interrupted. Submissions never meet: where a match has
     several seats for submissions, the submission that is evaluated fills all of them.
     """
-    from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_seed, suite_tracks
     from wildscav_evaluator.cli.sessions.evaluate import run_session
-    from wildscav_evaluator.evaluation import Plan, in_own_folder
     from wildscav_evaluator.monitoring.monitor import MonitorOptions
     from wildscav_evaluator.output.numbered_folders import EVALUATIONS
+    from wildscav_evaluator.plans.evaluation import EvaluationPlan
     from wildscav_evaluator.suites.suite_file import find_suite
 
     loaded, chosen = load_submissions(submissions), find_suite(suite)
     tracks, first = suite_tracks(loaded, track or [], chosen), suite_seed(seed, secret)
     key = signing_key(sign, out or EVALUATIONS, loaded)
-    runs_in, loaded = chosen_sandbox(sandbox, loaded)
-    if key is not None:
-        warn_of_open_key(runs_in)
-    plan = Plan(
-        submissions=loaded,
-        tracks=tracks,
-        suite=chosen,
-        seed=first,
-        replays=replays,
-        jobs=jobs or cores(),
-        out=out or EVALUATIONS,
-        fresh=fresh,
-        sandbox=runs_in,
-        key=key,
-    )
-    run_session(
-        plan if out else in_own_folder(plan), db, MonitorOptions(log_format, metrics_port), as_json=as_json
-    )
+    with executor_of(executor, address, jobs) as machines:
+        runs_in, loaded = chosen_sandbox(sandbox, loaded, machines)
+        if key is not None:
+            warn_of_open_key(runs_in)
+        plan = EvaluationPlan(
+            submissions=loaded,
+            tracks=tracks,
+            suite=chosen,
+            seed=first,
+            replays=replays,
+            jobs=machines.at_once,
+            out=out or EVALUATIONS,
+            fresh=fresh,
+            sandbox=runs_in,
+            key=key,
+        )
+        options = MonitorOptions(log_format, metrics_port)
+        run_session(plan if out else plan.in_own_folder(), db, options, machines, as_json=as_json)

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from wildscav.cli.json_option import AsJson
+from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 from wildscav_evaluator.cli.options.signing import KeyOption
 
 
@@ -15,6 +16,8 @@ def rescore(
         int | None, typer.Option(help="Records to play at once. Default: one per processor core.", min=1)
     ] = None,
     key: KeyOption = None,
+    executor: ExecutorOption = "local",
+    address: AddressOption = None,
     as_json: AsJson = False,
 ) -> None:
     """Play every record of an evaluation again and recompute its tables. Exit code 0 only if all agree.
@@ -23,8 +26,9 @@ def rescore(
     ledger that the organizer signed (--key) proves which submission played, in which sandbox, and whose fault
     it was when an agent ended early.
     """
-    from wildscav_engine.parallel.threads import cores
     from wildscav_evaluator.cli.sessions.rescore import run_rescore
     from wildscav_evaluator.ledger.keys import read_public
 
-    run_rescore(out, jobs or cores(), None if key is None else read_public(key), as_json=as_json)
+    public = None if key is None else read_public(key)
+    with executor_of(executor, address, jobs) as machines:
+        run_rescore(out, machines, public, as_json=as_json)

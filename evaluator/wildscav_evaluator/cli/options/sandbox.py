@@ -8,6 +8,7 @@ import typer
 from wildscav.terminal.suggestions import did_you_mean
 
 if TYPE_CHECKING:
+    from wildscav_evaluator.executors import Executor
     from wildscav_evaluator.submissions.submission import Submission
 
 
@@ -45,9 +46,14 @@ InSandbox = Annotated[
 
 
 def chosen_sandbox(
-    asked: str | None, submissions: "Sequence[Submission]"
+    asked: str | None, submissions: "Sequence[Submission]", executor: "Executor | None" = None
 ) -> "tuple[str, tuple[Submission, ...]]":
     """Return the name of the sandbox to use, having printed it, and the submissions as they run in it.
+
+    Args:
+        asked: The name that the user gave, if any.
+        submissions: What will be played.
+        executor: Where it will be played; this machine if None.
 
     Raises:
         SubmissionError: One needs packages and was not built, or is an image and the sandbox runs none.
@@ -56,15 +62,11 @@ def chosen_sandbox(
     from rich.text import Text
 
     from wildscav.terminal.console import console
-    from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
-    from wildscav_evaluator.sandbox.choose import choose
-    from wildscav_evaluator.submissions.images import with_images
+    from wildscav_evaluator.executors.local import LocalExecutor
 
     with console.status("trying the sandbox"):
-        images = any(submission.image for submission in submissions)
-        candidates = [SANDBOXES[name] for name in ([asked] if asked else SANDBOXES.built_in)]
-        choice = choose(asked, candidates, DEFAULT_LIMITS, images=images)
+        choice, submissions = (executor or LocalExecutor()).choose_sandbox(asked, submissions)
     console.print(f"sandbox   {choice.sandbox.name}", highlight=False)
     for warning in choice.warnings:
         console.print(Text.assemble(("warning: ", "yellow"), warning), soft_wrap=True)
-    return choice.sandbox.name, with_images(submissions, choice.sandbox.name)
+    return choice.sandbox.name, submissions

@@ -36,11 +36,7 @@ def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tupl
         UserError: There is no such track, or a submission plays none of them.
     """
     for name in asked:
-        if name not in TRACKS:
-            raise UserError(
-                f"there is no track {name!r}{did_you_mean(name, TRACKS)}; the tracks are {', '.join(TRACKS)}",
-                exit_code=2,
-            )
+        check_track(name)
     wanted = [name for name in TRACKS if not asked or name in asked]
     for submission in submissions:
         if not set(wanted) & set(submission.manifest.tracks):
@@ -48,6 +44,31 @@ def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tupl
     return tuple(
         name for name in wanted if any(name in submission.manifest.tracks for submission in submissions)
     )
+
+
+def check_track(name: str) -> None:
+    """Refuse a name that no track has.
+
+    Raises:
+        UserError: There is no such track.
+    """
+    if name not in TRACKS:
+        raise UserError(
+            f"there is no track {name!r}{did_you_mean(name, TRACKS)}; the tracks are {', '.join(TRACKS)}",
+            exit_code=2,
+        )
+
+
+def check_suite_has(suite: Suite, track: str) -> None:
+    """Refuse a track that a suite does not have.
+
+    Raises:
+        UserError: It does not.
+    """
+    if track not in suite.tracks:
+        raise UserError(
+            f"suite {suite.name} has no track {track}; its tracks are {', '.join(suite.tracks)}", exit_code=2
+        )
 
 
 def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: Suite) -> tuple[str, ...]:
@@ -58,11 +79,7 @@ def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: S
     """
     tracks = tracks_played(submissions, asked)
     for name in tracks if asked else ():
-        if name not in suite.tracks:
-            raise UserError(
-                f"suite {suite.name} has no track {name}; its tracks are {', '.join(suite.tracks)}",
-                exit_code=2,
-            )
+        check_suite_has(suite, name)
     played = tuple(name for name in tracks if name in suite.tracks)
     for submission in submissions:
         if not set(played) & set(submission.manifest.tracks):

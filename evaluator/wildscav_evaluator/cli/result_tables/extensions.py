@@ -9,14 +9,15 @@ from wildscav.cli.main import GROUP as COMMANDS
 from wildscav.cli.verify import CHECKS
 from wildscav_engine.extensions import BUILT_IN, PREFIX, Addition, Registry, loaded, other_groups
 from wildscav_evaluator.cli.result_tables.ranking import plain_table
-from wildscav_evaluator.output.result_sinks import GROUP as SINKS
+from wildscav_evaluator.executors import EXECUTORS
+from wildscav_evaluator.result_sinks import GROUP as SINKS
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.suites.suite import SUITES
 
 
 def installed() -> Iterator[Addition]:
     """Yield what other packages add, each tried by importing it."""
-    registries: list[Registry[object]] = [*map(Registry, BUILT_IN), SANDBOXES, SUITES]  # type: ignore[list-item]
+    registries: list[Registry[object]] = [*map(Registry, BUILT_IN), SANDBOXES, SUITES, EXECUTORS]  # type: ignore[list-item]
     plain = (COMMANDS, CHECKS, SINKS)
     for registry in registries:
         yield from registry.additions()

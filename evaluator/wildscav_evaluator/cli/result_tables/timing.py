@@ -9,6 +9,7 @@ from rich.text import Text
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, plain_table
 from wildscav_evaluator.output.results import KeptLimits, Results, SeatTiming
 from wildscav_evaluator.scores.number_format import NOTHING
+from wildscav_evaluator.seats import ROBOT_ENTRANT
 
 MACHINES = " *"  # marks late steps that are partly the machine's fault; a note below explains it
 UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
@@ -23,13 +24,9 @@ def timing_table(results: Results) -> Table:
     add_columns(table, "late\nsteps", "least\nin bank", "start-\nup")
     for evaluation in results.evaluations:
         track, name = evaluation.track, evaluation.submission
-        seats = [
-            seat
-            for timing in results.timings.matches
-            if (timing.track, timing.submission) == (track, name)
-            for seat in timing.seats
-        ]
-        table.add_row(track, name, *(_cells(seats) if seats else [NOTHING] * 7))
+        seats = [seat for timing in results.timings_of(evaluation) for seat in timing.seats]
+        if seats or not name.startswith(ROBOT_ENTRANT):
+            table.add_row(track, name, *(_cells(seats) if seats else [NOTHING] * 7))
     return table
 
 

@@ -11,24 +11,38 @@ from wildscav.terminal.console import console, counted, print_json
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
 from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.evaluate import all_failed, evaluating, say, say_ledger
-from wildscav_evaluator.evaluation import Plan
+from wildscav_evaluator.cli.sessions.evaluate import all_failed
+from wildscav_evaluator.cli.sessions.playing import playing, say, say_ledger
+from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.results import write_results
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison, compare, write_comparisons
 from wildscav_evaluator.scores.number_format import number, signed
 from wildscav_evaluator.submissions.submission import Submission
 
 
-def run_comparison(plan: Plan, options: MonitorOptions, *, as_json: bool = False) -> None:
+def run_comparison(
+    plan: EvaluationPlan,
+    options: MonitorOptions,
+    executor: Executor | None = None,
+    *,
+    as_json: bool = False,
+) -> None:
     """Play two submissions on the same matches, and show and save which is better.
+
+    Args:
+        plan: What to evaluate.
+        options: How to show the progress.
+        executor: Where to play; processes on this machine if None.
+        as_json: Whether to print a JSON document as well.
 
     Raises:
         UserError: Nothing could be played; or, after everything else was shown and saved, something could not
             be saved or a submission failed in all its matches.
     """
     first, second = plan.submissions
-    with evaluating(plan, options) as (results, ledger):
+    with playing(plan, options, executor) as (results, ledger):
         comparisons = compare(results, first.name, second.name)
         for one in comparisons.comparisons:
             console.print()
@@ -59,8 +73,7 @@ def with_distinct_names(submissions: Sequence[Submission]) -> tuple[Submission, 
     if first.name != second.name:
         return first, second
     return tuple(
-        replace(one, manifest=one.manifest.model_copy(update={"name": f"{one.name[:38]}-{letter}"}))
-        for one, letter in ((first, "a"), (second, "b"))
+        replace(one, entered_as=f"{one.name[:38]}-{letter}") for one, letter in ((first, "a"), (second, "b"))
     )
 
 

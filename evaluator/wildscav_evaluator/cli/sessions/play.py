@@ -29,7 +29,7 @@ from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.options.output_paths import check_output_paths
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
 from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
+from wildscav_evaluator.cli.sessions.playing import INTERRUPTED
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox

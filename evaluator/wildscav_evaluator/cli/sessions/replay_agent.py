@@ -1,7 +1,6 @@
 """What ``wildscav replay-agent`` does and shows."""
 
 import asyncio
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -14,15 +13,17 @@ from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.evaluate import INTERRUPTED
-from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
+from wildscav_evaluator.cli.sessions.playing import INTERRUPTED
+from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, read_ledger
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.matches.recorded_match import Agreement, RecordedMatch
+from wildscav_evaluator.output.identity import Entrant
 from wildscav_evaluator.output.layout import RECORDS
 from wildscav_evaluator.output.results import FINISHED
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
-from wildscav_evaluator.seats import submission_seats
+from wildscav_evaluator.seats import entrants_in_names, submission_seats
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.tournaments.names import submission_of
 
 CAUTION = (
     "An agent that reads a clock, or uses threads or its own random numbers, may differ although its code is "
@@ -46,8 +47,10 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
         OSError: A log could not be written.
     """
     record = _verified_record(path)
-    compared = _chosen_seats(record, submission, seats, path)
-    limits = _limits(path, record, submission)
+    ledger = _ledger(path)
+    entries = _entries(ledger, submission)
+    compared = _chosen_seats(record, submission, entries, seats, path)
+    limits = _limits(path, record, submission, ledger, entries)
     everywhere = submission_seats(record.spec.seats)
     places = tuple(logs / f"{seat}-{submission.name}.log" for seat in everywhere)
     seating = Seating(record.spec, (submission,) * len(everywhere), places, limits)
@@ -81,10 +84,30 @@ def _verified_record(path: Path) -> Record:
     return record
 
 
+def _ledger(path: Path) -> Ledger | None:
+    """Return the ledger of a record's evaluation; None if there is none, with a warning if it is broken."""
+    folder = path.absolute().parent
+    try:
+        return read_ledger(folder.parent) if folder.name == RECORDS else None
+    except LedgerError as error:
+        _warn(str(error))
+        return None
+
+
+def _entries(ledger: Ledger | None, submission: Submission) -> tuple[Entrant, ...]:
+    """Return the entrants of an evaluation that are entries of a submission.
+
+    Several versions of it may have played a tournament. If one of them has the same files, it is that one.
+    """
+    entrants = () if ledger is None else ledger.identity.submissions
+    own = tuple(one for one in entrants if submission_of(one.name) == submission.name)
+    return tuple(one for one in own if one.digest == submission.digest) or own
+
+
 def _chosen_seats(
-    record: Record, submission: Submission, asked: Sequence[int], path: Path
+    record: Record, submission: Submission, entries: Sequence[Entrant], asked: Sequence[int], path: Path
 ) -> tuple[int, ...]:
-    """Return the seats to compare.
+    """Return the seats to compare: those asked for, or all seats of the submission's entries.
 
     Raises:
         UserError: There are none, or a requested one is not filled by a submission.
@@ -95,8 +118,12 @@ def _chosen_seats(
         raise UserError(
             f"--seat is {min(wrong)}: the seats of submissions in {path} are {known}", exit_code=2
         )
-    own = re.compile(rf"{re.escape(submission.name)}( \d+)?")
-    found = tuple(asked) or tuple(seat for seat in filled if own.fullmatch(record.names[seat]))
+    names = {one.name for one in entries}
+    found = tuple(asked) or tuple(
+        seat
+        for seat, name in entrants_in_names(record.spec.seats, record.names).items()
+        if seat in filled and (name in names if names else submission_of(name) == submission.name)
+    )
     if not found:
         raise UserError(
             f"no seat in {path} belongs to {submission.name!r}: the seats of submissions are {known}; name "
@@ -106,21 +133,21 @@ def _chosen_seats(
     return found
 
 
-def _limits(path: Path, record: Record, submission: Submission) -> Limits:
+def _limits(
+    path: Path,
+    record: Record,
+    submission: Submission,
+    ledger: Ledger | None,
+    entries: Sequence[Entrant],
+) -> Limits:
     """Return the limits of a record's evaluation, and warn if the submission's files have changed."""
-    folder = path.absolute().parent
-    try:
-        ledger = read_ledger(folder.parent) if folder.name == RECORDS else None
-    except LedgerError as error:
-        _warn(str(error))
-        return DEFAULT_LIMITS
     if ledger is None:
         return DEFAULT_LIMITS
-    entrant = next((one for one in ledger.identity.submissions if one.name == submission.name), None)
-    if entrant is None:
-        _warn(f"{submission.name} is not among those evaluated in {folder.parent}")
-    elif entrant.digest != submission.digest:
-        _warn(f"these are not the files of {submission.name} that were evaluated in {folder.parent}")
+    out = path.absolute().parent.parent
+    if not entries:
+        _warn(f"{submission.name} is not among those evaluated in {out}")
+    elif all(one.digest != submission.digest for one in entries):
+        _warn(f"these are not the files of {submission.name} that were evaluated in {out}")
     kept = ledger.identity.limits.get(record.spec.track)
     return DEFAULT_LIMITS if kept is None else Limits.model_validate(kept.model_dump(exclude_none=True))
 

@@ -10,6 +10,8 @@ from wildscav.terminal.console import console, counted, error_console, print_jso
 from wildscav_evaluator.cli.result_tables.ranking import LEGEND, track_table
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
 from wildscav_evaluator.cli.sessions.errors import raise_errors
+from wildscav_evaluator.cli.sessions.tournament import show_ratings
+from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.ledger.ledger import LedgerError, check_key, read_ledger
 from wildscav_evaluator.output.identity import Identity, read_identity
 from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_FILE
@@ -18,16 +20,17 @@ from wildscav_evaluator.output.results import Results, Timings, read_results
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies, read_folder
 from wildscav_evaluator.scores.rescore import Replayed, recompute, replay_all
+from wildscav_evaluator.tournaments.tournament_file import tournament_of
 
 SHOWN = 20  # disagreements, at most
 
 
-def run_rescore(out: Path, jobs: int, key: str | None = None, *, as_json: bool = False) -> None:
+def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_json: bool = False) -> None:
     """Play the records of a folder again, show the tables that follow from them, and report disagreements.
 
     Args:
         out: The output folder of an evaluation.
-        jobs: How many records to play at once.
+        executor: Where to play them.
         key: The public key that must have signed its ledger; None to accept any.
         as_json: Whether to print a JSON document as well.
 
@@ -37,11 +40,11 @@ def run_rescore(out: Path, jobs: int, key: str | None = None, *, as_json: bool =
     paths = record_paths(out)
     reported = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
     folder = None if reported is None else read_folder(out, reported, key)
-    replayed = _replay(paths, jobs)
+    replayed = _replay(paths, executor)
     results = recomputed(replayed, reported, read_identity(out))
-    _show(results)
     found = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
-    found += _without_results(out, key) if folder is None else discrepancies(folder, replayed)
+    found += _show(results)
+    found += _without_results(out, key) if folder is None else discrepancies(folder, replayed, results)
     if as_json:
         print_json({"folder": str(out), "results": results.as_json(), "disagreements": found})
     if len(found) > SHOWN:
@@ -113,7 +116,9 @@ def recomputed(
     return Results(
         versions=CURRENT_VERSIONS,
         suite="unknown" if identity is None else identity.suite,
-        seed=int(identity.seed) if identity is not None and identity.seed.isdecimal() else None,
+        seed=None if identity is None else _public_seed(identity),
+        rounds=1 if identity is None else identity.rounds,
+        tournament=None if identity is None else identity.tournament,
         sandbox="unknown" if identity is None else identity.sandbox,
         limits={} if identity is None else identity.limits,
         evaluations=evaluations,
@@ -121,13 +126,21 @@ def recomputed(
     )
 
 
-def _replay(paths: Sequence[Path], jobs: int) -> list[Replayed]:
+def _public_seed(identity: Identity) -> int | None:
+    """Return the seed of an evaluation; None if it is hidden, or not a number that can be read."""
+    try:
+        return int(identity.seed)
+    except ValueError:
+        return None
+
+
+def _replay(paths: Sequence[Path], executor: Executor) -> list[Replayed]:
     columns = (TextColumn("playing records again"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     replayed = []
     with Progress(*columns, console=error_console, transient=True) as progress:
         task = progress.add_task("", total=len(paths))
         try:
-            for one in replay_all(paths, jobs):
+            for one in replay_all(paths, executor):
                 replayed.append(one)
                 progress.advance(task)
         except KeyboardInterrupt:
@@ -135,11 +148,18 @@ def _replay(paths: Sequence[Path], jobs: int) -> list[Replayed]:
     return replayed
 
 
-def _show(results: Results) -> None:
-    for track in results.tracks:
-        console.print(track_table(results, track))
-        console.print()
-    console.print(f"{LEGEND}\n", style="dim")
+def _show(results: Results) -> Iterator[str]:
+    """Print the tables that follow from the records, and yield an error if there can be none."""
+    if results.tournament is not None:
+        try:
+            show_ratings(tournament_of(results))
+        except ValueError as error:
+            yield f"there are no ratings: {error}"
+    else:
+        for track in results.tracks:
+            console.print(track_table(results, track))
+            console.print()
+        console.print(f"{LEGEND}\n", style="dim")
     if results.limits:
         for line in sandbox_and_limits(results.sandbox, results.limits):
             console.print(f"played in {line}", soft_wrap=True, highlight=False)

@@ -9,7 +9,8 @@ from wildscav.agent import MatchInfo, SupplyWave
 from wildscav.server.hosting.time_limits import Clock
 
 if TYPE_CHECKING:
-    from wildscav_engine.simulation.match import Match
+    from wildscav_engine.simulation.match import Match, StartInfo
+    from wildscav_engine.specs.match_spec import MatchSpec
 
 
 class SeatObservations:
@@ -49,14 +50,19 @@ class SeatObservations:
 
 def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
     """Return the match info of a seat. It does not reveal the map's id and seed."""
-    from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+    return info_from(match.spec, match.start_info(seat), seat, clock)
 
-    spec, start = match.spec, match.start_info(seat)
+
+def info_from(spec: "MatchSpec", start: "StartInfo", seat: int, clock: Clock) -> MatchInfo:
+    """Return the match info of a seat from the spec of its match and what it knows before the first step."""
+    from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+    from wildscav_engine.tracks import TRACKS
+
     equipment = spec.equipment_of(seat)
     return MatchInfo(
         track=spec.track,
         seat=seat,
-        seats=match.seats,
+        seats=len(spec.seats),
         team=start.team,
         time_limit=spec.time_limit,
         frames_per_action=spec.frames_per_action,
@@ -73,6 +79,6 @@ def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
         supply_sight=spec.rules.supply_sight,
         clip_size=equipment.clip_size,
         start_health=equipment.health,
-        respawns=match.track.respawns,
+        respawns=TRACKS[spec.track].respawns,
         supply_goal=spec.supply_goal or 0,
     )

@@ -14,7 +14,7 @@ from wildscav_evaluator.output.lock import locked
 from wildscav_evaluator.output.results import KeptLimits, Results, read_results
 from wildscav_evaluator.submissions.submission import folder_digest
 from wildscav_evaluator.suites.suite import suite
-from wildscav_leaderboard.database import writing
+from wildscav_leaderboard.results.database import writing
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -107,6 +107,7 @@ def test_invalid_actions_are_counted_and_told(wildscav: Command, submit: Submit,
     assert "walker on navigation: " not in said.replace("walker on navigation: 5 matches", "")
 
 
+@pytest.mark.slow
 def test_a_record_with_one_action_changed_no_longer_holds(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:

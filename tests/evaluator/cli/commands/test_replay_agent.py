@@ -2,6 +2,7 @@
 
 import asyncio
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,13 @@ from wildscav_engine.record import write_record
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.cli.sessions.replay_agent import run_again
+from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.matches.play import Seating, play_match
+from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.plans.tournament import TournamentPlan
+from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite import SUITES
+from wildscav_evaluator.tournaments.names import with_unique_names
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -86,6 +93,33 @@ def test_another_agent_is_found_out_at_its_first_other_step(
         "recorded, 2.5 now"
     )
     assert "may differ although its code is the same" in capsys.readouterr().out
+
+
+def test_an_entry_of_a_tournament_is_known_by_its_files(
+    submit: Submit, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two versions of a submission met; each is compared with its own seat."""
+    old, new = submit("circler", CIRCLER, tracks='["battle"]'), submit("other", TURNCOAT, tracks='["battle"]')
+    new = replace(new, manifest=old.manifest.model_copy(update={"version": "2.0.0"}))
+    plan = TournamentPlan(
+        submissions=with_unique_names([old, new], meet_own=True),
+        track="battle",
+        settings=TournamentSettings(seats=2, meet_own=True),
+        suite=SUITES["quick"],
+        seed=SuiteSeed(0),
+        replays="none",
+        jobs=1,
+        out=tmp_path / "out",
+    )
+    (plan.out / "records").mkdir(parents=True)
+    LedgerWriter(plan.out, plan.identity(), None)
+    path = recorded(plan.out / "records" / "battle-000.wsr", *plan.submissions, logs=tmp_path / "logs")
+
+    for submission, seat in ((old, 0), (new, 1)):
+        run_again(path, submission, seats=[], logs=tmp_path / "again", sandbox="process")
+        said = capsys.readouterr().out
+        assert f"seat {seat} (circler@{submission.manifest.version}): all 20 steps as recorded" in said
+        assert "warning" not in said
 
 
 def test_a_seat_must_be_one_of_the_submission(submit: Submit, tmp_path: Path) -> None:

@@ -29,10 +29,10 @@ from wildscav_evaluator.sandbox import Promise
 from wildscav_evaluator.scores.changes import Change
 from wildscav_evaluator.scores.compare import compare
 from wildscav_evaluator.submissions.submission import Manifest, Submission
-from wildscav_leaderboard import cli as leaderboard
-from wildscav_leaderboard.database import reading
-from wildscav_leaderboard.sink import DatabaseSink
-from wildscav_leaderboard.standings import standings
+from wildscav_leaderboard.cli import leaderboard
+from wildscav_leaderboard.results.database import reading
+from wildscav_leaderboard.results.sink import DatabaseSink
+from wildscav_leaderboard.results.standings import standings
 
 COMPARISON = compare(RESULTS, "my-agent", "homing").comparisons[0]
 LONGEST = "an-agent-whose-name-is-as-long-as-can-be"  # 40 characters, without a space to break it at

@@ -1,0 +1,123 @@
+"""The table of a league: its settings, and the results against each opponent, as JSON."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationError
+
+from wildscav_engine.specs.base import Spec
+from wildscav_engine.specs.validation import one_line
+from wildscav_engine.storage.files import read_limited, write_whole
+
+LARGEST_TABLE = 10_000_000  # bytes
+Share = Annotated[float, Field(ge=0, le=1)]
+Count = Annotated[int, Field(ge=0)]
+Weighting = Literal["hard", "variance", "uniform"]
+
+
+class LeagueError(ValueError):
+    """Something is wrong with a league or its table; the message says what and what is allowed."""
+
+
+class LeagueSettings(Spec):
+    """How a league chooses opponents; see ``League``."""
+
+    weighting: Weighting = "hard"
+    power: Annotated[float, Field(ge=0, le=100)] = 2.0
+    latest_share: Share = 0.3
+    robot_share: Share = 0.2
+    capacity: Annotated[int, Field(ge=1, le=100_000)] = 32
+    memory: Annotated[float, Field(gt=0, le=1)] = 0.98
+
+
+class Results(Spec):
+    """The learner's results against one opponent."""
+
+    name: str
+    wins: Count = 0
+    draws: Count = 0
+    losses: Count = 0
+    # Sums in which older results weigh less, for the win rate.
+    recent: Annotated[float, Field(ge=0)] = 0.0  # of games
+    recent_score: Annotated[float, Field(ge=0)] = 0.0  # of results, 1 for a win and 0.5 for a draw
+
+    @property
+    def games(self) -> int:
+        """The number of games."""
+        return self.wins + self.draws + self.losses
+
+    @property
+    def win_rate(self) -> float:
+        """The learner's win rate, in which older results weigh less; 0.5 before the first game.
+
+        It is estimated as if one more game had been won and one more lost, so it is never 0 or 1.
+        """
+        return (self.recent_score + 1.0) / (self.recent + 2.0)
+
+    def with_result(self, result: float, memory: float) -> "Results":
+        """Return the results after one more game.
+
+        Args:
+            result: 1 if the learner won, 0.5 for a draw, 0 if it lost.
+            memory: The weight that all earlier results keep.
+        """
+        return self.model_copy(
+            update={
+                "wins": self.wins + (result > 0.5),
+                "draws": self.draws + (result == 0.5),
+                "losses": self.losses + (result < 0.5),
+                "recent": self.recent * memory + 1.0,
+                "recent_score": self.recent_score * memory + result,
+            }
+        )
+
+
+class LeagueTable(Spec):
+    """Everything in a league but its policies."""
+
+    format: Literal[1] = 1  # raised when older readers would misread a table
+    settings: LeagueSettings = LeagueSettings()
+    added: Count = 0  # the number of past selves so far, including those that were dropped
+    members: tuple[Results, ...] = ()  # oldest first
+    robots: tuple[Results, ...] = ()
+
+
+def priorities(results: Sequence[Results], settings: LeagueSettings) -> list[float]:
+    """Return the probability of each opponent by prioritized fictitious self-play.
+
+    With the learner's win rate p, the weight of an opponent is (1 - p) to the given power for "hard", and
+    p (1 - p) for "variance". Vinyals et al., "Grandmaster level in StarCraft II using multi-agent
+    reinforcement learning", Nature 575, 2019, Methods.
+    """
+    weights = [_weight(each.win_rate, settings) for each in results]
+    total = sum(weights)
+    return [weight / total for weight in weights]
+
+
+def _weight(win_rate: float, settings: LeagueSettings) -> float:
+    if settings.weighting == "hard":
+        return float((1.0 - win_rate) ** settings.power)
+    return win_rate * (1.0 - win_rate) if settings.weighting == "variance" else 1.0
+
+
+def write_table(path: Path, table: LeagueTable) -> None:
+    """Write a table; readers never see a part of it.
+
+    Raises:
+        OSError: The file cannot be written; an older one stays as it is.
+    """
+    write_whole(path, table.model_dump_json(indent=1).encode() + b"\n")
+
+
+def read_table(path: Path) -> LeagueTable:
+    """Read a table.
+
+    Raises:
+        LeagueError: It is not a table of a league.
+        OSError: The file cannot be read.
+    """
+    try:
+        return LeagueTable.model_validate_json(read_limited(path, LARGEST_TABLE))
+    except ValidationError as error:
+        raise LeagueError(f"{path} is not the table of a league: {one_line(error)}") from None

@@ -1,0 +1,53 @@
+"""The command ``wildscav make-maps``."""
+
+from typing import Annotated, Literal
+
+import typer
+
+from wildscav.errors import UserError
+from wildscav_evaluator.cli.options.evaluation import SecretOption, SeedOption
+from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
+
+
+def make_maps(
+    level: Annotated[
+        Literal["easy", "normal", "hard"] | None,
+        typer.Option(help="Make a pool of maps of this level for environments.", show_default=False),
+    ] = None,
+    count: Annotated[int, typer.Option(help="Maps of the pool.", min=1, max=1_000_000)] = 64,
+    split: Annotated[Literal["train", "test"], typer.Option(help="What the pool is for.")] = "train",
+    suite: Annotated[
+        str | None,
+        typer.Option(help="Make the maps of this suite instead: its name or its file.", show_default=False),
+    ] = None,
+    track: Annotated[
+        list[str] | None,
+        typer.Option(help="Only those of this track of the suite; may be repeated.", show_default=False),
+    ] = None,
+    seed: SeedOption = None,
+    secret: SecretOption = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(help="Maps at once. Default: one per processor core.", min=1, show_default=False),
+    ] = None,
+    executor: ExecutorOption = "local",
+    address: AddressOption = None,
+) -> None:
+    """Make many maps at once and cache them on this machine, so that training or an evaluation need not wait.
+
+    Maps that are cached already are not made again.
+    """
+    from wildscav_evaluator.cli.options.selection import suite_seed
+    from wildscav_evaluator.cli.sessions.make_maps import run_make_maps
+    from wildscav_evaluator.map_making import choices_of_pool, choices_of_suite
+    from wildscav_evaluator.suites.suite_file import find_suite
+
+    if (level is None) == (suite is None):
+        raise UserError("name either --level, for environments, or --suite, for evaluations", exit_code=2)
+    first = suite_seed(seed, secret).value
+    if level is not None:
+        choices = choices_of_pool(level, split, first, count)
+    else:
+        choices = choices_of_suite(find_suite(str(suite)), track or [], first)
+    with executor_of(executor, address, jobs) as machines:
+        run_make_maps(choices, machines)

@@ -1,0 +1,193 @@
+"""What a tournament is to play: the entrants, and who sits where, from the arguments of its command."""
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav.terminal.console import counted
+from wildscav.terminal.suggestions import did_you_mean
+from wildscav_engine.simulation.robots.decide import ROBOTS
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS
+from wildscav_evaluator.cli.options.selection import check_plays, load_named
+from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.seats import BATTLE_ROBOTS, ROBOT_ENTRANT
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.suite import Suite
+from wildscav_evaluator.tournaments.drawing import has_teams
+from wildscav_evaluator.tournaments.names import with_unique_names
+
+MOST_SEATS = 1000  # of a match
+MOST_DIGITS = 9  # of a number of robots that are read: more are too many anyway
+USUAL_SEATS = 4  # where a suite's matches have a single seat
+USUAL_TEAM = 2  # seats of a team on a track whose seats form teams
+
+
+def load_entrants(
+    named: Sequence[str], track: str, *, meet_own: bool
+) -> tuple[tuple[Submission, ...], tuple[str, ...]]:
+    """Read and check the entrants of a tournament.
+
+    Args:
+        named: Folders, archives, ``image:NAME``, names of baselines, and ``robot:NAME``.
+        track: The track that all of them must play.
+        meet_own: Whether the same files may be entered several times.
+
+    Returns:
+        The submissions, with unique names, and the names of the robots.
+
+    Raises:
+        UserError: One is not valid or does not play the track, or there are too few or too many.
+    """
+    robots = [name.removeprefix(ROBOT_ENTRANT) for name in named if name.startswith(ROBOT_ENTRANT)]
+    for robot in robots:
+        _check_robot(robot)
+        if robots.count(robot) > 1:
+            raise UserError(f"{ROBOT_ENTRANT}{robot} is entered twice", exit_code=2)
+    if not FEWEST_ENTRANTS <= len(named) <= MOST_ENTRANTS:
+        raise UserError(
+            f"a tournament has {FEWEST_ENTRANTS} to {MOST_ENTRANTS:,} entrants; "
+            f"{counted(len(named), 'entrant')} {'is' if len(named) == 1 else 'are'} named",
+            exit_code=2,
+        )
+    submissions = [_load_submission(name) for name in named if not name.startswith(ROBOT_ENTRANT)]
+    for submission in submissions:
+        check_plays(submission, track)
+    return with_unique_names(submissions, meet_own=meet_own), tuple(robots)
+
+
+def _load_submission(name: str) -> Submission:
+    """Read and check an entrant that is not a robot.
+
+    Raises:
+        UserError: It is not valid, or is the name of a robot without the prefix.
+    """
+    if name in ROBOTS and not Path(name).exists():
+        raise UserError(
+            f"there is no submission {name!r}; to enter the robot, write {ROBOT_ENTRANT}{name}", exit_code=2
+        )
+    return load_named(Path(name))
+
+
+def most_entries(submissions: Sequence[Submission]) -> int:
+    """Return how many of some submissions are entries of one submission, at most; 1 if there are none."""
+    return max(Counter(one.manifest.name for one in submissions).values(), default=1)
+
+
+def chosen_settings(
+    entrants: int,
+    entries: int,
+    suite: Suite,
+    track: str,
+    *,
+    seats: int | None,
+    team_size: int | None,
+    mixed: bool,
+    repeats: int | None,
+    robots: str | None,
+    meet_own: bool,
+) -> TournamentSettings:
+    """Return who sits where; what is not given depends on the track, the suite and the number of entrants.
+
+    Args:
+        entrants: The number of entrants.
+        entries: How many of them are entries of one submission, at most.
+        suite: The suite.
+        track: The track.
+        seats: Seats of entrants in a match.
+        team_size: Seats of a team.
+        mixed: Whether the seats of a team are different entrants.
+        repeats: How often each game is played.
+        robots: How many robots fill further seats, or which, separated by commas.
+        meet_own: Whether entries of one submission may meet.
+
+    Raises:
+        UserError: The entrants cannot be seated like that.
+    """
+    size = team_size or (USUAL_TEAM if has_teams(track) else 1)
+    if mixed and size == 1:
+        raise UserError("--mixed needs teams of two or more seats: give a --team-size", exit_code=2)
+    apart = 1 if meet_own else entries
+    if entrants < 2 * apart:
+        raise UserError(
+            f"{apart} of the {entrants} entrants are entries of one submission, which do not meet: name more "
+            "entrants, or let them meet with --meet-own",
+            exit_code=2,
+        )
+    places_per_team = size if mixed else 1
+    if seats is None:
+        usual = len(suite.matches(track, 0)[0].seats)
+        wanted = usual if usual > 1 else USUAL_SEATS
+        teams = max(2, min(wanted // size, entrants // apart // places_per_team))
+        seats = teams * size
+    places = _places(entrants, seats, size, mixed=mixed)
+    others = _others(robots or "", track, MOST_SEATS - seats)
+    return TournamentSettings(
+        seats=seats,
+        team_size=size,
+        mixed=mixed,
+        repeats=min(2, places) if repeats is None else repeats,
+        robots=others,
+        meet_own=meet_own,
+    )
+
+
+def _places(entrants: int, seats: int, size: int, *, mixed: bool) -> int:
+    """Return the number of entrants in a match with so many seats, in teams of a size.
+
+    Raises:
+        UserError: The seats are no whole teams, or there are fewer entrants.
+    """
+    if seats % size:
+        raise UserError(f"--seats is {seats}, must be a multiple of the team size {size}", exit_code=2)
+    if mixed and entrants < 2 * size:
+        raise UserError(
+            f"two mixed teams of {size} need {2 * size} entrants; {entrants} are named: give a smaller "
+            "--team-size",
+            exit_code=2,
+        )
+    places = seats if mixed else seats // size
+    if entrants < places:
+        raise UserError(
+            f"a match with {seats} seats needs {places} entrants; {entrants} are named: give fewer --seats",
+            exit_code=2,
+        )
+    return places
+
+
+def _others(text: str, track: str, most: int) -> tuple[str, ...]:
+    """Return the robots that fill further seats, from the text of the option.
+
+    Args:
+        text: Their number, or their names, separated by commas.
+        track: The track.
+        most: How many seats are left for them.
+
+    Raises:
+        UserError: They are too many, or one does not exist.
+    """
+    names = tuple(name.strip() for name in text.split(",") if name.strip())
+    numbered = text.isdecimal()
+    count = int(text.lstrip("0")[:MOST_DIGITS] or "0") if numbered else len(names)
+    if count > most:
+        raise UserError(
+            f"--robots asks for too many robots; a match has at most {MOST_SEATS:,} seats, and so here at "
+            f"most {most:,} robots",
+            exit_code=2,
+        )
+    if numbered:
+        kinds = BATTLE_ROBOTS if Field.SHOOT in TRACKS[track].fields else (TRACKS[track].robot,)
+        return tuple(kinds[number % len(kinds)] for number in range(count))
+    for name in names:
+        _check_robot(name)
+    return names
+
+
+def _check_robot(name: str) -> None:
+    if name not in ROBOTS:
+        raise UserError(
+            f"there is no robot {name!r}{did_you_mean(name, ROBOTS)}; the robots are {', '.join(ROBOTS)}",
+            exit_code=2,
+        )

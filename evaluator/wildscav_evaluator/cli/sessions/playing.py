@@ -1,0 +1,127 @@
+"""Playing the matches of a plan: resuming, progress, the ledger, and interruption."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+
+from wildscav.errors import UserError
+from wildscav.terminal.console import console, counted
+from wildscav.terminal.engine_progress import preparing
+from wildscav_engine.storage.files import write_whole
+from wildscav_evaluator.executors import Executor, ExecutorError
+from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_evaluator.ledger.writer import LedgerWriter
+from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult
+from wildscav_evaluator.matches.run_job import kept_result
+from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
+from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
+from wildscav_evaluator.output.layout import LEDGER_FILE, SUITE_FILE
+from wildscav_evaluator.output.lock import Lock
+from wildscav_evaluator.output.results import Results
+from wildscav_evaluator.plans.plan import Plan
+
+INTERRUPTED = 130  # exit code, by the convention of shells
+
+
+@contextmanager
+def playing(
+    plan: Plan, options: MonitorOptions, executor: Executor | None = None
+) -> Iterator[tuple[Results, LedgerWriter]]:
+    """Play the matches of a plan that are not played yet, and lock its output folder while the block lasts.
+
+    Args:
+        plan: The plan.
+        options: How to show the progress.
+        executor: Where to play; processes on this machine if None.
+
+    Yields:
+        The results, and the ledger, which the caller closes with them.
+
+    Raises:
+        UserError: The matches cannot be played, or the evaluation was interrupted.
+    """
+    check_out(plan.out, plan.submissions)
+    jobs = plan.make_jobs()
+    with output_folder(plan.out, plan.identity(), fresh=plan.fresh) as lock:
+        if plan.suite.source is not None:
+            write_whole(plan.out / SUITE_FILE, plan.suite.source)
+        ledger = LedgerWriter(plan.out, plan.identity(), plan.key)
+        try:
+            done = _play(plan, jobs, lock, ledger, options, executor or LocalExecutor(plan.jobs))
+            results = plan.collect(done)
+        except KeyboardInterrupt:
+            raise UserError(f"interrupted: {_saved(plan, jobs)}", INTERRUPTED) from None
+        except ExecutorError as error:
+            raise ExecutorError(f"{error}: {_saved(plan, jobs)}") from error
+        yield results, ledger
+
+
+def _play(
+    plan: Plan,
+    jobs: Sequence[Job],
+    lock: Lock,
+    ledger: LedgerWriter,
+    options: MonitorOptions,
+    executor: Executor,
+) -> list[JobResult]:
+    """Play the matches that no earlier run has played, and return the results of all."""
+    done = ledger.confirm([result for job in jobs if (result := kept_result(job)) is not None])
+    keep_only(plan.out, (result.job.stem for result in done))
+    if done:
+        console.print(_resumption(len(done), len(jobs)))
+    monitor = Monitor(jobs, plan.jobs, plan.title, options, lambda: executor.nodes)
+    for result in done:
+        monitor.add_earlier(result)
+    complete = {result.job.stem for result in done if not result.to_render}
+    waiting = [job for job in jobs if job.stem not in complete]
+    if waiting:
+        with ExitStack() as stack:
+            with preparing(console):
+                players = stack.enter_context(executor.players(waiting, lock))
+            with monitor.shown():
+                for result in players.run(waiting, *_listeners(ledger, monitor)):
+                    ledger.end(result)
+                    monitor.add(result)
+    return list(monitor.tally.done.values())
+
+
+def _listeners(
+    ledger: LedgerWriter, monitor: Monitor
+) -> tuple[Callable[[Job], None], Callable[[Job, JobEvent], None]]:
+    """Return the callbacks for the start of a match and for its events."""
+
+    def begin(job: Job) -> None:
+        ledger.begin(job.stem)
+        monitor.start(job)
+
+    def handle(job: Job, event: JobEvent) -> None:
+        if isinstance(event, AttemptFailed):
+            ledger.broke(job.stem, event.reason)
+        monitor.handle(job, event)
+
+    return begin, handle
+
+
+def _resumption(done: int, jobs: int) -> str:
+    some = f"{done:,} of {counted(jobs, 'match')} {'was' if done == 1 else 'were'} played before"
+    return some if done < jobs else f"all {counted(jobs, 'match')} were played before"
+
+
+def _saved(plan: Plan, jobs: Sequence[Job]) -> str:
+    done = sum(kept_result(job) is not None for job in jobs)
+    return (
+        f"{done:,} of {counted(len(jobs), 'match')} are saved in {plan.out}; "
+        "run the same command again to play the rest"
+    )
+
+
+def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
+    """Print where the ledger is, and which key signed it."""
+    signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
+    say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
+    if plan.public_key is not None:
+        say("", f"its head, to be published with the results: {ledger.head}")
+
+
+def say(what: str, text: str) -> None:
+    """Print a label and a text on one line."""
+    console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)

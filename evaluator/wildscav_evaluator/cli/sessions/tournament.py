@@ -1,0 +1,143 @@
+"""What a tournament shows and saves: progress, standings, the paths of its files, and errors."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from wildscav.errors import UserError, describe
+from wildscav.terminal.console import command, console, counted, print_json
+from wildscav_evaluator.cli.result_tables.standings import (
+    MOST_OPPONENTS,
+    legend,
+    pairs_table,
+    standings_table,
+)
+from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
+from wildscav_evaluator.cli.sessions.errors import raise_errors
+from wildscav_evaluator.cli.sessions.evaluate import all_failed, show_notes
+from wildscav_evaluator.cli.sessions.playing import playing, say, say_ledger
+from wildscav_evaluator.executors import Executor
+from wildscav_evaluator.ledger.writer import LedgerWriter
+from wildscav_evaluator.monitoring.monitor import MonitorOptions
+from wildscav_evaluator.output.layout import (
+    LOGS,
+    RECORDS,
+    REPLAYS,
+    RESULTS_FILE,
+    STANDINGS_PICTURE,
+    TOURNAMENT_FILE,
+)
+from wildscav_evaluator.output.results import Results, write_results
+from wildscav_evaluator.plans.tournament import TournamentPlan
+from wildscav_evaluator.ratings.picture import draw_standings
+from wildscav_evaluator.result_sinks import ResultSink, sinks
+from wildscav_evaluator.tournaments.tournament_file import Tournament, tournament_of
+
+
+def run_tournament(
+    plan: TournamentPlan,
+    database: Path,
+    options: MonitorOptions,
+    executor: Executor | None = None,
+    *,
+    as_json: bool = False,
+) -> None:
+    """Play a tournament, and show and save its standings.
+
+    Args:
+        plan: What to play.
+        database: The leaderboard's database.
+        options: How to show the progress.
+        executor: Where to play; processes on this machine if None.
+        as_json: Whether to print a JSON document as well.
+
+    Raises:
+        UserError: It could not be played; or, after everything else was shown and saved, something could not
+            be saved or an entrant failed in all its matches.
+    """
+    kept_by = tuple(sinks(str(database)))
+    for sink in kept_by:
+        sink.check()
+    with playing(plan, options, executor) as (results, ledger):
+        tournament = tournament_of(results)
+        # Written before anything is shown, so that closing the terminal loses nothing.
+        errors = list(_written(results, tournament, plan.out, ledger))
+        stored, not_stored = _stored(tournament, results, kept_by)
+        _show(tournament, results)
+        if as_json:
+            document = {"folder": str(plan.out), "tournament": tournament.as_json()}
+            print_json(document | {"results": results.as_json()})
+        if not errors:
+            _say_files(plan, ledger, results)
+        for line in stored:
+            say("database", line)
+            say("", f"standings: {command('wildscav')} leaderboard --db {database}")
+        errors += not_stored
+        errors += [all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)]
+    raise_errors(errors)
+
+
+def show_ratings(tournament: Tournament) -> None:
+    """Print the standings, who cannot be told apart, and who won against whom."""
+    console.print(standings_table(tournament))
+    console.print(f"\n{legend(tournament)}\n", style="dim")
+    if len(tournament.ratings.standings) <= MOST_OPPONENTS:
+        console.print(pairs_table(tournament))
+        console.print()
+
+
+def _show(tournament: Tournament, results: Results) -> None:
+    """Print the ratings, and how the agents used their time."""
+    console.print()
+    show_ratings(tournament)
+    times = timing_table(results)
+    if times.rows:  # there are none if all entrants are robots
+        console.print(times)
+    show_notes(results)
+    console.print()
+    for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
+        say("" if position else "sandbox", line)
+
+
+def _written(results: Results, tournament: Tournament, out: Path, ledger: LedgerWriter) -> Iterator[str]:
+    """Write the results, the ratings and their picture, close the ledger, and yield the errors."""
+    try:
+        tournament.write(out / TOURNAMENT_FILE)
+        if tournament.ratings.standings:
+            draw_standings(tournament.ratings, tournament.title, out / STANDINGS_PICTURE)
+        ledger.close(results, write_results(results, out))
+    except OSError as error:
+        yield f"the results could not be saved: {describe(error)}"
+    except UserError as error:  # raised by the ledger
+        yield str(error)
+
+
+def _say_files(plan: TournamentPlan, ledger: LedgerWriter, results: Results) -> None:
+    """Print where everything is."""
+    say("standings", str(plan.out / TOURNAMENT_FILE))
+    if (plan.out / STANDINGS_PICTURE).exists():
+        say("", f"drawn in {plan.out / STANDINGS_PICTURE}")
+    say("results", str(plan.out / RESULTS_FILE))
+    say_ledger(plan, ledger)
+    rows = [row for one in results.evaluations for row in one.matches]
+    recorded = len({row.record for row in rows if row.record is not None})
+    say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
+    say("", f"check them: {command('wildscav')} rescore {plan.out}")
+    if any(row.logs for row in rows):
+        say("logs", f"{plan.out / LOGS} (what the agents printed)")
+    replays = sorted({row.replay for row in rows if row.replay is not None})
+    if replays:
+        say("replays", f"{plan.out / REPLAYS} ({counted(len(replays), 'match')}), to watch in Rerun")
+        say("", f"watch one: {command('rerun')} {plan.out / replays[0]}")
+
+
+def _stored(
+    tournament: Tournament, results: Results, kept_by: Sequence[ResultSink]
+) -> tuple[list[str], list[str]]:
+    """Store the ratings in the sinks; return lines that say where, and the errors."""
+    stored, errors = [], []
+    for sink in kept_by:
+        try:
+            stored.append(sink.store_tournament(tournament, results))
+        except UserError as error:
+            errors.append(str(error))
+    return stored, errors

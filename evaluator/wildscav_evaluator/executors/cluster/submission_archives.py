@@ -1,0 +1,102 @@
+"""Submissions as archives that travel to nodes: packed once, and unpacked with the same digest.
+
+Unlike archives of competitors (``submissions/archives.py``), these come from this program itself, after it
+has checked the submission.
+"""
+
+import contextlib
+import io
+import tarfile
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav.system import leftovers
+from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.submissions.archives import LARGEST_CONTENT
+from wildscav_evaluator.submissions.submission import IGNORED_FOLDERS, SubmissionError, folder_digest
+
+KEPT = "shipped-submissions"  # the folder in a node's cache
+
+
+def pack(folder: Path) -> bytes:
+    """Return an archive of a submission's folder: what its digest covers, links and empty folders.
+
+    Raises:
+        UserError: Its files are too large to be sent to other machines.
+        OSError: A file cannot be read.
+    """
+    entries = list(_entries(folder))
+    size = sum(path.lstat().st_size for path in entries)
+    if size > LARGEST_CONTENT:
+        raise UserError(
+            f"{folder} has {size >> 20:,} MiB of files, and a cluster gets {LARGEST_CONTENT >> 20:,} MiB of "
+            "each submission at most: build an image of it on every node, and name that as image:NAME"
+        )
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w", format=tarfile.PAX_FORMAT) as archive:
+        for path in entries:
+            archive.add(path, path.relative_to(folder).as_posix(), recursive=False, filter=_anonymous)
+    return buffer.getvalue()
+
+
+def _entries(folder: Path) -> Iterator[Path]:
+    for path in sorted(folder.rglob("*")):
+        if not IGNORED_FOLDERS.intersection(path.relative_to(folder).parts):
+            yield path
+
+
+def _anonymous(entry: tarfile.TarInfo) -> tarfile.TarInfo:
+    """Leave out of an entry who owns it and when it was changed."""
+    entry.uid = entry.gid = 0
+    entry.uname = entry.gname = ""
+    entry.mtime = 0
+    return entry
+
+
+def arrived(archive: bytes, digest: str) -> Path:
+    """Return a folder with the content of an archive, from this machine's cache if it is there unchanged.
+
+    Args:
+        archive: What ``pack`` returned.
+        digest: The digest of the folder that was packed.
+
+    Raises:
+        SubmissionError: The content has another digest.
+        OSError: It cannot be unpacked.
+    """
+    target = cache_folder(KEPT) / digest
+    if not target.is_dir():
+        _unpack_new(archive, target)
+    if _is_intact(target, digest):
+        return target
+    # An agent without a sandbox may have written into the shared copy.
+    own = Path(tempfile.mkdtemp(prefix="submission-", dir=leftovers.own_folder()))
+    _unpack(archive, own)
+    if not _is_intact(own, digest):
+        raise SubmissionError(f"a submission arrived with other content than {digest}")
+    return own
+
+
+def _unpack_new(archive: bytes, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with leftovers.temporary_folder_in(target.parent, "unpacking-") as fresh:
+        _unpack(archive, fresh)
+        with contextlib.suppress(OSError):  # another process was quicker
+            fresh.rename(target)
+
+
+def _unpack(archive: bytes, folder: Path) -> None:
+    folder.chmod(0o755)
+    try:
+        with tarfile.open(fileobj=io.BytesIO(archive)) as file:
+            file.extractall(folder, filter="data")
+    except tarfile.TarError as error:
+        raise SubmissionError(f"a submission could not be unpacked: {error}") from None
+
+
+def _is_intact(folder: Path, digest: str) -> bool:
+    with contextlib.suppress(SubmissionError, OSError):
+        return folder_digest(folder) == digest
+    return False

@@ -1,0 +1,83 @@
+"""Generating many maps at once, on this machine or on a cluster, into this machine's cache of maps."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from wildscav.errors import UserError
+from wildscav_engine.maps.cache import LIMIT, load_cached, packed, size_limit, store_packed
+from wildscav_engine.maps.errors import MapError
+from wildscav_engine.maps.generate import generate_map
+from wildscav_engine.maps.pools import Level, MapPool, Split, random_maps
+from wildscav_engine.specs.map_spec import MapSpec
+from wildscav_evaluator.executors import Executor
+from wildscav_evaluator.suites.suite import Suite
+
+Choices = tuple[MapSpec, ...]  # specs to try in turn; the first that can be generated is the map
+
+
+class MadeMap(NamedTuple):
+    """A map that was generated somewhere."""
+
+    spec: MapSpec
+    content: bytes  # as the cache keeps it; empty if it could not be generated
+    error: str = ""  # why it could not be generated
+
+
+def choices_of_pool(level: Level, split: Split, seed: int, count: int) -> list[Choices]:
+    """Return the maps of a pool for training or testing, as ``random_maps`` returns it."""
+    pool: MapPool = random_maps(level, split, seed, count)
+    return [pool.specs(number) for number in range(count)]
+
+
+def choices_of_suite(suite: Suite, tracks: Sequence[str], seed: int) -> list[Choices]:
+    """Return the maps of a suite's matches, each once; of all tracks if none is named.
+
+    Raises:
+        UserError: The suite does not have a track.
+    """
+    for track in tracks:
+        if track not in suite.tracks:
+            raise UserError(
+                f"suite {suite.name} has no track {track}; its tracks are {', '.join(suite.tracks)}",
+                exit_code=2,
+            )
+    specs = dict.fromkeys(
+        match.map for track in tracks or suite.tracks for match in suite.matches(track, seed)
+    )
+    return [(spec,) for spec in specs]
+
+
+def missing_maps(choices: Iterable[Choices]) -> list[Choices]:
+    """Return the maps that are not in this machine's cache."""
+    return [specs for specs in choices if not any(load_cached(spec) is not None for spec in specs)]
+
+
+def make_maps(choices: Iterable[Choices], executor: Executor) -> Iterator[MadeMap]:
+    """Generate maps, put each into this machine's cache, and yield them in their order.
+
+    Raises:
+        UserError: One cannot be generated, or they do not all fit into the cache.
+    """
+    limit, taken = size_limit(), 0
+    for made in executor.map(make_map, choices):
+        if made.error:
+            raise UserError(f"map with seed {made.spec.seed}: {made.error}", exit_code=2)
+        taken += len(made.content)
+        if taken > limit:
+            raise UserError(
+                f"the maps take more than {limit // 1_000_000:,} MB, which is all that the cache keeps: set "
+                f"{LIMIT} to more megabytes, for this command and for those that use the maps"
+            )
+        store_packed(made.spec, made.content)
+        yield made
+
+
+def make_map(specs: Choices) -> MadeMap:
+    """Generate the first map that can be generated. This may run on another machine."""
+    error = ""
+    for spec in specs:
+        try:
+            return MadeMap(spec, packed(generate_map(spec.config, spec.seed)))
+        except MapError as reason:
+            error = str(reason)
+    return MadeMap(specs[-1], b"", error)

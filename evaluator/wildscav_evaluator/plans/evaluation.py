@@ -1,0 +1,146 @@
+"""Evaluations: the jobs for all submissions and tracks, and the results that they add up to."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.output import results
+from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
+from wildscav_evaluator.output.results import metric_infos
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.plans.plan import Plan
+from wildscav_evaluator.scores.score import summary
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.rounds import matches_in_rounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluationPlan(Plan):
+    """The plan of an evaluation: every submission plays the same suite, by itself."""
+
+    tracks: tuple[str, ...]  # a submission plays those that its manifest names
+
+    @property
+    def title(self) -> str:
+        """A short description of what is evaluated."""
+        return f"suite {self.suite.label} · seed {self.seed.label} · sandbox {self.sandbox}"
+
+    def entries(self) -> Iterator[tuple[str, Submission]]:
+        """Yield every track with every submission that plays it."""
+        for track in self.tracks:
+            for submission in self.submissions:
+                if track in submission.manifest.tracks:
+                    yield track, submission
+
+    def matches(self, track: str) -> tuple[MatchSpec, ...]:
+        """Return the matches that every submission plays on a track."""
+        return matches_in_rounds(self.suite, track, self.seed.value, self.rounds)
+
+    def make_jobs(self) -> list[Job]:
+        """Return the matches to play, sorted by map, so that a map is rarely generated twice.
+
+        Raises:
+            UserError: Two submissions have the same name.
+        """
+        check_names(self.submissions)
+        evaluation = self.identity().digest
+        jobs = []
+        for track in self.tracks:
+            playing = [submission for on, submission in self.entries() if on == track]
+            for index, spec in enumerate(self.matches(track)):
+                jobs += [self._job(one, track, index, spec, evaluation) for one in playing]
+        return jobs
+
+    def _job(self, submission: Submission, track: str, index: int, spec: MatchSpec, evaluation: str) -> Job:
+        return Job.of_one(
+            submission,
+            track,
+            index,
+            spec,
+            self.out,
+            replay=self.replays == "all" or (self.replays == "first" and index == 0),
+            evaluation=evaluation,
+            sandbox=self.sandbox,
+            limits=self.limits(track),
+        )
+
+    def identity(self) -> Identity:
+        """Return everything that the results depend on."""
+        specs = [spec for track in self.tracks for spec in self.matches(track)]
+        return Identity(
+            versions=CURRENT_VERSIONS,
+            suite=self.suite.label,
+            seed=self.seed.label,
+            commitment=self.seed.commitment,
+            rounds=self.rounds,
+            tracks=self.tracks,
+            matches=digest_of(specs),
+            submissions=tuple(
+                Entrant(
+                    name=one.name,
+                    version=one.manifest.version,
+                    digest=one.digest,
+                    tracks=tuple(track for track in self.tracks if track in one.manifest.tracks),
+                )
+                for one in self.submissions
+            ),
+            sandbox=self.sandbox,
+            limits=self.kept_limits(self.tracks),
+            key=self.public_key,
+        )
+
+    def collect(self, done: Iterable[JobResult]) -> results.Results:
+        """Return the results of all matches; the order in which they were played does not matter."""
+        # In the order of the suite.
+        done = sorted(done, key=lambda one: (one.job.track, str(one.job.evaluated), one.job.index))
+        return results.Results(
+            versions=CURRENT_VERSIONS,
+            suite=self.suite.label,
+            seed=None if self.seed.commitment else self.seed.value,
+            commitment=self.seed.commitment,
+            rounds=self.rounds,
+            sandbox=self.sandbox,
+            limits=self.kept_limits(self.tracks),
+            key=self.public_key,
+            evaluations=tuple(self._evaluation(track, one, done) for track, one in self.entries()),
+            timings=self.timings(done),
+        )
+
+    def _evaluation(
+        self, track: str, submission: Submission, done: Iterable[JobResult]
+    ) -> results.Evaluation:
+        rows = tuple(
+            result.row
+            for result in done
+            if result.job.track == track and result.job.evaluated == submission.name
+        )
+        metrics = metric_infos(track, self.matches(track)[0].metrics)
+        return results.Evaluation(
+            submission=submission.name,
+            version=submission.manifest.version,
+            digest=submission.digest,
+            track=track,
+            metrics=metrics,
+            matches=rows,
+            summary=summary(metrics, rows),
+        )
+
+
+def check_names(submissions: Iterable[Submission]) -> None:
+    """Refuse two submissions with one name, because their records and results could not be distinguished.
+
+    Raises:
+        UserError: Two have the same name.
+    """
+    folders: dict[str, Path] = {}
+    for submission in submissions:
+        if submission.name in folders:
+            raise UserError(
+                f"two submissions are called {submission.name!r}: {folders[submission.name]} and "
+                f"{submission.folder}; change the name in one submission.toml, or evaluate them one by one",
+                exit_code=2,
+            )
+        folders[submission.name] = submission.folder

@@ -1,0 +1,98 @@
+"""What the plans of evaluations and of tournaments share."""
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Self
+
+from wildscav_evaluator.ledger.keys import SigningKey
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.output.identity import Identity
+from wildscav_evaluator.output.numbered_folders import own_folder
+from wildscav_evaluator.output.results import KeptLimits, MatchTiming, Results, Timings
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite import Suite
+
+REPLAY_CHOICES = ("none", "first", "all")
+KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox without isolation enforces
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan(ABC):
+    """Everything that defines a run of matches: what is played, where, and into which folder."""
+
+    submissions: tuple[Submission, ...]
+    suite: Suite
+    seed: SuiteSeed
+    replays: str  # one of REPLAY_CHOICES
+    jobs: int  # matches at once
+    out: Path
+    fresh: bool = False  # whether another evaluation in the output folder is removed
+    rounds: int = 1
+    sandbox: str = "process"  # the name of the sandbox in which agents run
+    key: SigningKey | None = None  # the key that signs the ledger
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """A short description of what is played."""
+
+    @abstractmethod
+    def identity(self) -> Identity:
+        """Return everything that the results depend on."""
+
+    @abstractmethod
+    def make_jobs(self) -> list[Job]:
+        """Return the matches to play, sorted by map, so that a map is rarely generated twice.
+
+        Raises:
+            UserError: The matches cannot be played.
+        """
+
+    @abstractmethod
+    def collect(self, done: Iterable[JobResult]) -> Results:
+        """Return the results of all matches; the order in which they were played does not matter."""
+
+    @property
+    def public_key(self) -> str | None:
+        """The public half of the key, 64 hexadecimal digits."""
+        return None if self.key is None else self.key.public
+
+    def in_own_folder(self) -> Self:
+        """Return this plan with a numbered output folder inside its output folder."""
+        return replace(self, out=own_folder(self.out, self.identity(), fresh=self.fresh))
+
+    def limits(self, track: str) -> Limits:
+        """Return the limits of an agent on a track."""
+        return self.suite.limits.get(track, DEFAULT_LIMITS)
+
+    def kept_limits(self, tracks: Iterable[str]) -> dict[str, KeptLimits]:
+        """Return the limits that the sandbox enforces, by track."""
+        kept = None if SANDBOXES[self.sandbox].isolated else KEPT_ANYWHERE
+        return {track: KeptLimits(**self.limits(track).model_dump(include=kept)) for track in tracks}
+
+    def timings(self, done: Iterable[JobResult]) -> Timings:
+        """Return the timings of matches, in the order in which they are given."""
+        matches = [result.timing for result in done if result.timing is not None]
+        first = min((timing.started for timing in matches), default=time.time())
+        return Timings(
+            started=datetime.fromtimestamp(first, UTC).isoformat(timespec="seconds"),
+            wall=_covered(matches),
+            jobs=self.jobs,
+            matches=tuple(matches),
+        )
+
+
+def _covered(matches: Sequence[MatchTiming]) -> float:
+    """Return the total time during which a match was played, s; overlaps count once."""
+    total, until = 0.0, 0.0
+    for start, end in sorted((one.started, one.started + one.wall) for one in matches):
+        total += max(0.0, end - max(start, until))
+        until = max(until, end)
+    return total

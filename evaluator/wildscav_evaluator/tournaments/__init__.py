@@ -1,0 +1,1 @@
+"""Tournaments: matches in which submissions play against and with each other."""

@@ -1,0 +1,109 @@
+"""The file of a tournament: its ratings, which follow from its results."""
+
+import contextlib
+from pathlib import Path
+from typing import Literal
+
+from wildscav.terminal.console import counted
+from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
+from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results, Summary
+from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.ratings.standings import Standings, rate
+from wildscav_evaluator.tournaments.rated_matches import placing_metric, rated_matches
+
+
+class Entry(FileModel):
+    """An entrant of a tournament."""
+
+    name: str
+    version: str
+    digest: str  # of its files; empty for a robot
+    faults: int  # matches in which something went wrong
+    score: Summary | None  # over its matches; None if none was played
+
+
+class Tournament(FileModel):
+    """The ratings of a tournament."""
+
+    format: Literal[1] = 1
+    versions: Versions  # with which it was played
+    track: str
+    suite: str
+    seed: str  # or the beginning of the commitment, if it is hidden
+    rounds: int
+    settings: TournamentSettings
+    sandbox: str  # in which agents ran
+    limits: KeptLimits  # of each agent in it
+    placed_by: MetricInfo  # the metric by which the teams of a match are placed
+    matches: int  # with a result
+    failed: int  # without one, by the platform's fault
+    score: MetricInfo  # the metric that evaluations of single submissions rank by
+    entrants: tuple[Entry, ...]  # by name
+    ratings: Standings
+
+    @property
+    def title(self) -> str:
+        """A short description of what was played."""
+        size = f"{counted(len(self.ratings.standings), 'entrant')} · {counted(self.matches, 'match')}"
+        return f"{self.track} · {size} · suite {self.suite} · seed {self.seed}"
+
+
+def tournament_of(results: Results) -> Tournament:
+    """Return the ratings that follow from the results of a tournament.
+
+    Raises:
+        ValueError: They are not those of a tournament, or not of one that can be rated.
+    """
+    settings, evaluations = results.tournament, results.evaluations
+    if settings is None or not evaluations or len(results.tracks) != 1:
+        raise ValueError("the results are not those of a tournament on one track")
+    rated = list(rated_matches(results, settings.repeats))
+    indices = {row.index for one in evaluations for row in one.matches}
+    return Tournament(
+        versions=results.versions,
+        track=evaluations[0].track,
+        suite=results.suite,
+        seed=results.seed_label,
+        rounds=results.rounds,
+        settings=settings,
+        sandbox=results.sandbox,
+        limits=results.limits.get(evaluations[0].track, KeptLimits()),
+        placed_by=placing_metric(evaluations[0].metrics),
+        matches=len(rated),
+        failed=len(indices) - len(rated),
+        score=evaluations[0].metrics[0],
+        entrants=tuple(_entry(one) for one in evaluations),
+        ratings=rate(rated),
+    )
+
+
+def _entry(evaluation: Evaluation) -> Entry:
+    return Entry(
+        name=evaluation.submission,
+        version=evaluation.version,
+        digest=evaluation.digest,
+        faults=evaluation.faults,
+        score=evaluation.score,
+    )
+
+
+def check_tournament(out: Path, results: Results) -> str:
+    """Return why a folder's ratings do not follow from its results; an empty text if they do.
+
+    Args:
+        out: The folder; it may have no ratings.
+        results: The results in it, or those that follow from its records.
+    """
+    path = out / TOURNAMENT_FILE
+    try:
+        reported = Tournament.read(path)
+    except FileNotFoundError:
+        return "" if results.tournament is None else f"there is no {path}: the ratings are missing"
+    except FileModelError as error:
+        return f"{path} is not the file of a tournament: {error}"
+    with contextlib.suppress(KeyError, ValueError):  # raised if the results cannot be rated
+        if reported == tournament_of(results):
+            return ""
+    return f"the ratings in {TOURNAMENT_FILE} are not those that the results in {RESULTS_FILE} give"

@@ -1,0 +1,172 @@
+"""What every route gets from its request: the season, the database, the time, and who asks.
+
+A program shows a token in the header ``Authorization: Bearer …``. A browser has a cookie, and each of its
+forms carries a token as well, so that no other site can send them (cross-site request forgery).
+"""
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from secrets import compare_digest
+from typing import Annotated
+
+from fastapi import Depends, Request
+from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.accounts.models import Token
+from wildscav_leaderboard.accounts.service import (
+    Caller,
+    caller_of_cookie,
+    caller_of_token,
+    is_use_to_be_noted,
+)
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import ForbiddenError, UnknownCallerError
+
+COOKIE, SECURE_COOKIE = "wildscav", "__Host-wildscav"  # the second where there is TLS
+
+bearer = HTTPBearer(
+    auto_error=False, description="A token from `wildscav login`, or from the account's page."
+)
+
+
+async def season_of(request: Request) -> Season:
+    """Return the season that is served."""
+    season: Season = request.app.state.season
+    return season
+
+
+async def database_of(request: Request) -> Database:
+    """Return the season's database."""
+    database: Database = request.app.state.database
+    return database
+
+
+async def present() -> datetime:
+    """Return the time."""
+    return datetime.now(UTC)
+
+
+def reading(database: Annotated[Database, Depends(database_of)]) -> Iterator[Session]:
+    """Yield a session that reads."""
+    with database.reading() as session:
+        yield session
+
+
+CurrentSeason = Annotated[Season, Depends(season_of)]
+CurrentDatabase = Annotated[Database, Depends(database_of)]
+Now = Annotated[datetime, Depends(present)]
+Reading = Annotated[Session, Depends(reading)]
+Bearer = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
+
+
+def program(database: CurrentDatabase, now: Now, given: Bearer) -> Caller | None:
+    """Return who asks by a token; None if none was given.
+
+    Raises:
+        UnknownCallerError: The token is nobody's.
+    """
+    if given is None:
+        return None
+    with database.reading() as session:
+        caller, token = caller_of_token(session, given.credentials)
+    if is_use_to_be_noted(token, now):
+        with database.writing() as session:
+            session.get_one(Token, token.id).used = now
+    return caller
+
+
+AnyProgram = Annotated[Caller | None, Depends(program)]
+
+
+def known_program(caller: AnyProgram) -> Caller:
+    """Return who asks.
+
+    Raises:
+        UnknownCallerError: No token was given.
+    """
+    if caller is None:
+        raise UnknownCallerError("log in first: `wildscav login URL` gets a token")
+    return caller
+
+
+KnownProgram = Annotated[Caller, Depends(known_program)]
+
+
+def organizing_program(caller: KnownProgram) -> Caller:
+    """Return the organizer who asks.
+
+    Raises:
+        ForbiddenError: It is not an organizer.
+    """
+    return check_organizer(caller)
+
+
+OrganizingProgram = Annotated[Caller, Depends(organizing_program)]
+
+
+def browser(request: Request, database: CurrentDatabase, now: Now) -> Caller | None:
+    """Return who is logged in with this browser; None if nobody is."""
+    cookie = request.cookies.get(cookie_name(request))
+    if cookie is None:
+        return None
+    with database.reading() as session:
+        caller = caller_of_cookie(session, cookie, now)
+    request.state.caller = caller  # for the page that says what went wrong
+    return caller
+
+
+AnyBrowser = Annotated[Caller | None, Depends(browser)]
+
+
+def known_browser(caller: AnyBrowser) -> Caller:
+    """Return who is logged in.
+
+    Raises:
+        UnknownCallerError: Nobody is.
+    """
+    if caller is None:
+        raise UnknownCallerError("log in first")
+    return caller
+
+
+KnownBrowser = Annotated[Caller, Depends(known_browser)]
+
+
+def organizing_browser(caller: KnownBrowser) -> Caller:
+    """Return the organizer who is logged in.
+
+    Raises:
+        ForbiddenError: It is not an organizer.
+    """
+    return check_organizer(caller)
+
+
+OrganizingBrowser = Annotated[Caller, Depends(organizing_browser)]
+
+
+def check_organizer(caller: Caller) -> Caller:
+    """Return a caller who may do privileged acts.
+
+    Raises:
+        ForbiddenError: They may not.
+    """
+    if not caller.is_organizer:
+        raise ForbiddenError("only organizers may do this")
+    return caller
+
+
+def check_form(caller: Caller, csrf: str) -> None:
+    """Check that a form was made by our own page for whoever sends it.
+
+    Raises:
+        ForbiddenError: It was not.
+    """
+    if caller.csrf is None or not compare_digest(caller.csrf.encode(), csrf.encode("utf-8", "replace")):
+        raise ForbiddenError("this form is from another session: load the page again")
+
+
+def cookie_name(request: Request) -> str:
+    """Return the name of the cookie, which browsers bind to TLS where there is TLS."""
+    return SECURE_COOKIE if request.url.scheme == "https" else COOKIE

@@ -1,0 +1,73 @@
+"""Uploads of archives: written to disk piece by piece, so that they take no memory, whatever their size."""
+
+import tempfile
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from datetime import datetime
+from pathlib import Path
+
+import anyio
+from fastapi import Request
+
+from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import TooLargeError
+from wildscav_leaderboard.submissions.archives import check_archive, checked_suffix, store_archive
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import check_accepting, hand_in
+from wildscav_leaderboard.teams.service import own_team
+
+NAME = "submission"
+READ = 2  # times the largest archive; of whatever is larger, no more than that is read
+
+
+@asynccontextmanager
+async def uploaded(request: Request, season: Season, suffix: str) -> AsyncIterator[Path]:
+    """Yield the path of a request's body, in a folder of its own that is removed afterwards.
+
+    Raises:
+        TooLargeError: It is larger than the season allows. It is read to its end, without being written, if
+            that is near, because a browser that is still sending does not see the answer.
+        InvalidError: The suffix is of no kind of archive.
+    """
+    largest = season.settings.quotas.archive << 20
+    season.files.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="upload-", dir=season.files) as folder:
+        path = Path(folder) / f"{NAME}{checked_suffix(suffix)}"
+        size = 0
+        async with await anyio.open_file(path, "wb") as file:
+            async for piece in request.stream():
+                size += len(piece)
+                if size <= largest:
+                    await file.write(piece)
+                elif size > READ * largest:
+                    break
+        if size > largest:
+            raise TooLargeError(f"the archive is larger than {season.settings.quotas.archive} MiB")
+        yield path
+
+
+def check_upload_wanted(database: Database, season: Season, account: Account, now: datetime) -> None:
+    """Check that an account may hand in a submission now, before it is uploaded.
+
+    Raises:
+        RefusalError: It may not.
+    """
+    with database.reading() as session:
+        check_accepting(session, season, own_team(session, account), now)
+
+
+def take_upload(
+    database: Database, season: Season, account: Account, path: Path, message: str, now: datetime
+) -> Submission:
+    """Check an uploaded archive, keep it, and enter the submission.
+
+    Raises:
+        RefusalError: It is not valid, or not accepted now.
+    """
+    archive = check_archive(path, season)
+    store_archive(archive, season)
+    with database.writing() as session:
+        team = own_team(session, account)
+        return hand_in(session, season, team, account, archive, message, now)

@@ -1,0 +1,44 @@
+"""Passwords: stored as argon2 hashes. Checking one takes a while on purpose, so never in a transaction."""
+
+from functools import cache
+
+from pwdlib import PasswordHash
+from pwdlib.exceptions import UnknownHashError
+from pwdlib.hashers.argon2 import Argon2Hasher
+
+from wildscav_leaderboard.seasons.refusals import InvalidError
+
+SHORTEST, LONGEST = 10, 200  # characters
+
+
+@cache
+def _hasher() -> PasswordHash:
+    return PasswordHash((Argon2Hasher(),))
+
+
+@cache
+def _nobody() -> str:
+    """Return the hash that is checked for an unknown name, so that its answer takes as long as others."""
+    return _hasher().hash("nobody's password")
+
+
+def hashed(password: str) -> str:
+    """Return the hash of a new password.
+
+    Raises:
+        InvalidError: It is too short or too long.
+    """
+    if not SHORTEST <= len(password) <= LONGEST:
+        raise InvalidError(f"a password must have {SHORTEST} to {LONGEST} characters, not {len(password)}")
+    return _hasher().hash(password)
+
+
+def matches(password: str, stored: str | None) -> bool:
+    """Return whether a password is the one whose hash is stored; it never is if None is stored."""
+    if len(password) > LONGEST:
+        return False
+    try:
+        right = _hasher().verify(password, stored or _nobody())
+    except UnknownHashError:
+        return False
+    return right and stored is not None

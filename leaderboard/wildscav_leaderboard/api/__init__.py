@@ -1,0 +1,1 @@
+"""The REST API: its routes and the documents that it answers with."""

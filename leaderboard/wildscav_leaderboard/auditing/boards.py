@@ -1,0 +1,185 @@
+"""The boards that follow from matches: computed anew, and compared with those that are published."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from wildscav_evaluator.output.results import MetricInfo, metric_infos
+from wildscav_evaluator.ratings.ladder import Ladder, Skill
+from wildscav_evaluator.seats import robot_entrant
+from wildscav_leaderboard.auditing.report import Finding, of_row, wrong_value
+from wildscav_leaderboard.boards.conditions import digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, SuiteBoard
+from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
+from wildscav_leaderboard.boards.ladders import rated_match
+from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
+from wildscav_leaderboard.publishing.documents import (
+    BoardFile,
+    PublishedMatch,
+    PublishedSeason,
+    PublishedSubmission,
+    PublishedTrack,
+)
+
+
+def computed_board(
+    track: PublishedTrack, published: BoardDocument, file: BoardFile, matches: Sequence[PublishedMatch]
+) -> BoardDocument:
+    """Return the board that follows from matches.
+
+    Args:
+        track: What is played.
+        published: The published board, the source of its conditions and of who takes part.
+        file: The board's file, the source of the submissions' names.
+        matches: Those that count, with the metrics that they really have.
+    """
+    arrived = [match.at for match in matches if match.at is not None]
+    updated = max([published.updated, *arrived])
+    numbers = set(published.entered)
+    entered = [one for one in file.submissions if one.id in numbers]
+    metrics = _metrics(track.name, published.metrics)
+    if isinstance(published, LadderBoard):
+        return _ladder(track, published, entered, matches).model_copy(update={"updated": updated})
+    played: dict[int, list[PublishedMatch]] = {}
+    for match in matches:
+        if match.submission is not None and match.metrics is not None:
+            played.setdefault(match.submission, []).append(match)
+    results = [_suite_results(track, one, played.get(one.id, ())) for one in entered]
+    return suite_board(track.name, published.conditions, metrics, results, updated)
+
+
+def _metrics(track: str, published: Sequence[MetricInfo]) -> tuple[MetricInfo, ...]:
+    """Return the descriptions of a track's metrics, and of those that its matches request in addition."""
+    own = {metric.name for metric in metric_infos(track)}
+    return metric_infos(track, [metric.name for metric in published if metric.name not in own])
+
+
+def _suite_results(
+    track: PublishedTrack, one: PublishedSubmission, played: Sequence[PublishedMatch]
+) -> SuiteResults:
+    return SuiteResults(
+        submission=one.id,
+        name=one.name,
+        version=one.version,
+        team=one.team,
+        team_title=one.team_title,
+        since=one.created,
+        planned=track.planned,
+        faults=sum(any(seat.fault is not None for seat in match.seats) for match in played),
+        metrics={match.number: match.metrics for match in played if match.metrics is not None},
+    )
+
+
+def _ladder(
+    track: PublishedTrack,
+    published: LadderBoard,
+    entered: Sequence[PublishedSubmission],
+    matches: Sequence[PublishedMatch],
+) -> LadderBoard:
+    own = digest_of(published.conditions)
+    counted = [match for match in matches if match.void is None and match.conditions == own]
+    running = Ladder()
+    places: dict[str, list[int]] = {}
+    wins: dict[str, int] = {}
+    faults: dict[str, int] = {}
+    for match in counted:
+        seats = sorted(match.seats, key=lambda seat: seat.seat)
+        rated = rated_match(match.id, track.name, [(seat.entrant, seat.metrics) for seat in seats])
+        running.apply(rated)
+        for seat, place in zip(seats, rated.places, strict=True):
+            places.setdefault(seat.entrant, []).append(place)
+            wins[seat.entrant] = wins.get(seat.entrant, 0) + (place == 1 and rated.places.count(1) == 1)
+            faults[seat.entrant] = faults.get(seat.entrant, 0) + (seat.fault is not None)
+
+    def results(entrant: str, **others: Any) -> LadderResults:
+        return LadderResults(
+            planned=track.planned,
+            faults=faults.get(entrant, 0),
+            skill=running.skills.get(entrant, Skill()),
+            places=tuple(places.get(entrant, ())),
+            wins=wins.get(entrant, 0),
+            **others,
+        )
+
+    found = [
+        results(
+            one.entrant,
+            submission=one.id,
+            name=one.name,
+            version=one.version,
+            team=one.team,
+            team_title=one.team_title,
+            since=one.created,
+        )
+        for one in entered
+    ]
+    found += [
+        results(
+            robot_entrant(robot),
+            submission=None,
+            name=robot,
+            version="",
+            team="",
+            team_title="",
+            since=None,
+        )
+        for robot in track.robots
+    ]
+    conditions, metrics = published.conditions, metric_infos(track.name)
+    return ladder_board(track.name, conditions, metrics, found, len(counted), published.updated)
+
+
+def differences(published: BoardDocument, computed: BoardDocument) -> Iterator[Finding]:
+    """Yield every field in which a published board differs from the one that follows from the matches."""
+    whole, right = published.model_dump(mode="json"), computed.model_dump(mode="json")
+    del whole["rows"], right["rows"]
+    for name, value, expected in _differing("", whole, right):
+        yield wrong_value(name, value, expected)
+    order = [_key(row) for row in published.rows]
+    right_order = [_key(row) for row in computed.rows]
+    expected_rows = dict(zip(right_order, computed.rows, strict=True))
+    for key, row in zip(order, published.rows, strict=True):
+        if key not in expected_rows:
+            yield Finding("has a row, and should have none", **of_row(row))
+            continue
+        pair = row.model_dump(mode="json"), expected_rows[key].model_dump(mode="json")
+        for name, value, expected in _differing("", *pair):
+            yield wrong_value(name, value, expected, **of_row(row))
+    for key, expected_row in expected_rows.items():
+        if key not in order:
+            yield Finding("has no row, and should have one", **of_row(expected_row))
+    if order != right_order and sorted(order) == sorted(right_order):
+        yield Finding(f"the rows are in the order {', '.join(order)}, must be in {', '.join(right_order)}")
+
+
+def _key(row: Any) -> str:
+    return str(row.team or f"robot:{row.name}")
+
+
+def _differing(name: str, published: Any, expected: Any) -> Iterator[tuple[str, Any, Any]]:
+    """Yield the path of every value that differs, with what it is and what it must be."""
+    if isinstance(published, Mapping) and isinstance(expected, Mapping):
+        for key in {**published, **expected}:
+            path = f"{name}.{key}" if name else str(key)
+            yield from _differing(path, published.get(key), expected.get(key))
+    elif isinstance(published, list) and isinstance(expected, list) and len(published) == len(expected):
+        for index, (one, other) in enumerate(zip(published, expected, strict=True)):
+            yield from _differing(f"{name}.{index}", one, other)
+    elif published != expected or type(published) is not type(expected):
+        yield name, published, expected
+
+
+def wrong_conditions(
+    board: BoardDocument, track: PublishedTrack, season: PublishedSeason
+) -> Iterator[Finding]:
+    """Yield in what the conditions of a board are not those of the season."""
+    if board.track != track.name:
+        yield wrong_value("track", board.track, track.name)
+    if board.mode != track.mode:
+        yield wrong_value("mode", board.mode, track.mode)
+    commitment = season.secret_of(board.conditions.commitment).commitment
+    for name, expected in (("suite", track.suite), ("commitment", commitment)):
+        found = getattr(board.conditions, name)
+        if found != expected:
+            yield wrong_value(f"conditions.{name}", found, expected)
+    if isinstance(board, SuiteBoard) and board.conditions.rounds != track.rounds:
+        yield wrong_value("conditions.rounds", board.conditions.rounds, track.rounds)

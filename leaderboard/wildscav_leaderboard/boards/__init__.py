@@ -1,0 +1,1 @@
+"""Boards: who leads on each track, by how much, and how it came about."""

@@ -1,0 +1,96 @@
+"""The documents of boards, which pages, the API and the audit share."""
+
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from wildscav_evaluator.output.results import KeptLimits, MetricInfo, Summary
+from wildscav_evaluator.output.versions import Versions
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Conditions(_Part):
+    """What results depend on besides the submissions. Only results with equal conditions share a board."""
+
+    versions: Versions
+    suite: str
+    rounds: int
+    commitment: str  # SHA-256 of the secret from which the matches follow
+    sandbox: str
+    limits: KeptLimits
+
+
+class Row(_Part):
+    """A team's place on a board, with its best submission there."""
+
+    rank: int | None  # the best that it may have; None until it can be ranked
+    last_rank: int | None  # the worst that it may have
+    team: str  # name
+    team_title: str
+    submission: int | None  # None for a robot
+    name: str  # of the submission, or of the robot
+    version: str
+    matches: int  # played
+    planned: int  # in all
+    faults: int  # matches in which something went wrong in a seat of its own
+    since: datetime | None  # when the submission was handed in
+
+    @property
+    def ranks(self) -> str:
+        """The ranks that it may have, such as "1–3" or "4"; empty until it can be ranked."""
+        if self.rank is None:
+            return ""
+        return str(self.rank) if self.rank == self.last_rank else f"{self.rank}–{self.last_rank}"
+
+
+class SuiteRow(Row):
+    """A place on the board of a suite."""
+
+    metrics: dict[str, Summary]  # by name; the first of the board's metrics is the score
+
+
+class LadderRow(Row):
+    """A place on the board of a ladder."""
+
+    rating: float  # on the scale of Elo; 1500 for a new entrant
+    deviation: float  # standard deviation of the rating
+    low: float  # of the rating's 95 % interval
+    high: float
+    wins: int  # matches in which it was first, alone
+    mean_place: float | None
+    mu: float  # on OpenSkill's scale, from which the ladder goes on
+    sigma: float
+
+
+class SuiteBoard(_Part):
+    """The board of a track on which every submission plays the same suite."""
+
+    mode: Literal["suite"] = "suite"
+    format: Literal[1] = 1
+    track: str
+    conditions: Conditions
+    updated: datetime  # when the last result that counts arrived
+    metrics: tuple[MetricInfo, ...]  # the first is the score
+    entered: tuple[int, ...] = ()  # the submissions that take part; each team's best one has a row
+    rows: tuple[SuiteRow, ...]  # the best first; those that cannot be ranked yet come last
+
+
+class LadderBoard(_Part):
+    """The board of a track on which submissions meet each other."""
+
+    mode: Literal["ladder"] = "ladder"
+    format: Literal[1] = 1
+    track: str
+    conditions: Conditions
+    updated: datetime
+    applied: int  # matches under these conditions that the ratings come from: the first ones that were made
+    metrics: tuple[MetricInfo, ...]  # by which the entrants of a match are placed, and the others
+    entered: tuple[int, ...] = ()  # the submissions that take part; each team's best one has a row
+    rows: tuple[LadderRow, ...]  # the highest rating first
+
+
+BoardDocument = Annotated[SuiteBoard | LadderBoard, Field(discriminator="mode")]

@@ -1,0 +1,56 @@
+"""Boards that were read: each is parsed once, and kept by the database until it changes."""
+
+from datetime import datetime
+from functools import cached_property
+
+from pydantic import TypeAdapter
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.boards.documents import BoardDocument
+from wildscav_leaderboard.boards.models import PUBLIC, Board
+from wildscav_leaderboard.database.connection import KEPT
+
+DOCUMENT: TypeAdapter[BoardDocument] = TypeAdapter(BoardDocument)
+
+
+class KeptBoard:
+    """A board as it was at some time.
+
+    Args:
+        document: The board.
+        updated: When it was stored; no other board of its track and audience was stored then.
+    """
+
+    def __init__(self, document: BoardDocument, updated: datetime) -> None:
+        self.document, self.updated = document, updated
+
+    @cached_property
+    def json(self) -> bytes:
+        """The board as JSON."""
+        return DOCUMENT.dump_json(self.document)
+
+
+def board_updated(session: Session, track: str, audience: str = PUBLIC) -> datetime | None:
+    """Return when the board of a track changed last; None if there are no results yet."""
+    wanted = select(Board.updated).where(Board.track == track, Board.audience == audience)
+    return session.scalars(wanted).one_or_none()
+
+
+def kept_board(session: Session, track: str, audience: str = PUBLIC) -> KeptBoard | None:
+    """Return the board of a track; None if there are no results yet."""
+    updated = board_updated(session, track, audience)
+    if updated is None:
+        return None
+    kept = session.info.get(KEPT, {})  # a session that writes keeps nothing: it may be undone
+    found: KeptBoard | None = kept.get((Board, track, audience))
+    if found is None or found.updated != updated:
+        document = session.scalars(select(Board.document).filter_by(track=track, audience=audience)).one()
+        found = kept[Board, track, audience] = KeptBoard(DOCUMENT.validate_python(document), updated)
+    return found
+
+
+def read_board(session: Session, track: str, audience: str = PUBLIC) -> BoardDocument | None:
+    """Return the board of a track; None if there are no results yet."""
+    found = kept_board(session, track, audience)
+    return None if found is None else found.document

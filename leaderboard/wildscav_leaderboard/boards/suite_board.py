@@ -1,0 +1,132 @@
+"""The board of a suite: every submission plays the same matches on hidden seeds.
+
+A team stands on it with the submission that has the best mean score, among those that have played all their
+matches. Ranks come from the differences match by match, since all play the same ones.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from functools import lru_cache
+
+import numpy as np
+
+from wildscav_evaluator.output.results import MetricInfo, Summary
+from wildscav_evaluator.scores.score import mean_of, summarize
+from wildscav_leaderboard.boards.documents import Conditions, SuiteBoard, SuiteRow
+from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
+
+
+@dataclass(frozen=True)
+class SuiteResults:
+    """What is known of a submission on a track."""
+
+    submission: int
+    name: str
+    version: str
+    team: str
+    team_title: str
+    since: datetime
+    planned: int  # matches
+    faults: int
+    metrics: dict[int, dict[str, float]]  # of each match that was played, by its number in the suite
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all matches were played."""
+        return 0 < self.planned == len(self.metrics)
+
+    def values(self, metric: str) -> list[float]:
+        """Return a metric in every match, in the order of the suite."""
+        return [self.metrics[number][metric] for number in sorted(self.metrics)]
+
+
+def suite_board(
+    track: str,
+    conditions: Conditions,
+    metrics: tuple[MetricInfo, ...],
+    results: Sequence[SuiteResults],
+    updated: datetime,
+) -> SuiteBoard:
+    """Return the board that follows from the results of all active submissions.
+
+    Args:
+        track: The track.
+        conditions: Under which they were played.
+        metrics: Of the track; the first is the score.
+        results: Of the submissions.
+        updated: When the last result arrived.
+    """
+    score = metrics[0]
+    sign = 1.0 if score.lower_is_better else -1.0
+
+    def key(one: SuiteResults) -> tuple[float, int]:
+        return sign * mean_of(one.values(score.name)), one.submission
+
+    ranked = _best_of_teams(sorted((one for one in results if one.is_complete), key=key))
+    teams = {one.team for one in ranked}
+    waiting = sorted((one for one in results if one.team not in teams), key=lambda one: one.submission)
+    ranges = _ranges(ranked, score)
+    rows = [
+        *(_row(one, *ranks, metrics) for one, ranks in zip(ranked, ranges, strict=True)),
+        *(_row(one, None, None, metrics) for one in _last_of_teams(waiting)),
+    ]
+    return SuiteBoard(
+        track=track,
+        conditions=conditions,
+        updated=updated,
+        metrics=metrics,
+        entered=tuple(sorted(one.submission for one in results)),
+        rows=tuple(rows),
+    )
+
+
+def _summaries(one: SuiteResults, metrics: Iterable[MetricInfo]) -> dict[str, Summary]:
+    if not one.metrics:
+        return {}
+    return {metric.name: _summary(tuple(one.values(metric.name))) for metric in metrics}
+
+
+@lru_cache(maxsize=10_000)
+def _summary(values: tuple[float, ...]) -> Summary:
+    """Return the summary of some values, which takes long: a board changes in few of its rows at a time."""
+    return summarize(values)
+
+
+def _best_of_teams(ordered: Iterable[SuiteResults]) -> list[SuiteResults]:
+    """Return the first of each team."""
+    first: dict[str, SuiteResults] = {}
+    for one in ordered:
+        first.setdefault(one.team, one)
+    return list(first.values())
+
+
+def _last_of_teams(ordered: Iterable[SuiteResults]) -> list[SuiteResults]:
+    """Return the last of each team: its newest one."""
+    return list({one.team: one for one in ordered}.values())
+
+
+def _ranges(ranked: Sequence[SuiteResults], score: MetricInfo) -> list[tuple[int, int]]:
+    if not ranked:
+        return []
+    scores = np.array([one.values(score.name) for one in ranked], np.float64)
+    return rank_ranges(better_in_pairs(scores, lower_is_better=score.lower_is_better))
+
+
+def _row(
+    one: SuiteResults, rank: int | None, last_rank: int | None, metrics: Iterable[MetricInfo]
+) -> SuiteRow:
+    return SuiteRow(
+        rank=rank,
+        last_rank=last_rank,
+        team=one.team,
+        team_title=one.team_title,
+        submission=one.submission,
+        name=one.name,
+        version=one.version,
+        matches=len(one.metrics),
+        planned=one.planned,
+        faults=one.faults,
+        since=one.since,
+        metrics=_summaries(one, metrics),
+    )

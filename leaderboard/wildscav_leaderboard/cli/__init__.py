@@ -1,0 +1,1 @@
+"""The commands of the leaderboard and of the season."""

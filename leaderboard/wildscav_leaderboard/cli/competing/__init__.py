@@ -1,0 +1,1 @@
+"""The commands of competitors: log in, submit, and see what became of it."""

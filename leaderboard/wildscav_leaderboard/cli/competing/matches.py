@@ -1,0 +1,85 @@
+"""The command ``wildscav matches``."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.errors import UserError
+from wildscav.terminal.console import console, print_json
+from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+
+if TYPE_CHECKING:
+    from rich.table import Table
+    from rich.text import Text
+
+    from wildscav_leaderboard.presentation.documents import MatchView
+
+
+def matches(
+    submission: Annotated[
+        int | None,
+        typer.Argument(help="Number of a submission. Default: those of all.", min=1, show_default=False),
+    ] = None,
+    match: Annotated[
+        int | None, typer.Option(help="Show the seats of this match.", min=1, show_default=False)
+    ] = None,
+    track: Annotated[str | None, typer.Option(help="Only those on this track.", show_default=False)] = None,
+    limit: Annotated[int, typer.Option(help="How many, at most; the newest come first.", min=1)] = 20,
+    season: SeasonUrl = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the matches of a submission, or of the whole season; or show one match."""
+    if match is not None and (submission is not None or track is not None):
+        raise UserError("--match shows one match: leave out the others", exit_code=2)
+    with season_client(season) as client:
+        if match is not None:
+            found = [client.match(match)]
+        else:
+            found = client.matches(limit, submission=submission, track=track)
+        url = client.url
+    if as_json:
+        print_json({"matches": [one.model_dump(mode="json") for one in found]})
+    if match is not None:
+        _show(found[0], url)
+    elif found:
+        console.print(_table(found, submission))
+    else:
+        console.print("There are no matches yet.")
+
+
+def _table(found: "list[MatchView]", submission: int | None) -> "Table":
+    from wildscav_leaderboard.cli.competing import texts
+
+    table = texts.table_of("", "match#", "track", "kind", "state", "since (UTC)", "entrants", "outcome")
+    for one in found:
+        own = [seat for seat in one.seats if submission is not None and seat.submission == submission]
+        outcomes = dict.fromkeys(texts.outcome(one, seat) for seat in own or one.seats[:1])
+        entrants = ", ".join(dict.fromkeys(texts.who(seat) for seat in one.seats))
+        table.add_row(
+            *texts.row(one.id, one.track, one.kind, texts.state(one.state), texts.moment(one.since)),
+            *texts.row(entrants, ", ".join(filter(None, outcomes))),
+        )
+    return table
+
+
+def _show(one: "MatchView", url: str) -> None:
+    from wildscav_leaderboard.cli.competing import texts
+
+    rows: dict[str, str | Text] = {
+        "match": f"{one.id}: {one.track}, {one.kind}",
+        "state": texts.state(one.state),
+        "since": f"{texts.moment(one.since)} UTC",
+        "what happened": one.detail,
+        "hidden": one.hidden or "",
+        "page": f"{url}/matches/{one.id}",
+        "watch it": "" if one.hidden else f"wildscav replay {one.id}",
+    }
+    console.print(texts.facts(rows))
+    table = texts.table_of("", "seat#", "entrant", "team", "status", "fault", "figures", "latency p99#")
+    for seat in one.seats:
+        latency = "" if seat.latency_p99 is None else f"{1000.0 * seat.latency_p99:.1f} ms"
+        why = ": ".join(filter(None, (seat.fault, seat.detail)))
+        cells = (seat.entrant, seat.team or "", seat.status or "", why, texts.figures(seat.metrics), latency)
+        table.add_row(*texts.row(seat.seat, *cells))
+    console.print(table)

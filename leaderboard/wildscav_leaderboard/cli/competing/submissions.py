@@ -1,0 +1,115 @@
+"""The commands ``wildscav submissions`` and ``wildscav cancel``."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.errors import UserError
+from wildscav.terminal.console import console, print_json, printable
+from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.presentation.documents import SubmissionView
+
+Number = Annotated[int, typer.Argument(help="Number of a submission.", min=1, show_default=False)]
+
+
+def submissions(
+    number: Annotated[
+        int | None,
+        typer.Argument(help="Number of a submission, to see all about it.", min=1, show_default=False),
+    ] = None,
+    team: Annotated[
+        str | None, typer.Option(help="Those of this team. Default: yours.", show_default=False)
+    ] = None,
+    everyone: Annotated[bool, typer.Option("--all", help="Those of all teams.")] = False,
+    state: Annotated[
+        list[str] | None, typer.Option(help="Only those in this state; may be repeated.", show_default=False)
+    ] = None,
+    limit: Annotated[int, typer.Option(help="How many, at most; the newest come first.", min=1)] = 20,
+    wait: Annotated[
+        bool, typer.Option("--wait", help="Wait until the one named takes part; exit with 1 if it failed.")
+    ] = False,
+    season: SeasonUrl = None,
+    as_json: AsJson = False,
+) -> None:
+    """List your team's submissions, or show one: its states, and why it failed."""
+    from wildscav_leaderboard.cli.competing.course import check_end, waited
+
+    if wait and number is None:
+        raise UserError("--wait needs the number of a submission", exit_code=2)
+    with season_client(season) as client:
+        if number is not None:
+            found = [waited(client, client.submission(number)) if wait else client.submission(number)]
+        else:
+            chosen = None if everyone else team or _own_team(client)
+            found = client.submissions(limit, team=chosen, states=state)
+        url = client.url
+    if as_json:
+        print_json({"submissions": [one.model_dump(mode="json") for one in found]})
+    if wait:
+        check_end(found[0])
+    elif number is not None:
+        show(found[0], url)
+    elif found:
+        console.print(_table(found, with_team=everyone))
+    else:
+        console.print("There are no submissions yet." if state is None else "There are none in this state.")
+
+
+def cancel(number: Number, season: SeasonUrl = None, as_json: AsJson = False) -> None:
+    """Withdraw a submission that does not take part yet. It stays charged."""
+    with season_client(season) as client:
+        found = client.cancel(number)
+    if as_json:
+        print_json({"submission": found.model_dump(mode="json")})
+    console.print(f"submission {found.id} is {printable(found.state)}")
+
+
+def _own_team(client: "SeasonClient") -> str:
+    """Return the name of the user's team."""
+    team = client.me().team
+    if team is None:
+        raise UserError("you are in no team: --all lists the submissions of all teams")
+    return team.name
+
+
+def _table(found: "list[SubmissionView]", *, with_team: bool) -> "Table":
+    from wildscav_leaderboard.cli.competing import texts
+
+    headings = ["submission", "state", "handed in (UTC)", "tracks", "message"]
+    table = texts.table_of("", "#", *(["team"] if with_team else []), *headings)
+    for one in found:
+        what = texts.state(one.state)
+        if one.fault is not None:
+            what.append(printable(f" ({one.fault})"))
+        cells = texts.row(one.id, *([one.team] if with_team else []), f"{one.name} {one.version}", what)
+        table.add_row(*cells, *texts.row(texts.moment(one.created), ", ".join(one.tracks), one.message))
+    return table
+
+
+def show(one: "SubmissionView", url: str) -> None:
+    """Print all about a submission."""
+    from rich.text import Text
+
+    from wildscav_leaderboard.cli.competing import texts
+    from wildscav_leaderboard.cli.competing.course import failure, step
+
+    rows: dict[str, str | Text] = {
+        "submission": f"{one.id}: {one.name} {one.version}, for {', '.join(one.tracks)}",
+        "team": one.team,
+        "message": one.message,
+        "state": texts.state(one.state),
+        "queue": texts.waiting(one),
+        "deadline": "" if one.deadline is None else f"{texts.moment(one.deadline)} UTC",
+        "charged": "" if one.charged else "no",
+        "page": f"{url}/submissions/{one.id}",
+    }
+    console.print(texts.facts(rows))
+    for entry in one.history:
+        console.print(step(entry), soft_wrap=True)
+    console.print(failure(one))

@@ -1,0 +1,111 @@
+"""The command ``wildscav submit``."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.errors import UserError
+from wildscav.terminal.console import console, error_console, print_json
+from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Shown
+    from rich.progress import TaskID
+
+    from wildscav_leaderboard.client.season import Progress, SeasonClient
+    from wildscav_leaderboard.presentation.documents import HandedIn
+
+
+def submit(
+    submission: Annotated[
+        Path,
+        typer.Argument(
+            help="Folder with a submission.toml, an archive of one, or a baseline's name.",
+            metavar="SUBMISSION",
+            show_default=False,
+        ),
+    ],
+    message: Annotated[
+        str, typer.Option("--message", "-m", help="What is new in it; only your team sees it.")
+    ] = "",
+    wait: Annotated[
+        bool, typer.Option("--wait", help="Wait until it takes part; exit with 1 if it failed.")
+    ] = False,
+    season: SeasonUrl = None,
+    as_json: AsJson = False,
+) -> None:
+    """Hand in a submission for your team. `wildscav check` tells beforehand whether it will pass."""
+    from wildscav_evaluator.cli.options.selection import load_named
+    from wildscav_leaderboard.cli.competing.course import check_end, waited
+    from wildscav_leaderboard.client.archives import archive_of
+
+    loaded = load_named(submission)
+    with season_client(season) as client:
+        _check_team(client)
+        with _progress() as begun, archive_of(submission, loaded) as (archive, suffix):
+            handed_in = client.submit(archive, suffix, message, begun(archive))
+        _show(client, handed_in, wait=wait)
+        last = handed_in.submission
+        if wait:
+            last = waited(client, last)
+    if as_json:
+        print_json(handed_in.model_copy(update={"submission": last}).model_dump(mode="json"))
+    if wait:
+        check_end(last)
+
+
+def _check_team(client: "SeasonClient") -> None:
+    """Check, before anything is packed and sent, that it can be handed in."""
+    account = client.me()
+    if account.team is None or account.quota is None:
+        raise UserError(
+            "you are in no team yet: `wildscav team create NAME` makes one, `wildscav team join KEY` "
+            "joins one"
+        )
+    if account.quota.left_today == 0:
+        raise UserError(
+            f"your team has used its {account.quota.per_day} submissions of today; the next day begins at "
+            f"{account.quota.resets:%Y-%m-%d %H:%M} UTC"
+        )
+
+
+@contextmanager
+def _progress() -> "Iterator[Callable[[Path], Progress]]":
+    """Show that an archive is packed, how much of it was sent, and that the season then checks it."""
+    from rich.progress import BarColumn, DownloadColumn, TextColumn, TransferSpeedColumn
+    from rich.progress import Progress as Shown
+
+    columns = (TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TransferSpeedColumn())
+    unseen = not error_console.is_terminal
+    with Shown(*columns, console=error_console, transient=True, disable=unseen) as shown:
+        task = shown.add_task("packing", total=None)
+
+        def begun(archive: Path) -> "Progress":
+            shown.update(task, description="uploading", total=archive.stat().st_size)
+            return lambda count: _advance(shown, task, count)
+
+        yield begun
+
+
+def _advance(shown: "Shown", task: "TaskID", count: int) -> None:
+    shown.advance(task, count)
+    if shown.finished:
+        shown.update(task, description="being checked by the season")
+
+
+def _show(client: "SeasonClient", handed_in: "HandedIn", *, wait: bool) -> None:
+    from wildscav_leaderboard.cli.competing.texts import facts, quota, waiting
+
+    one = handed_in.submission
+    rows = {
+        "submission": f"{one.id}: {one.name} {one.version}, for {', '.join(one.tracks)}",
+        "state": ", ".join(filter(None, (one.state, waiting(one)))),
+        "quota": quota(handed_in.quota),
+        "page": f"{client.url}/submissions/{one.id}",
+        "follow it": "" if wait else f"wildscav submissions {one.id} --wait",
+    }
+    console.print(facts(rows))

@@ -1,0 +1,117 @@
+"""The command ``wildscav team`` and its subcommands."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.errors import UserError
+from wildscav.terminal.console import console, print_json
+from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+
+if TYPE_CHECKING:
+    from wildscav_leaderboard.presentation.documents import QuotaView, TeamView
+
+app = typer.Typer(
+    help="Make a team, join one, leave it. Submissions belong to teams, of one member or more.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.command()
+def create(
+    name: Annotated[str, typer.Argument(help="Its name: 2 to 40 of a-z, 0-9 and -.", show_default=False)],
+    title: Annotated[str, typer.Option(help="Its title, as boards show it.", show_default=False)] = "",
+    season: SeasonUrl = None,
+    as_json: AsJson = False,
+) -> None:
+    """Make a team, and print the key with which teammates join it."""
+    with season_client(season) as client:
+        made = client.make_team(name, title)
+    if as_json:
+        print_json(made.model_dump(mode="json"))
+    _say(f"team {made.team.name}")
+    _say(f"key  {made.key}   (for teammates: wildscav team join KEY; shown this once)")
+
+
+@app.command()
+def join(
+    key: Annotated[str, typer.Argument(help="Key of a team, from a member of it.", show_default=False)],
+    season: SeasonUrl = None,
+    as_json: AsJson = False,
+) -> None:
+    """Join a team with its key."""
+    with season_client(season) as client:
+        team = client.join_team(key)
+    if as_json:
+        print_json({"team": team.model_dump(mode="json")})
+    _say(f"you are a member of {team.name}: {', '.join(team.members)}")
+
+
+@app.command()
+def leave(season: SeasonUrl = None, as_json: AsJson = False) -> None:
+    """Leave your team. What it submitted stays."""
+    with season_client(season) as client:
+        team = client.me().team
+        client.leave_team()
+    left = "" if team is None else team.name
+    if as_json:
+        print_json({"left": left})
+    _say(f"you left {left}")
+
+
+@app.command()
+def show(
+    name: Annotated[
+        str | None, typer.Argument(help="Name of a team. Default: yours.", show_default=False)
+    ] = None,
+    season: SeasonUrl = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show a team: its members, and what is left of your own team's quota."""
+    with season_client(season) as client:
+        quota: QuotaView | None = None
+        if name is None:
+            account = client.me()
+            quota = account.quota
+            if account.team is None:
+                raise UserError("you are in no team: `wildscav team create NAME` or `wildscav team join KEY`")
+            team = account.team
+        else:
+            team = client.team(name)
+    if as_json:
+        quota_document = None if quota is None else quota.model_dump(mode="json")
+        print_json({"team": team.model_dump(mode="json"), "quota": quota_document})
+    _show(team, quota)
+
+
+@app.command()
+def key(season: SeasonUrl = None, as_json: AsJson = False) -> None:
+    """Print another key for teammates; the old one is worth nothing from now on."""
+    with season_client(season) as client:
+        made = client.new_team_key()
+    if as_json:
+        print_json({"key": made})
+    _say(made)
+
+
+def _show(team: "TeamView", quota: "QuotaView | None") -> None:
+    from wildscav_leaderboard.cli.competing import texts
+
+    active = {} if quota is None else quota.active
+    rows = {
+        "team": team.name if team.title == team.name else f"{team.name}: {team.title}",
+        "members": ", ".join(team.members),
+        "disqualified": team.disqualified or "",
+        "quota": "" if quota is None else texts.quota(quota),
+        "active": ", ".join(f"{count} on {track}" for track, count in active.items()),
+    }
+    console.print(texts.facts(rows))
+
+
+def _say(text: str) -> None:
+    from wildscav_leaderboard.cli.competing.texts import say
+
+    say(text)

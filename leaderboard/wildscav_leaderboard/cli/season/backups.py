@@ -1,0 +1,80 @@
+"""The commands ``wildscav season backup``, ``restore`` and ``check``."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.terminal.console import command, console, error_console, print_json
+from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+
+Backup = Annotated[Path, typer.Argument(help="The file of the backup.", metavar="BACKUP", show_default=False)]
+
+
+def backup(folder: SeasonFolder, out: Backup) -> None:
+    """Back up a season while it runs: settings, secrets, database, archives and records, in one tar."""
+    from wildscav_leaderboard.organizing.backups.backup import back_up
+    from wildscav_leaderboard.seasons.folder import Season
+
+    season = Season.open(folder)
+    database = season.database()
+    try:
+        database.upgrade()
+        with _progress("files are backed up") as on_progress:
+            done = back_up(season, database, out, datetime.now(UTC), on_progress)
+    finally:
+        database.close()
+    size = f"{done.size / (1 << 20):,.1f} MiB"
+    _say(f"{out}: {done.rows:,} rows and {done.files:,} files, {size}; it holds the secrets, so keep it safe")
+    if done.missing:
+        error_console.print(
+            f"{len(done.missing):,} files are missing, the first one {done.missing[0]}: "
+            "`wildscav season check` tells more",
+            soft_wrap=True,
+        )
+
+
+def restore(backup: Backup, folder: SeasonFolder) -> None:
+    """Restore a backup into a new folder and an empty database, of the same kind or another one."""
+    from wildscav_leaderboard.organizing.backups.restore import restore as restored
+
+    done = restored(backup, folder)
+    _say(f"season   {done.season}, as it was at {done.at:%Y-%m-%d %H:%M:%S} UTC")
+    _say(f"database {done.database}: {done.rows:,} rows")
+    _say(f"start it {command('wildscav')} season serve {folder}")
+
+
+def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
+    """Check that a season has all that it needs: settings, secrets, database, and every file unchanged."""
+    from wildscav_leaderboard.organizing.checking import check_season
+
+    with _progress("files are checked") as on_progress:
+        found = check_season(folder, on_progress)
+    if as_json:
+        print_json({"passed": found.passed, "files": found.files, "problems": found.problems})
+    for problem in found.problems:
+        error_console.print(problem, soft_wrap=True)
+    if not found.passed:
+        raise typer.Exit(1)
+    if not as_json:
+        _say(f"nothing is wrong: settings, secrets, database and {found.files:,} files")
+
+
+@contextmanager
+def _progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Yield what shows how many files are done; on a terminal alone."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn())
+    is_live = error_console.is_terminal
+    with Progress(*columns, console=error_console, transient=True, disable=not is_live) as progress:
+        task = progress.add_task(what, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+def _say(text: str) -> None:
+    console.print(text, soft_wrap=True, highlight=False)

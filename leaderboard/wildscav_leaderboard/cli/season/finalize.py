@@ -1,0 +1,105 @@
+"""The command ``wildscav season finalize``."""
+
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from wildscav.terminal.console import command, console, error_console
+from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+
+if TYPE_CHECKING:
+    from wildscav_leaderboard.database.connection import Database
+    from wildscav_leaderboard.organizing import finalizing
+    from wildscav_leaderboard.seasons.folder import Season
+
+LOOKS = 1.0  # s between two looks at the season
+QUESTION = "The season is still open. End it now? Nothing can be handed in from then on."
+STAGES = {"settling": "matches that were planned", "deciding": "matches that decide the season"}
+
+
+def finalize(
+    folder: SeasonFolder,
+    best: Annotated[
+        int,
+        typer.Option(help="How many submissions of each suite play the deciding matches.", min=1, max=1000),
+    ] = 10,
+    now: Annotated[bool, typer.Option("--now", help="End a season that is still open.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="With --now: do not ask.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for what is published at the end; default: DIR/published.", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """End a season: the best play again on fresh hidden seeds, the boards become final, all becomes public.
+
+    It waits until the conductor has played the matches. If it is interrupted, run it again, and it goes on.
+    """
+    from wildscav_leaderboard.organizing import finalizing, service
+    from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
+
+    season = Season.open(folder)
+    if now and not yes and datetime.now(UTC) < season.settings.closes:
+        typer.confirm(QUESTION, abort=True)
+    database = season.database()
+    try:
+        database.upgrade()
+        with database.writing() as session:
+            finalizing.begin(session, season, service.COMMAND_LINE, best, datetime.now(UTC), early=now)
+        _wait(season, database)
+        console.print("the season is over: its boards are final, and its secrets are opened", soft_wrap=True)
+        _publish(season, database, out or season.folder / PUBLISHED)
+    finally:
+        database.close()
+
+
+def _publish(season: "Season", database: "Database", out: Path) -> None:
+    """Export what is published, unless that was done before."""
+    from wildscav_leaderboard.publishing.export import export
+
+    if not out.exists():
+        export(season, database, out)
+    console.print(f"published in {out}; anyone can check it:", soft_wrap=True, highlight=False)
+    console.print(f"  {command('wildscav')} audit {out}", soft_wrap=True, highlight=False)
+
+
+def _wait(season: "Season", database: "Database") -> None:
+    """Wait for the end of the season, and show how far it is."""
+    from wildscav_leaderboard.organizing import finalizing, service
+
+    shown = _Shown()
+    with shown.progress:
+        while True:
+            with database.writing() as session:
+                state = finalizing.advance(session, season, service.COMMAND_LINE, datetime.now(UTC))
+            if state.stage == finalizing.DONE:
+                return
+            shown.update(state)
+            time.sleep(LOOKS)
+
+
+class _Shown:
+    """The progress as it is shown: a bar on a terminal, a line for each change elsewhere."""
+
+    def __init__(self) -> None:
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        is_live = error_console.is_terminal
+        self.progress = Progress(*columns, console=error_console, transient=True, disable=not is_live)
+        self._task = self.progress.add_task("", total=None)
+        self._said = ""
+
+    def update(self, state: "finalizing.Progress") -> None:
+        """Show how far the season is."""
+        what = STAGES[state.stage]
+        if state.pending:
+            what = f"{state.pending} submissions to be validated, {what}"
+        self.progress.update(self._task, description=what, completed=state.played, total=state.planned)
+        said = state.note or ("" if error_console.is_terminal else what)
+        if said and said != self._said:
+            error_console.print(said, soft_wrap=True)
+        self._said = said

@@ -1,0 +1,85 @@
+"""The command ``wildscav season status``."""
+
+from dataclasses import asdict
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+from rich.text import Text
+
+from wildscav.cli.json_option import AsJson
+from wildscav.terminal.console import console, print_json
+from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+
+if TYPE_CHECKING:
+    from wildscav_leaderboard.conductor.models import Attempt
+    from wildscav_leaderboard.organizing.status import Status
+
+SHOWN_FAULTS = 10
+
+
+def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
+    """Show how a season is doing: what waits, what is played, and what went wrong."""
+    from wildscav_leaderboard.organizing.status import status as found
+    from wildscav_leaderboard.seasons.folder import Season
+
+    season = Season.open(folder)
+    database = season.database()
+    try:
+        database.upgrade()
+        with database.reading() as session:
+            one = found(session, datetime.now(UTC))
+    finally:
+        database.close()
+    if as_json:
+        print_json(_document(one))
+    console.print(_table(season.settings.title, one))
+    if one.faults:
+        console.print(_faults(one.faults[:SHOWN_FAULTS]))
+
+
+def _document(one: "Status") -> dict[str, object]:
+    simple = {name: value for name, value in vars(one).items() if name not in ("attempts", "faults")}
+    return {
+        **simple,
+        "attempts": [_attempt(attempt) for attempt in one.attempts],
+        "faults": [_attempt(attempt) for attempt in one.faults],
+    }
+
+
+def _attempt(attempt: "Attempt") -> dict[str, object]:
+    return {
+        name: str(value) if isinstance(value, datetime) else value for name, value in asdict(attempt).items()
+    }
+
+
+def _table(title: str, one: "Status") -> Table:
+    table = Table("", "", title=Text(title), box=None, show_header=False)
+    conducted = one.conductor or "nobody conducts: `wildscav season serve` starts what does"
+    where = f"{one.executor}, {one.at_once} at once, sandbox {one.sandbox}" if one.executor else ""
+    rows = {
+        "conductor": conducted,
+        "matches are played": where,
+        "paused": one.paused or "no",
+        "teams": f"{one.teams:,}",
+        "submissions": _counted(one.submissions),
+        "matches": _counted(one.matches),
+        "faults in a day": f"{len(one.faults):,}",
+    }
+    for name, text in rows.items():
+        table.add_row(Text(name, "dim"), Text(text))
+    return table
+
+
+def _counted(counts: dict[str, int]) -> str:
+    return ", ".join(f"{count:,} {state}" for state, count in counts.items()) or "none"
+
+
+def _faults(faults: "list[Attempt]") -> Table:
+    table = Table(
+        "started", "work", "outcome", "what happened", title="the platform's latest faults", box=None
+    )
+    for one in faults:
+        what = f"match {one.match_id}" if one.match_id else f"{one.kind} submission {one.submission_id}"
+        table.add_row(f"{one.started:%m-%d %H:%M:%S}", what, one.outcome or "", Text(one.detail))
+    return table

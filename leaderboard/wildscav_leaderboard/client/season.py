@@ -1,0 +1,198 @@
+"""A season as its client sees it: one method for each thing that can be asked."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeVar
+from urllib.parse import quote
+
+from pydantic import TypeAdapter, ValidationError
+
+from wildscav.version import __version__
+from wildscav_leaderboard.boards.documents import BoardDocument
+from wildscav_leaderboard.client.connection import Connection, Query
+from wildscav_leaderboard.client.downloads import store_record
+from wildscav_leaderboard.client.errors import NoSeasonError
+from wildscav_leaderboard.presentation.documents import (
+    AccountView,
+    HandedIn,
+    KeyView,
+    MatchList,
+    MatchView,
+    NewAccountView,
+    NewTeamView,
+    NewTokenView,
+    SeasonView,
+    SubmissionList,
+    SubmissionView,
+    TeamView,
+)
+
+T = TypeVar("T")
+N = TypeVar("N", SubmissionView, MatchView)
+PAGE = 100  # entries of a list that are asked for at once
+PIECE = 1 << 16  # bytes
+Progress = Callable[[int], object]  # is told how many bytes were sent or received
+
+
+class SeasonClient:
+    """What a season offers to one account, or to a visitor.
+
+    Every method raises UserError, with one line that says why, if the season refuses or does not answer.
+
+    Args:
+        connection: To the season.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self.url = connection.url
+        self._connection = connection
+
+    def season(self) -> SeasonView:
+        """Return the season."""
+        return self._as(SeasonView, self._connection.get("/season"))
+
+    def boards(self) -> list[BoardDocument]:
+        """Return the boards of all tracks that have results."""
+        return self._as(list[BoardDocument], self._connection.get("/boards"))
+
+    # Accounts.
+
+    def register(self, name: str, password: str, invitation: str | None) -> NewAccountView:
+        """Make an account; it comes with a token."""
+        content = {"name": name, "password": password, "invitation": invitation}
+        return self._as(NewAccountView, self._connection.ask("POST", "/accounts", content=content))
+
+    def new_token(self, name: str, password: str, label: str) -> str:
+        """Return a new token of an account."""
+        content = {"name": name, "password": password, "label": label}
+        return self._as(NewTokenView, self._connection.ask("POST", "/tokens", content=content)).token
+
+    def revoke_own_token(self) -> None:
+        """Make this client's token worth nothing."""
+        self._connection.ask("DELETE", "/tokens/current")
+
+    def me(self) -> AccountView:
+        """Return the account, its team and its quota."""
+        return self._as(AccountView, self._connection.get("/me"))
+
+    # Teams.
+
+    def team(self, name: str) -> TeamView:
+        """Return a team."""
+        return self._as(TeamView, self._connection.get(f"/teams/{_part(name)}"))
+
+    def make_team(self, name: str, title: str) -> NewTeamView:
+        """Make a team; the key for teammates comes with it."""
+        content = {"name": name, "title": title}
+        return self._as(NewTeamView, self._connection.ask("POST", "/teams", content=content))
+
+    def join_team(self, key: str) -> TeamView:
+        """Join a team with its key."""
+        return self._as(TeamView, self._connection.ask("POST", "/teams/join", content={"key": key}))
+
+    def leave_team(self) -> None:
+        """Leave the account's team."""
+        self._connection.ask("POST", "/teams/leave")
+
+    def new_team_key(self) -> str:
+        """Return another key for teammates; the old one is worth nothing from now on."""
+        return self._as(KeyView, self._connection.ask("POST", "/teams/mine/key")).key
+
+    # Submissions.
+
+    def submit(self, archive: Path, suffix: str, message: str, progress: Progress) -> HandedIn:
+        """Hand in an archive. It is sent piece by piece, so its size takes no memory."""
+        query = {"message": message, "suffix": suffix}
+        size = archive.stat().st_size
+        answer = self._connection.upload("/submissions", query, _pieces(archive, progress), size)
+        return self._as(HandedIn, answer)
+
+    def submissions(
+        self, limit: int, *, team: str | None = None, states: list[str] | None = None
+    ) -> list[SubmissionView]:
+        """Return submissions, the newest first."""
+
+        def ask(page: Query) -> list[SubmissionView]:
+            answer = self._connection.get("/submissions", {"team": team, "state": states, **page})
+            return self._as(SubmissionList, answer).submissions
+
+        return _pages(ask, limit)
+
+    def submission(self, number: int) -> SubmissionView:
+        """Return a submission with its history."""
+        return self._as(SubmissionView, self._connection.get(f"/submissions/{number}"))
+
+    def cancel(self, number: int) -> SubmissionView:
+        """Withdraw a submission of the own team that does not take part yet."""
+        answer = self._connection.ask("POST", f"/submissions/{number}/cancel")
+        return self._as(SubmissionView, answer)
+
+    def submission_log(self, number: int) -> str:
+        """Return what a submission of the own team printed in its validation."""
+        return self._connection.text(f"/submissions/{number}/logs")
+
+    # Matches.
+
+    def matches(
+        self, limit: int, *, submission: int | None = None, track: str | None = None
+    ) -> list[MatchView]:
+        """Return matches, the newest first."""
+
+        def ask(page: Query) -> list[MatchView]:
+            answer = self._connection.get("/matches", {"submission": submission, "track": track, **page})
+            return self._as(MatchList, answer).matches
+
+        return _pages(ask, limit)
+
+    def match(self, number: int) -> MatchView:
+        """Return a match."""
+        return self._as(MatchView, self._connection.get(f"/matches/{number}"))
+
+    def match_log(self, number: int, seat: int) -> str:
+        """Return what an agent of the own team printed in a match."""
+        return self._connection.text(f"/matches/{number}/logs/{seat}")
+
+    def download_record(self, number: int, digest: str, path: Path) -> None:
+        """Store the record of a match, whole or not at all, after its digest was compared."""
+        with self._connection.stream("GET", f"/matches/{number}/record") as response:
+            store_record(response.iter_bytes(), digest, path)
+
+    def _as(self, kind: type[T], answer: object) -> T:
+        """Return an answer as a document.
+
+        Raises:
+            NoSeasonError: It is something else.
+        """
+        try:
+            return TypeAdapter(kind).validate_python(answer)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            field = ".".join(str(part) for part in first["loc"])
+            raise NoSeasonError(
+                f"{self.url} does not answer as a season of Wildscav {__version__} does ({field}: "
+                f"{first['msg']}): it may run another version"
+            ) from None
+
+
+def _pages(ask: Callable[[Query], list[N]], limit: int) -> list[N]:
+    """Return a list that comes in pages, each of which is asked for by the last entry before it."""
+    found: list[N] = []
+    while len(found) < limit:
+        size = min(PAGE, limit - len(found))
+        page = ask({"limit": size, "before": found[-1].id if found else None})
+        found += page
+        if len(page) < size:
+            break
+    return found
+
+
+def _part(text: str) -> str:
+    """Return a text as one part of a path."""
+    return quote(text, safe="")
+
+
+def _pieces(path: Path, progress: Progress) -> Iterator[bytes]:
+    with path.open("rb") as file:
+        while piece := file.read(PIECE):
+            yield piece
+            progress(len(piece))

@@ -1,0 +1,106 @@
+"""Attempts at work: when each began and how it ended. Whatever never ended is lost, and is tried again."""
+
+from collections.abc import Sequence
+from datetime import datetime, timedelta
+
+from sqlalchemy import func, or_, select, update
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.conductor.lease import Holding
+from wildscav_leaderboard.conductor.models import PLAY, Attempt
+
+DONE, AGENT, PLATFORM, LOST = "done", "agent", "platform", "lost"  # outcomes
+RETURNED = "returned"  # never begun: it waited for its turn when its conductor ended
+FORGIVEN = "forgiven"  # lost, before organizers had the work tried again
+MOST_LOST = 10  # attempts at one piece of work; whatever takes the conductor with it every time is given up
+
+
+def begin(
+    session: Session,
+    kind: str,
+    holding: Holding,
+    now: datetime,
+    lasts: float,
+    *,
+    submission: int | None = None,
+    match: int | None = None,
+) -> Attempt:
+    """Begin an attempt.
+
+    Args:
+        session: A writing session.
+        kind: The kind of work.
+        holding: The conductor's lease.
+        now: The time.
+        lasts: How long it may take, s.
+        submission: The submission that it is about, if it is one.
+        match: The match that it is about, if it is one.
+    """
+    before = session.scalar(
+        select(func.count())
+        .select_from(Attempt)
+        .filter_by(kind=kind, submission_id=submission, match_id=match)
+    )
+    attempt = Attempt(
+        kind=kind,
+        number=(before or 0) + 1,
+        epoch=holding.epoch,
+        started=now,
+        deadline=now + timedelta(seconds=lasts),
+        submission_id=submission,
+        match_id=match,
+        begun=None if kind == PLAY else now,
+    )
+    session.add(attempt)
+    session.flush()
+    return attempt
+
+
+def end(attempt: Attempt, outcome: str, now: datetime, detail: str = "") -> bool:
+    """End an attempt; return False if it had ended before, so that its news is old."""
+    if attempt.ended is not None:
+        return False
+    attempt.ended, attempt.outcome, attempt.detail = now, outcome, detail
+    return True
+
+
+def overdue(session: Session, holding: Holding, now: datetime) -> list[Attempt]:
+    """Return the attempts that have not ended and never will: of other conductors, or past their deadline."""
+    wanted = select(Attempt).where(
+        Attempt.ended.is_(None), or_(Attempt.epoch != holding.epoch, Attempt.deadline <= now)
+    )
+    return list(session.scalars(wanted.order_by(Attempt.id)))
+
+
+def running(session: Session) -> list[Attempt]:
+    """Return the attempts that have not ended."""
+    return list(session.scalars(select(Attempt).where(Attempt.ended.is_(None)).order_by(Attempt.id)))
+
+
+def losses(session: Session, attempt: Attempt) -> int:
+    """Return how many attempts at the same work were lost."""
+    return (
+        session.scalar(
+            select(func.count())
+            .select_from(Attempt)
+            .filter_by(
+                kind=attempt.kind,
+                submission_id=attempt.submission_id,
+                match_id=attempt.match_id,
+                outcome=LOST,
+            )
+        )
+        or 0
+    )
+
+
+def forgive_submission(session: Session, submission: int) -> None:
+    """Count no attempt at a submission as lost any more, because it is tried again from the start."""
+    of_it = Attempt.submission_id == submission
+    session.execute(update(Attempt).where(Attempt.outcome == LOST, of_it).values(outcome=FORGIVEN))
+
+
+def forgive_matches(session: Session, matches: Sequence[int]) -> None:
+    """Count no attempt at some matches as lost any more, because they are played again."""
+    of_them = Attempt.match_id.in_(matches)
+    session.execute(update(Attempt).where(Attempt.outcome == LOST, of_them).values(outcome=FORGIVEN))

@@ -1,0 +1,289 @@
+"""The conductor's loop: hold the lease, decide, have the work done, and go on."""
+
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from datetime import UTC, datetime
+
+from sqlalchemy.orm import Session
+
+from wildscav.errors import WildscavError, describe
+from wildscav.monitoring.logs import Log, open_log
+from wildscav_evaluator.executors import EXECUTORS, Executor
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.service import read_ahead, refresh
+from wildscav_leaderboard.boards.suite_scores import SuiteScores
+from wildscav_leaderboard.conductor import lease, steps, work
+from wildscav_leaderboard.conductor.broadcast import Broadcast
+from wildscav_leaderboard.conductor.child import Child
+from wildscav_leaderboard.conductor.keeper import LeaseKeeper
+from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
+from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.matches.models import FINAL, Match
+from wildscav_leaderboard.matches.service import seats_of
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.webhooks.delivery import Deliverer
+
+IDLE = 1.0  # s between two looks when there is nothing to do
+BATCH = 4  # matches for each that runs at once; then submissions that wait come first
+REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played
+LONGEST_PAUSE = 30.0  # s after errors in a row
+
+
+def now() -> datetime:
+    """Return the time."""
+    return datetime.now(UTC)
+
+
+class Conductor:
+    """Runs a season until it is stopped.
+
+    Args:
+        season: The season.
+        database: Its database, whose schema is current.
+        log: Where to write what happens.
+    """
+
+    def __init__(self, season: Season, database: Database, log: Log | None = None) -> None:
+        self.season, self.database = season, database
+        self._log = log or open_log(None)
+        self._holding = Holding("", 0)
+        self._sandbox = ""
+        self._refreshed, self._scores = 0.0, SuiteScores()
+        self._stopping = threading.Event()
+
+    def stop(self) -> None:
+        """Ask the loop to end after what it is doing."""
+        self._stopping.set()
+
+    def run(self) -> None:
+        """Wait for the lease, and conduct until ``stop`` is called or the process is interrupted."""
+        pause = IDLE
+        while not self._stopping.is_set():
+            try:
+                if not self._acquire():
+                    self._stopping.wait(IDLE)
+                    continue
+                self._conduct()
+                pause = IDLE
+            except LeaseLostError as error:
+                self._log.warning("lease_lost", reason=str(error))
+            except DatabaseError as error:
+                self._log.warning("database_lost", reason=str(error))
+                self._stopping.wait(pause)
+                pause = min(2 * pause, LONGEST_PAUSE)
+            except Exception as error:  # noqa: BLE001 (whatever it is, the season goes on)
+                known = isinstance(error, WildscavError)
+                trace = {} if known else {"trace": "".join(traceback.format_exception(error))}
+                self._log.warning("conductor_failed", reason=str(error) or type(error).__name__, **trace)
+                self._stopping.wait(pause)
+                pause = min(2 * pause, LONGEST_PAUSE)
+
+    def _acquire(self) -> bool:
+        with self.database.writing() as session:
+            holding = lease.acquire(session, lease.new_holder(), now())
+        if holding is None:
+            return False
+        self._holding = holding
+        self._log.info("lease_acquired", holder=holding.holder, epoch=holding.epoch)
+        return True
+
+    def _conduct(self) -> None:
+        """Conduct while this process holds the lease."""
+        settings = self.season.settings.execution
+        with ExitStack() as stack:
+            stack.enter_context(LeaseKeeper(self.database, self._holding))
+            stack.enter_context(Deliverer(self.database, self.season.settings.webhooks, self._log))
+            child = stack.enter_context(Child())
+            kind = EXECUTORS[settings.executor]
+            executor = stack.enter_context(kind(settings.matches, settings.address))
+            self._sandbox = chosen_sandbox(self.season, executor, self._log)
+            stack.callback(self._release)
+            with self.database.reading() as session:
+                read_ahead(session, self.season, self._sandbox, now(), self._scores)
+            self._broadcast = Broadcast(self.season.live)
+            while not self._stopping.is_set():
+                if not self.round(executor, child):
+                    self._stopping.wait(IDLE)
+
+    def _release(self) -> None:
+        with suppress(LeaseLostError, DatabaseError), self.database.writing() as session:
+            lease.release(session, self._holding, now())
+
+    def round(self, executor: Executor, child: Child) -> bool:
+        """Do everything once that there is to do; return whether there was anything."""
+        with self.database.writing() as session:
+            lost = steps.expire(session, self.season, self._holding, now())
+            steps.admit(session, now())
+            self._publish_nodes(session, executor)
+        if lost:
+            self._log.warning("attempts_lost", count=lost)
+        busy = False
+        while not self._stopping.is_set() and self._handle_submission(child):
+            busy = True
+        if self._play_batch(executor):
+            busy = True
+        self._refresh_boards(at_once=True)
+        return busy
+
+    def _publish_nodes(self, session: Session, executor: Executor) -> None:
+        """Store for the pages where matches are played."""
+        nodes = [
+            {"name": one.name, "cores": one.cores, "running": one.running, "problem": one.problem}
+            for one in executor.nodes
+        ]
+        value = {
+            "holder": self._holding.holder,
+            "sandbox": self._sandbox,
+            "executor": executor.name,
+            "at_once": executor.at_once,
+            "nodes": nodes,
+        }
+        if season_state.read_state(session, season_state.NODES) != value:
+            season_state.write_state(session, season_state.NODES, value, now())
+
+    def _handle_submission(self, child: Child) -> bool:
+        """Build and validate the submission whose turn it is; return whether there was one."""
+        with self.database.writing() as session:
+            attempt = steps.take_submission(session, self.season, self._holding, now())
+            if attempt is None:
+                return False
+            submission = session.get_one(Submission, attempt.submission_id)
+        self._log.info("submission_begun", submission=submission.id)
+        arguments = (self.season, submission.archive, submission.entrant, self._sandbox)
+        building, validating = self._lasts()
+        if self._tried(child, attempt, work.build, arguments, building):
+            with self.database.writing() as session:
+                following = steps.built(session, self.season, self._holding, attempt.id, now())
+            logs = self.season.submission_folder(submission.id) / "logs"
+            if following is not None and self._tried(
+                child, following, work.validate, (*arguments, logs), validating
+            ):
+                with self.database.writing() as session:
+                    steps.validated(session, self.season, self._holding, following.id, now())
+                self._log.info("submission_active", submission=submission.id)
+        return True
+
+    def _lasts(self) -> tuple[float, float]:
+        deadlines = self.season.settings.deadlines
+        return deadlines.building, deadlines.validating
+
+    def _tried(
+        self,
+        child: Child,
+        attempt: Attempt,
+        function: Callable[..., work.Rejection | None],
+        arguments: tuple[object, ...],
+        lasts: float,
+    ) -> bool:
+        """Do a part of the work on a submission; return whether it passed."""
+        try:
+            rejection = child.call(function, *arguments, timeout=lasts)
+        except LeaseLostError:
+            raise
+        except OSError as error:
+            return self._broke(attempt.id, describe(error))
+        except Exception as error:  # noqa: BLE001 (whatever it is, it is not the competitor's fault)
+            return self._broke(attempt.id, str(error) or type(error).__name__)
+        if rejection is None:
+            return True
+        with self.database.writing() as session:
+            steps.rejected(
+                session,
+                self._holding,
+                attempt.id,
+                now(),
+                reason=rejection.reason,
+                last_lines=rejection.last_lines,
+                command=rejection.command,
+            )
+        self._log.info("submission_rejected", submission=attempt.submission_id, reason=rejection.reason)
+        return False
+
+    def _broke(self, attempt: int, why: str) -> bool:
+        """Note a fault of the platform; return False."""
+        self._log.warning("attempt_broke", attempt=attempt, fault="platform", reason=why)
+        with self.database.writing() as session:
+            steps.broke(session, self.season, self._holding, attempt, now(), why)
+        return False
+
+    def _play_batch(self, executor: Executor) -> bool:
+        """Play the next matches; return whether there were any."""
+        with self.database.writing() as session:
+            plan_ladders(session, self.season, now())
+            count = BATCH * executor.at_once
+            taken = steps.take_matches(session, self.season, self._holding, now(), count)
+        jobs = self._jobs(taken)
+        if not jobs:
+            return bool(taken)
+        attempts = {job.evaluation: attempt for attempt, job in jobs}
+
+        def begin(job: Job) -> None:
+            with self.database.writing() as session:
+                steps.begun(session, self._holding, attempts[job.evaluation].id, now())
+
+        with executor.players([job for _, job in jobs]) as players:
+            for result in players.run([job for _, job in jobs], begin, self._broadcast.note):
+                self._deliver(attempts[result.job.evaluation], result)
+                self._broadcast.end(result.job)
+                self._refresh_boards()
+                if self._stopping.is_set():
+                    break
+        return True
+
+    def _jobs(self, taken: list[tuple[Attempt, Match]]) -> list[tuple[Attempt, Job]]:
+        """Return the jobs of matches; one that cannot be prepared is the platform's fault."""
+        with self.database.reading() as session:
+            seats = seats_of(session, [match.id for _, match in taken])
+            numbers = {one.submission_id for found in seats.values() for one in found}
+            archives = {
+                number: session.get_one(Submission, number).archive
+                for number in numbers
+                if number is not None
+            }
+        jobs = []
+        for attempt, match in taken:
+            try:
+                jobs.append(
+                    (attempt, work.job_of(self.season, match, seats[match.id], archives, self._sandbox))
+                )
+            except (WildscavError, OSError, ValueError) as error:
+                self._broke(attempt.id, describe(error) if isinstance(error, OSError) else str(error))
+        return jobs
+
+    def _deliver(self, attempt: Attempt, result: JobResult) -> None:
+        """Store the result of a match."""
+        if result.row.metrics is None or result.timing is None:
+            self._broke(attempt.id, result.row.detail)
+            return
+        with self.database.reading() as session:
+            is_final = session.get_one(Match, attempt.match_id).kind == FINAL
+        conditions = digest_of(conditions_of(self.season, result.job.track, self._sandbox, final=is_final))
+        try:
+            row, record = work.keep_record(result, conditions)
+        except (WildscavError, OSError) as error:
+            self._broke(attempt.id, describe(error) if isinstance(error, OSError) else str(error))
+            return
+        with self.database.writing() as session:
+            steps.played(session, self._holding, attempt.id, row, result.timing, record, now())
+        (result.job.out / str(result.row.record)).unlink(missing_ok=True)  # it is kept under its other name
+        self._log.info("match_played", match=attempt.match_id, status=result.row.status)
+
+    def _refresh_boards(self, *, at_once: bool = False) -> None:
+        """Bring the boards up to date, unless that was done a moment ago."""
+        if not at_once and time.monotonic() - self._refreshed < REFRESH_EVERY:
+            return
+        with self.database.writing() as session:
+            lease.check(session, self._holding)
+            if steps.freeze_when_due(session, self.season, now()):
+                self._log.info("boards_frozen")
+            refresh(session, self.season, self._sandbox, now(), self._scores)
+        self._refreshed = time.monotonic()

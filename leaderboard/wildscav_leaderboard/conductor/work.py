@@ -1,0 +1,157 @@
+"""The work that the conductor hands out: building and validating submissions, and playing matches.
+
+Validation is `wildscav check`: the same code, sandbox and limits. Matches are played by an executor of the
+evaluator, each into a folder of its own, whose journal makes sure that a match that was completed before a
+crash is not played again.
+"""
+
+import os
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav.server.hosting.precompile import precompile_for
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.check.findings import Finding, Verdict
+from wildscav_evaluator.check.trials import run_checks
+from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.output.journal import file_digest
+from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
+from wildscav_evaluator.output.results import MatchRow
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.submissions.images import build_image, lacks_packages, with_images
+from wildscav_evaluator.submissions.submission import Submission, SubmissionError
+from wildscav_leaderboard.matches.models import LADDER, Match, MatchSeat
+from wildscav_leaderboard.matches.service import PlayedRecord
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.spectating.live import key_of
+from wildscav_leaderboard.submissions.archives import load_archive
+
+LAST_LINES = 20  # of a failing agent's output that are kept
+
+
+@dataclass(frozen=True)
+class Rejection:
+    """Why a submission cannot take part, by its own fault."""
+
+    reason: str
+    last_lines: tuple[str, ...] = ()
+    command: str = ""  # that shows it again on the competitor's machine
+
+
+def build(season: Season, archive: str, entrant: str, sandbox: str) -> Rejection | None:
+    """Unpack a submission, and build its image if the sandbox runs images and it names packages.
+
+    Raises:
+        UserError: The archive is missing.
+        OSError: The disk is full.
+    """
+    try:
+        submission = load_archive(season, archive, entrant)
+    except SubmissionError as error:
+        return Rejection(str(error))
+    if not SANDBOXES[sandbox].runs_images or not lacks_packages(submission):
+        return None
+    try:
+        build_image(submission)
+    except SandboxError as error:
+        return Rejection(f"its image could not be built: {error}", command="wildscav build DIR")
+    return None
+
+
+def validate(season: Season, archive: str, entrant: str, sandbox: str, logs: Path) -> Rejection | None:
+    """Play what `wildscav check` plays; return why the submission fails, or None if it does not.
+
+    Raises:
+        WildscavError: The platform failed.
+        OSError: A file cannot be written.
+    """
+    (submission,) = with_images([load_archive(season, archive, entrant)], sandbox)
+    precompile_for([submission.manifest.sensors])
+    logs.mkdir(parents=True, exist_ok=True)
+    for finding in run_checks(submission, SANDBOXES[sandbox], logs):
+        if finding.verdict == Verdict.BROKEN:
+            return _rejection(finding, sandbox, submission.folder)
+    return None
+
+
+def _rejection(finding: Finding, sandbox: str, folder: Path) -> Rejection:
+    reason = f"{finding.check}: {finding.seen}" + (f". {finding.advice}" if finding.advice else "")
+    # Tracebacks name files by where they lie here, which is nobody's business.
+    lines = tuple(line.replace(f"{folder}{os.sep}", "") for line in finding.last_lines[-LAST_LINES:])
+    return Rejection(reason, lines, f"wildscav check DIR --sandbox {sandbox}")
+
+
+def job_of(
+    season: Season, match: Match, seats: list[MatchSeat], archives: dict[int, str], sandbox: str
+) -> Job:
+    """Return the job of a match.
+
+    Args:
+        season: The season.
+        match: The match.
+        seats: Its seats with an entrant.
+        archives: The archive of each submission.
+        sandbox: The sandbox in which agents run.
+
+    Raises:
+        UserError: An archive is missing, or a submission's image was not built on this machine.
+    """
+    by_seat = {one.seat: one for one in seats}
+    spec = MatchSpec.model_validate(match.spec)
+    loaded: dict[int, Submission] = {}
+    for one in seats:
+        if one.submission_id is not None and one.submission_id not in loaded:
+            found = load_archive(season, archives[one.submission_id], one.entrant)
+            (loaded[one.submission_id],) = with_images([found], sandbox)
+    is_ladder = match.kind == LADDER
+    out = season.match_folder(match.id)
+    for name in (RECORDS, LOGS, MATCHES):
+        (out / name).mkdir(parents=True, exist_ok=True)
+    return Job(
+        submissions=tuple(
+            loaded[number] for seat in sorted(by_seat) if (number := by_seat[seat].submission_id) is not None
+        ),
+        track=match.track,
+        index=match.number,
+        spec=spec,
+        out=out,
+        replay=False,
+        evaluation=key_of(match.id),
+        sandbox=sandbox,
+        limits=season.limits(match.track),
+        evaluated=None if is_ladder else seats[0].entrant,
+        robots=tuple(seat for seat, one in sorted(by_seat.items()) if one.submission_id is None),
+        watched=is_ladder,  # nobody else plays it, so anyone may see its map
+    )
+
+
+def keep_record(result: JobResult, conditions: str) -> tuple[MatchRow, PlayedRecord]:
+    """Keep a match's record under a name with its digest; return its result, and what is stored of it.
+
+    A worker of a conductor that lost its lease may still write a record of the same match. It cannot change
+    the one that is kept.
+
+    Raises:
+        UserError: The match has no record.
+        OSError: It cannot be read or kept.
+    """
+    if result.row.record is None:
+        raise UserError(f"the match {result.job.evaluation} has no record")
+    written = result.job.out / result.row.record
+    fresh = written.with_name(f".{written.name}.{os.getpid()}")
+    fresh.unlink(missing_ok=True)
+    try:
+        try:
+            os.link(written, fresh)
+        except OSError:  # not every file system has hard links
+            shutil.copyfile(written, fresh)
+        digest = file_digest(fresh)
+        kept = written.with_name(f"{written.stem}-{digest}{written.suffix}")
+        fresh.rename(kept)
+    finally:
+        fresh.unlink(missing_ok=True)
+    row = result.row.model_copy(update={"record": kept.relative_to(result.job.out).as_posix()})
+    return row, PlayedRecord(digest, kept.stat().st_size, conditions)

@@ -1,0 +1,1 @@
+"""The season's database: one interface for SQLite and PostgreSQL, and its schema."""

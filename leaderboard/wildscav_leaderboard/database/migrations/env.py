@@ -1,0 +1,10 @@
+"""Alembic's environment: it runs on the given connection, in its open transaction."""
+
+from alembic import context
+
+context.configure(
+    connection=context.config.attributes["connection"],
+    version_table="season_version",
+    render_as_batch=True,  # SQLite can change a table only by copying it
+)
+context.run_migrations()

@@ -1,0 +1,1 @@
+"""Running a season: the web server, the conductor, and both together."""

@@ -1,0 +1,94 @@
+"""The web application: the API and the pages of one season."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from http import HTTPStatus
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse, PlainTextResponse, Response
+from starlette.exceptions import HTTPException
+
+from wildscav.errors import UserError
+from wildscav.monitoring.logs import Log
+from wildscav.version import __version__
+from wildscav_evaluator.cache import cache_folder
+from wildscav_leaderboard.access.body_limit import BodyLimit
+from wildscav_leaderboard.access.headers import SecurityHeaders
+from wildscav_leaderboard.access.rate_limits import AddressLimit, RateLimits
+from wildscav_leaderboard.api.errors import as_json
+from wildscav_leaderboard.api.routers import PREFIX, api_router
+from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
+from wildscav_leaderboard.hosting.request_log import RequestCounts, RequestLog
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.spectating import rerun_viewer
+from wildscav_leaderboard.spectating.live import LiveMatches
+from wildscav_leaderboard.spectating.render_cache import RenderCache
+from wildscav_leaderboard.web.errors import as_page
+from wildscav_leaderboard.web.pages import add_pages
+
+UPLOADS = frozenset({f"{PREFIX}/submissions", "/submit"})
+
+
+def create_app(
+    season: Season, database: Database, counts: RequestCounts | None = None, log: Log | None = None
+) -> FastAPI:
+    """Return the application of a season.
+
+    Args:
+        season: The season.
+        database: Its database, whose schema is current.
+        counts: Where requests are counted; None counts for nobody.
+        log: Where requests are logged; None logs nothing.
+    """
+    renders = RenderCache(season.files / "rendered", season.settings.web.replays << 20)
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        with renders:
+            yield
+
+    app = FastAPI(
+        title=season.settings.title,
+        version=__version__,
+        docs_url=None,  # they load their scripts from other hosts
+        redoc_url=None,
+        openapi_url=f"{PREFIX}/openapi.json",
+        lifespan=lifespan,
+    )
+    app.state.season, app.state.database, app.state.limits = season, database, RateLimits()
+    app.state.renders, app.state.live = renders, LiveMatches(season.live)
+    app.include_router(api_router())
+    app.include_router(rerun_viewer.router(cache_folder("rerun-viewer")))
+    add_pages(app)
+    app.add_api_route("/health", _health, include_in_schema=False)
+    app.add_api_route("/ready", _ready, include_in_schema=False, response_model=None)
+    for kind in (UserError, HTTPException, RequestValidationError):
+        app.add_exception_handler(kind, _answer)
+    app.add_middleware(BrokenRequests, answer=_answer)
+    app.add_middleware(AddressLimit, per_minute=season.settings.web.requests_per_minute)
+    app.add_middleware(BodyLimit, uploads=UPLOADS)
+    app.add_middleware(RequestLog, counts=counts or RequestCounts(), log=log)
+    app.add_middleware(SecurityHeaders)
+    return app
+
+
+def _answer(request: Request, error: Exception) -> Response:
+    """Answer a request that was refused, or went wrong: a document for programs, a page for people."""
+    return as_json(error) if request.url.path.startswith("/api/") else as_page(request, error)
+
+
+def _health() -> PlainTextResponse:
+    """Say that the process answers."""
+    return PlainTextResponse("ok\n")
+
+
+def _ready(request: Request) -> Response:
+    """Say whether the database answers too."""
+    database: Database = request.app.state.database
+    try:
+        database.check()
+    except DatabaseError as error:
+        return JSONResponse({"ready": False, "reason": str(error)}, HTTPStatus.SERVICE_UNAVAILABLE)
+    return JSONResponse({"ready": True})

@@ -1,0 +1,102 @@
+"""The metrics of a season for Prometheus. What is in the database is counted on request."""
+
+from collections.abc import Iterable
+from datetime import UTC, datetime
+
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
+from prometheus_client.registry import Collector
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.conductor.lease import holder_of
+from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.matches.models import Match
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
+
+PREFIX = "wildscav_season"
+
+
+class SeasonMetrics(Collector):
+    """The metrics of a season.
+
+    Args:
+        database: Its database.
+        counts: The requests of this process.
+    """
+
+    def __init__(self, database: Database, counts: RequestCounts) -> None:
+        self._database, self._counts = database, counts
+
+    def collect(self) -> Iterable[Metric]:
+        """Return all metrics; without the database's ones while it does not answer."""
+        yield from self._counts.collect()
+        answers = GaugeMetricFamily(f"{PREFIX}_database_up", "1 while the database answers, else 0.")
+        try:
+            with self._database.reading() as session:
+                found = list(_of_database(session, datetime.now(UTC)))
+        except DatabaseError:
+            answers.add_metric((), 0)
+            yield answers
+            return
+        answers.add_metric((), 1)
+        yield answers
+        yield from found
+
+
+def _of_database(session: Session, now: datetime) -> Iterable[Metric]:
+    conductor = GaugeMetricFamily(f"{PREFIX}_conductor_up", "1 while a conductor holds the lease, else 0.")
+    conductor.add_metric((), float(holder_of(session, now) is not None))
+    yield conductor
+    paused = GaugeMetricFamily(f"{PREFIX}_paused", "1 while the season is paused, else 0.")
+    paused.add_metric((), float(season_state.read_state(session, season_state.PAUSED) is not None))
+    yield paused
+    yield _submissions(session)
+    yield _oldest(session, now)
+    yield _matches(session)
+    yield _attempts(session)
+
+
+def _submissions(session: Session) -> Metric:
+    family = GaugeMetricFamily(f"{PREFIX}_submissions", "Submissions in each state.", labels=("state",))
+    counted = select(Submission.state, func.count()).group_by(Submission.state)
+    for state, count in session.execute(counted.order_by(Submission.state)):
+        family.add_metric((state,), count)
+    return family
+
+
+def _oldest(session: Session, now: datetime) -> Metric:
+    family = GaugeMetricFamily(
+        f"{PREFIX}_queue_oldest_seconds", "How long the submission has waited that has waited longest."
+    )
+    waiting = select(func.min(Submission.since)).where(
+        Submission.state.in_((states.SUBMITTED, states.QUEUED))
+    )
+    since = session.scalar(waiting)
+    family.add_metric((), 0.0 if since is None else (now - since).total_seconds())
+    return family
+
+
+def _matches(session: Session) -> Metric:
+    family = GaugeMetricFamily(f"{PREFIX}_matches", "Matches in each state.", labels=("track", "state"))
+    counted = select(Match.track, Match.state, func.count()).group_by(Match.track, Match.state)
+    for track, state, count in session.execute(counted.order_by(Match.track, Match.state)):
+        family.add_metric((track, state), count)
+    return family
+
+
+def _attempts(session: Session) -> Metric:
+    family = CounterMetricFamily(
+        f"{PREFIX}_attempts", "Attempts at work that have ended.", labels=("kind", "outcome")
+    )
+    counted = (
+        select(Attempt.kind, Attempt.outcome, func.count())
+        .where(Attempt.outcome.is_not(None))
+        .group_by(Attempt.kind, Attempt.outcome)
+    )
+    for kind, outcome, count in session.execute(counted.order_by(Attempt.kind, Attempt.outcome)):
+        family.add_metric((kind, outcome or ""), count)
+    return family

@@ -1,0 +1,41 @@
+"""The web server of a season: uvicorn, with TLS from files or behind a proxy."""
+
+import uvicorn
+
+from wildscav.monitoring.logs import Log
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.seasons.folder import Season
+
+GRACE = 10  # s for requests to end when the server is stopped
+
+
+def run_web(
+    season: Season, database: Database, counts: RequestCounts | None = None, log: Log | None = None
+) -> None:
+    """Serve the web site and the API until the process is told to end."""
+    web = season.settings.web
+    config = uvicorn.Config(
+        create_app(season, database, counts, log),
+        host=web.host,
+        port=web.port,
+        log_level="warning",
+        access_log=False,
+        proxy_headers=bool(web.proxies),
+        forwarded_allow_ips=list(web.proxies) or None,
+        ssl_certfile=None if web.certificate is None else str(season.folder / web.certificate),
+        ssl_keyfile=None if web.key is None else str(season.folder / web.key),
+        timeout_graceful_shutdown=GRACE,
+        server_header=False,
+    )
+    uvicorn.Server(config).run()
+
+
+def address_of(season: Season) -> str:
+    """Return the address at which people find the season."""
+    web = season.settings.web
+    if web.url is not None:
+        return web.url.rstrip("/")
+    host = f"[{web.host}]" if ":" in web.host else web.host
+    return f"{'http' if web.certificate is None else 'https'}://{host}:{web.port}"

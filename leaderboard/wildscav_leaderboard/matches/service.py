@@ -1,0 +1,246 @@
+"""What can be done with matches: plan them, take the next ones, store their results."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from itertools import chain, zip_longest
+from typing import NamedTuple
+
+from sqlalchemy import func, select, update
+from sqlalchemy.orm import Session
+
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, MetricInfo
+from wildscav_evaluator.seats import submission_seats
+from wildscav_leaderboard.matches.models import (
+    FINISHED,
+    LADDER,
+    PLAYING,
+    SUITE,
+    VOID,
+    WAITING,
+    Match,
+    MatchResult,
+    MatchSeat,
+)
+from wildscav_leaderboard.seasons.refusals import NotFoundError
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
+
+
+class Entrant(NamedTuple):
+    """Who plays in a seat."""
+
+    name: str  # the submission's entrant, or robot:NAME
+    submission: int | None  # None for a robot
+
+
+class PlayedRecord(NamedTuple):
+    """What is stored of a match's record."""
+
+    digest: str  # BLAKE2b, 32 hexadecimal digits
+    size: int  # bytes
+    conditions: str = ""  # digest of the conditions under which it was played
+
+
+def add_suite_matches(
+    session: Session,
+    submission: Submission,
+    track: str,
+    specs: Sequence[MatchSpec],
+    now: datetime,
+    kind: str = SUITE,
+) -> int:
+    """Plan the matches of a suite that a submission has not got yet; return how many are new.
+
+    Args:
+        session: A writing session.
+        submission: The submission.
+        track: The track.
+        specs: All matches of the suite.
+        now: The time.
+        kind: ``SUITE``, or ``FINAL`` for the matches that decide the season.
+    """
+    wanted = select(Match.number).filter_by(kind=kind, track=track, group_id=submission.id)
+    known = set(session.scalars(wanted))
+    entrant = Entrant(submission.entrant, submission.id)
+    new = [number for number in range(len(specs)) if number not in known]
+    for number in new:
+        spec = specs[number]
+        # Everyone's first match comes before anyone's second one, so that boards fill evenly.
+        match = _match(kind, track, number, submission.id, spec, now, priority=number)
+        add_match(session, match, dict.fromkeys(submission_seats(spec.seats), entrant))
+    return len(new)
+
+
+def add_ladder_match(
+    session: Session,
+    track: str,
+    number: int,
+    spec: MatchSpec,
+    entrants: Mapping[int, Entrant],
+    now: datetime,
+) -> Match:
+    """Plan a match of a ladder.
+
+    Args:
+        session: A writing session.
+        track: The track.
+        number: Of the ladder's matches, one more than the last.
+        spec: The match.
+        entrants: Who plays in the seats that have an entrant.
+        now: The time.
+    """
+    return add_match(session, _match(LADDER, track, number, 0, spec, now), entrants)
+
+
+def _match(
+    kind: str, track: str, number: int, group: int, spec: MatchSpec, now: datetime, priority: int = 0
+) -> Match:
+    return Match(
+        kind=kind,
+        track=track,
+        number=number,
+        group_id=group,
+        spec=spec.model_dump(mode="json"),
+        created=now,
+        since=now,
+        priority=priority,
+    )
+
+
+def add_match(session: Session, match: Match, entrants: Mapping[int, Entrant]) -> Match:
+    """Add a match with its seats."""
+    session.add(match)
+    session.flush()
+    session.add_all(
+        MatchSeat(match_id=match.id, seat=seat, submission_id=one.submission, entrant=one.name)
+        for seat, one in entrants.items()
+    )
+    session.flush()
+    return match
+
+
+def find_match(session: Session, number: int) -> Match:
+    """Return a match.
+
+    Raises:
+        NotFoundError: There is none of this number.
+    """
+    found = session.get(Match, number)
+    if found is None:
+        raise NotFoundError(f"there is no match {number}")
+    return found
+
+
+def seats_of(session: Session, matches: Sequence[int]) -> dict[int, list[MatchSeat]]:
+    """Return the seats of some matches, by match."""
+    found: dict[int, list[MatchSeat]] = defaultdict(list)
+    wanted = select(MatchSeat).where(MatchSeat.match_id.in_(matches))
+    for seat in session.scalars(wanted.order_by(MatchSeat.match_id, MatchSeat.seat)):
+        found[seat.match_id].append(seat)
+    return found
+
+
+def next_matches(session: Session, tracks: Sequence[str], count: int) -> list[Match]:
+    """Return the matches that are played next: of each track in turn, by priority and then by age."""
+    waiting = [
+        session.scalars(
+            select(Match)
+            .filter_by(state=WAITING, track=track)
+            .order_by(Match.priority, Match.id)
+            .limit(count)
+        ).all()
+        for track in tracks
+    ]
+    return [match for match in chain(*zip_longest(*waiting)) if match is not None][:count]
+
+
+def void(match: Match, now: datetime, why: str) -> None:
+    """Give a match up: it has no result, and counts for nobody."""
+    match.state, match.since, match.deadline, match.detail = VOID, now, None, why
+
+
+def withdraw(session: Session, submission: Submission, now: datetime) -> None:
+    """Give up the matches of a submission that are not played yet, because it no longer takes part."""
+    own = select(MatchSeat.match_id).filter_by(submission_id=submission.id)
+    session.execute(
+        update(Match)
+        .where(Match.id.in_(own), Match.state == WAITING)
+        .values(state=VOID, since=now, detail=f"submission {submission.id} no longer takes part")
+    )
+
+
+def takes_part(session: Session, match: Match) -> bool:
+    """Return whether all submissions of a match are active."""
+    inactive = session.scalar(
+        select(func.count())
+        .select_from(MatchSeat)
+        .join(Submission, Submission.id == MatchSeat.submission_id)
+        .where(MatchSeat.match_id == match.id, Submission.state != states.ACTIVE)
+    )
+    return not inactive
+
+
+def last_arrival(session: Session) -> datetime | None:
+    """Return when the last result arrived; None if there is none."""
+    return session.scalar(select(func.max(MatchResult.at)))
+
+
+def deliver(
+    session: Session,
+    match: Match,
+    attempt: int | None,
+    row: MatchRow,
+    timing: MatchTiming,
+    record: PlayedRecord,
+    metric: MetricInfo,
+    now: datetime,
+) -> bool:
+    """Store the result of a match, unless it has one: the first to arrive stays.
+
+    Args:
+        session: A writing session.
+        match: The match.
+        attempt: The attempt that brings the result.
+        row: How it went, for all entrants.
+        timing: How long it took.
+        record: Its record, which is in the season's files.
+        metric: The track's score.
+        now: The time.
+
+    Returns:
+        Whether it was stored.
+    """
+    if session.get(MatchResult, match.id) is not None or match.state == VOID:
+        return False
+    score = None if row.metrics is None else row.metrics[metric.name]
+    # A clock may be set back, but results stay in the order of their arrival.
+    now = max(now, last_arrival(session) or now)
+    session.add(
+        MatchResult(
+            match_id=match.id,
+            attempt_id=attempt,
+            at=now,
+            row=row.model_dump(mode="json"),
+            timing=timing.model_dump(mode="json"),
+            conditions=record.conditions,
+            record=record.digest,
+            record_size=record.size,
+            fault=row.fault,
+            score=None if match.kind == LADDER else score,
+        )
+    )
+    match.state, match.since, match.deadline = FINISHED, now, None
+    session.flush()
+    return True
+
+
+def mark_playing(match: Match, now: datetime, deadline: datetime) -> None:
+    """Mark a match as being played."""
+    match.state, match.since, match.deadline = PLAYING, now, deadline
+
+
+def mark_waiting(match: Match, now: datetime) -> None:
+    """Mark a match as waiting to be played again."""
+    match.state, match.since, match.deadline = WAITING, now, None

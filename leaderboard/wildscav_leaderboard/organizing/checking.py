@@ -1,0 +1,91 @@
+"""Checking a season: that everything is there that it needs, and as it was when it was stored."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from sqlalchemy import text
+
+from wildscav.errors import UserError
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.database.schema import check_is_current
+from wildscav_leaderboard.organizing.stored_files import stored_files
+from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
+from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
+
+OnProgress = Callable[[int, int], None]  # files that are checked, of how many
+
+
+@dataclass
+class Checked:
+    """What was found."""
+
+    files: int = 0  # that were checked
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.problems
+
+
+def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Checked:
+    """Check a season's settings, secrets and database, and every file that the database refers to.
+
+    It only reads, and may be run at any time.
+
+    Args:
+        folder: The season's folder.
+        on_progress: Called after every file.
+
+    Raises:
+        UserError: The settings are not valid, or a secret cannot be read.
+    """
+    season, found = Season.open(folder), Checked()
+    found.problems += _wrong_commitments(season)
+    database = season.database()
+    try:
+        _check_database(database)
+        _check_files(season, database, found, on_progress)
+    except UserError as error:
+        found.problems.append(str(error))
+    finally:
+        database.close()
+    return found
+
+
+def _wrong_commitments(season: Season) -> Iterator[str]:
+    """Yield that the secrets are not those whose commitments were noted when the season was made."""
+    path = season.folder / COMMITMENTS_FILE
+    secrets = [(season.folder / name).read_bytes() for name in (SECRET_FILE, FINAL_SECRET_FILE)]
+    if not path.is_file():
+        yield f"{path} is missing, so nobody can tell whether the secrets are still those of the beginning"
+    elif path.read_text("utf-8", "replace") != commitments_text(*secrets):
+        yield f"the secrets do not have the commitments in {path}, which were published"
+
+
+def _check_database(database: Database) -> None:
+    """Check that the database is whole, and has the current schema.
+
+    Raises:
+        UserError: It is not, or cannot be reached.
+    """
+    if database.kind == "sqlite" and not Path(database.url.database or "").is_file():
+        raise UserError(f"there is no database {database} yet: `wildscav season serve` makes it")
+    with database.reading() as session:
+        check_is_current(session.connection(), str(database))
+        if database.kind == "sqlite":
+            state = session.execute(text("PRAGMA integrity_check")).scalars().all()
+            if state != ["ok"]:
+                raise UserError(f"the database {database} is damaged: {state[0]}; restore a backup")
+
+
+def _check_files(season: Season, database: Database, found: Checked, on_progress: OnProgress) -> None:
+    with database.reading() as session:
+        files = list(stored_files(session, season))
+    for file in files:
+        problem = file.problem()
+        if problem:
+            found.problems.append(problem)
+        found.files += 1
+        on_progress(found.files, len(files))

@@ -1,0 +1,78 @@
+"""How a season is doing: what waits, what is played, and what went wrong."""
+
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.conductor.attempts import running
+from wildscav_leaderboard.conductor.lease import holder_of
+from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.matches.models import Match
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.models import AuditEntry
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.teams.service import count_teams
+
+FAULTS = 50  # the latest ones that are shown
+
+
+@dataclass(frozen=True)
+class Status:
+    """How a season is doing."""
+
+    conductor: str | None  # who conducts; None if nobody does
+    sandbox: str | None
+    executor: str | None
+    at_once: int | None  # matches
+    paused: str | None
+    teams: int
+    submissions: dict[str, int]  # by state
+    matches: dict[str, int]  # by state
+    attempts: list[Attempt]  # that have not ended
+    faults: list[Attempt]  # of the last day, the latest first
+
+
+def status(session: Session, now: datetime) -> Status:
+    """Return how a season is doing."""
+    nodes = season_state.read_state(session, season_state.NODES) or {}
+    paused = season_state.read_state(session, season_state.PAUSED)
+    broken = select(Attempt).where(
+        Attempt.outcome.in_(("platform", "lost")), Attempt.started > now - timedelta(days=1)
+    )
+    return Status(
+        conductor=holder_of(session, now),
+        sandbox=nodes.get("sandbox"),
+        executor=nodes.get("executor"),
+        at_once=nodes.get("at_once"),
+        paused=None if paused is None else str(paused["reason"]),
+        teams=count_teams(session),
+        submissions=_counts(session, Submission),
+        matches=_counts(session, Match),
+        attempts=running(session),
+        faults=list(session.scalars(broken.order_by(Attempt.id.desc()).limit(FAULTS))),
+    )
+
+
+def nodes(session: Session) -> list[dict[str, Any]]:
+    """Return the machines on which matches are played: name, cores, running, and problem, if there is one."""
+    found: list[dict[str, Any]] = (season_state.read_state(session, season_state.NODES) or {}).get(
+        "nodes", []
+    )
+    return found
+
+
+def audit_entries(session: Session, before: int | None, most: int) -> list[AuditEntry]:
+    """Return privileged acts, the latest first."""
+    wanted = select(AuditEntry).order_by(AuditEntry.id.desc()).limit(most)
+    if before is not None:
+        wanted = wanted.where(AuditEntry.id < before)
+    return list(session.scalars(wanted))
+
+
+def _counts(session: Session, table: type[Submission] | type[Match]) -> dict[str, int]:
+    """Return how many rows of a table are in each state."""
+    wanted = select(table.state, func.count()).group_by(table.state).order_by(table.state)
+    return {state: count for state, count in session.execute(wanted)}  # noqa: C416 (rows are no pairs to mypy)

@@ -1,0 +1,1 @@
+"""What people and programs are shown: documents made from the database, for the API and for pages alike."""

@@ -1,0 +1,106 @@
+"""What is shown beside a board: who beat whom, how the places changed, and what is new."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from sqlalchemy.orm import Session
+
+from wildscav_evaluator.seats import robot_entrant
+from wildscav_leaderboard.boards import ladders
+from wildscav_leaderboard.boards.conditions import digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.models import BoardPoint
+from wildscav_leaderboard.presentation.documents import (
+    EntrantView,
+    HeadToHeadView,
+    OpponentView,
+    PairView,
+    PointView,
+)
+from wildscav_leaderboard.seasons.refusals import NotFoundError
+from wildscav_leaderboard.submissions.models import Submission, entrant_of
+
+MOST = 24  # entrants of one table
+
+
+def ladder_of(session: Session, track: str) -> LadderBoard:
+    """Return the public board of a ladder.
+
+    Raises:
+        NotFoundError: The track has no ladder, or no results yet.
+    """
+    board = read_board(session, track)
+    if not isinstance(board, LadderBoard):
+        raise NotFoundError(f"nobody has met on a ladder of {track} yet")
+    return board
+
+
+def head_to_head_view(session: Session, board: LadderBoard) -> HeadToHeadView:
+    """Return how the first entrants of a ladder did against each other, as far as its board counts."""
+    rows = [row for row in board.rows if row.rank is not None][:MOST]
+    names = [entrant_name(row) for row in rows]
+    records = ladders.head_to_head(
+        session, board.track, digest_of(board.conditions), names, applied=board.applied
+    )
+    return HeadToHeadView(
+        track=board.track,
+        entrants=[_entrant(name, row) for name, row in zip(names, rows, strict=True)],
+        records=[
+            PairView(first=first, second=second, **asdict(record), share=record.share)
+            for (first, second), record in sorted(records.items())
+        ],
+    )
+
+
+def entrant_name(row: LadderRow) -> str:
+    """Return the name under which the submission or robot of a row plays."""
+    return robot_entrant(row.name) if row.submission is None else entrant_of(row.name, row.submission)
+
+
+def _entrant(name: str, row: LadderRow) -> EntrantView:
+    return EntrantView(
+        entrant=name, submission=row.submission, team=row.team or None, title=row.team_title or row.name
+    )
+
+
+def opponent_views(session: Session, track: str, submission: Submission) -> list[OpponentView]:
+    """Return a submission's record against everyone whom it met on a ladder, the most frequent first."""
+    board = read_board(session, track)
+    if not isinstance(board, LadderBoard):
+        return []
+    records = ladders.records_against(
+        session, track, digest_of(board.conditions), submission.entrant, applied=board.applied
+    )
+    known = {entrant_name(row): _entrant(entrant_name(row), row) for row in board.rows}
+    ordered = sorted(records.items(), key=lambda one: (-one[1].count, one[0]))
+    return [
+        OpponentView(opponent=known.get(name, _unlisted(name)), **asdict(record), share=record.share)
+        for name, record in ordered
+    ]
+
+
+def _unlisted(name: str) -> EntrantView:
+    """Return an entrant that has no row on the board: another submission of a team, or one that ended."""
+    number = name.rpartition("-")[2]
+    submission = int(number) if number.isdecimal() and ":" not in name else None
+    return EntrantView(entrant=name, submission=submission, team=None, title=name)
+
+
+def point_views(points: Sequence[BoardPoint], team: str | None = None) -> list[PointView]:
+    """Return points of the history of places."""
+    return [
+        PointView.model_validate({**_point(point), "team": team, "submission": point.submission_id})
+        for point in points
+    ]
+
+
+def _point(point: BoardPoint) -> dict[str, object]:
+    names = ("at", "rank", "last_rank", "score", "low", "high", "matches")
+    return {name: getattr(point, name) for name in names}
+
+
+def ranked_teams(board: BoardDocument | None, count: int) -> dict[str, str]:
+    """Return the titles of the first teams of a board, by name."""
+    rows = [] if board is None else [row for row in board.rows if row.rank is not None and row.team]
+    return {row.team: row.team_title for row in rows[:count]}

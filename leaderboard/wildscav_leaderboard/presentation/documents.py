@@ -1,0 +1,361 @@
+"""The documents that the API answers with, and that pages show."""
+
+from datetime import datetime
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class View(BaseModel):
+    """Base of all documents."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+
+class ErrorView(View):
+    """Why a request was refused."""
+
+    error: str  # one line
+    status: int
+
+
+# What a route that answers with text or a file is described with, as its refusals are documents all the same.
+REFUSALS: dict[int | str, dict[str, Any]] = {
+    "4XX": {
+        "description": "Why the request was refused.",
+        "content": {"application/json": {"schema": {"$ref": "#/components/schemas/ErrorView"}}},
+    }
+}
+
+
+class QuotaView(View):
+    """What a team has used of its quota."""
+
+    per_day: int
+    used_today: int
+    left_today: int
+    resets: datetime
+    active_per_track: int
+    active: dict[str, int]  # by track
+
+
+class TeamView(View):
+    """A team."""
+
+    name: str
+    title: str
+    created: datetime
+    disqualified: str | None
+    members: list[str]
+
+
+class TeamRow(TeamView):
+    """A team in a list of all."""
+
+    submissions: int  # that it handed in
+    active: int  # that take part
+
+
+class AccountView(View):
+    """Whoever asks."""
+
+    name: str
+    role: str
+    team: TeamView | None
+    quota: QuotaView | None
+
+
+class NewAccount(BaseModel):
+    """What is needed to register."""
+
+    name: str
+    password: str
+    invitation: str | None = None
+
+
+class NewAccountView(View):
+    """A new account, with its first token, which is shown once."""
+
+    name: str
+    role: str
+    token: str
+
+
+class NewToken(BaseModel):
+    """What is needed to get a token."""
+
+    name: str
+    password: str
+    label: str = "token"
+
+
+class NewTokenView(View):
+    """A new token, which is shown once."""
+
+    token: str
+
+
+class TokenView(View):
+    """A token without its secret part."""
+
+    id: int
+    label: str
+    created: datetime
+    used: datetime | None
+
+
+class NewTeam(BaseModel):
+    """What is needed to make a team."""
+
+    name: str
+    title: str = ""
+
+
+class NewTeamView(View):
+    """A new team, with the key for teammates, which is shown once."""
+
+    team: TeamView
+    key: str
+
+
+class KeyView(View):
+    """A key, which is shown once."""
+
+    key: str
+
+
+class Key(BaseModel):
+    """A key for teammates."""
+
+    key: str
+
+
+class TransitionView(View):
+    """A step from one state to the next."""
+
+    at: datetime
+    state: str
+    detail: str
+
+
+class SubmissionView(View):
+    """A submission. Its team and the organizers see why it failed."""
+
+    id: int
+    team: str
+    name: str
+    version: str
+    message: str
+    tracks: list[str]
+    digest: str
+    size: int
+    created: datetime
+    state: str
+    since: datetime
+    deadline: datetime | None
+    queue_position: int | None = None
+    expected_wait: float | None = None  # s
+    charged: bool
+    platform_faults: int
+    fault: str | None
+    reason: str | None = None
+    last_lines: list[str] = []
+    command: str | None = None
+    history: list[TransitionView] = []
+
+
+class SubmissionList(View):
+    """Submissions, the newest first."""
+
+    submissions: list[SubmissionView]
+    next: str | None  # the address of those that come after them
+
+
+class HandedIn(View):
+    """A new submission, and what is left of the quota."""
+
+    submission: SubmissionView
+    quota: QuotaView
+
+
+class SeatView(View):
+    """A seat of a match that has an entrant."""
+
+    seat: int
+    entrant: str
+    submission: int | None
+    team: str | None
+    status: str | None = None
+    fault: str | None = None
+    detail: str | None = None
+    metrics: dict[str, float] | None = None
+    latency_p50: float | None = None  # s
+    latency_p99: float | None = None
+    latency_max: float | None = None
+    late_steps: int | None = None
+
+
+class MatchView(View):
+    """A match. Results of hidden matches are shown to those who played them, and to organizers."""
+
+    id: int
+    kind: str
+    track: str
+    number: int
+    state: str
+    since: datetime
+    created: datetime
+    detail: str
+    platform_faults: int
+    seats: list[SeatView]
+    hidden: str | None  # why its record, trails and logs cannot be seen
+    record: str | None  # BLAKE2b digest of its record
+
+
+class MatchList(View):
+    """Matches, the newest first."""
+
+    matches: list[MatchView]
+    next: str | None
+
+
+class AnnouncementView(View):
+    """A text of the organizers."""
+
+    id: int
+    at: datetime
+    author: str
+    title: str
+    text: str
+
+
+class TrackView(View):
+    """A track of the season."""
+
+    name: str
+    mode: str
+    suite: str
+    rounds: int
+    seats: int
+    robots: list[str]
+
+
+class CountsView(View):
+    """How much is going on."""
+
+    teams: int
+    submissions: int
+    matches: int  # that were played
+
+
+class SeasonView(View):
+    """The season."""
+
+    name: str
+    title: str
+    opens: datetime
+    freezes: datetime | None
+    closes: datetime
+    registration: str
+    commitment: str  # SHA-256 of the secret from which all seeds follow
+    final_commitment: str  # SHA-256 of the secret of the matches that decide the season
+    opened: str | None  # the secret, once it is opened
+    final_opened: str | None
+    paused: str | None  # why, if it is
+    frozen: bool
+    finalized: bool
+    versions: dict[str, Any]
+    tracks: list[TrackView]
+    announcements: list[AnnouncementView]
+    counts: CountsView | None = None  # only where the season itself is asked for
+
+
+class PointView(View):
+    """A place of a submission at some time."""
+
+    at: datetime
+    team: str | None = None  # if the history of a team was asked for
+    submission: int
+    rank: int
+    last_rank: int
+    score: float
+    low: float
+    high: float
+    matches: int
+
+
+class EntrantView(View):
+    """Who plays on a ladder: a submission or a robot."""
+
+    entrant: str  # its name in matches
+    submission: int | None
+    team: str | None
+    title: str  # as people read it
+
+
+class PairView(View):
+    """How an entrant did against another one."""
+
+    first: str
+    second: str
+    wins: int  # of the first one
+    ties: int
+    losses: int
+    share: float  # of the points, where a tie is half a point
+
+
+class HeadToHeadView(View):
+    """How the entrants of a ladder did against each other."""
+
+    track: str
+    entrants: list[EntrantView]  # in the order of the board
+    records: list[PairView]  # of those who met, each pair in both orders
+
+
+class OpponentView(View):
+    """How a submission did against an opponent."""
+
+    opponent: EntrantView
+    wins: int
+    ties: int
+    losses: int
+    share: float
+
+
+class WebhookView(View):
+    """A webhook without its secret."""
+
+    id: int
+    url: str
+    created: datetime
+    disabled: str | None
+
+
+class NewWebhook(BaseModel):
+    """What is needed to register a webhook."""
+
+    url: str
+
+
+class NewWebhookView(View):
+    """A new webhook, with the secret that signs its messages, which is shown once."""
+
+    webhook: WebhookView
+    secret: str
+
+
+class Reason(BaseModel):
+    """Why an organizer does something."""
+
+    reason: Annotated[str, Field(min_length=1, max_length=500)]
+
+
+class AuditEntryView(View):
+    """A privileged act."""
+
+    id: int
+    at: datetime
+    actor: str
+    act: str
+    subject: str
+    detail: str

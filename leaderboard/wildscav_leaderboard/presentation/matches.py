@@ -1,0 +1,110 @@
+"""Matches as they are shown: what is hidden, and from whom."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.matches.listing import results_of
+from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.service import seats_of
+from wildscav_leaderboard.matches.visibility import after_freeze, hidden_whys
+from wildscav_leaderboard.presentation.documents import MatchView, SeatView
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.teams.service import team_of
+
+OUTCOME = ("status", "fault", "metrics")  # of a seat; its detail is for its own team
+ANSWERS = ("latency_p50", "latency_p99", "latency_max", "late_steps")  # how long an agent took
+
+
+def match_views(session: Session, matches: Sequence[Match], caller: Caller | None) -> list[MatchView]:
+    """Return matches with the results that a caller may see."""
+    seats = seats_of(session, [match.id for match in matches])
+    results = results_of(session, list(matches))
+    teams = _teams(session, [seat for found in seats.values() for seat in found])
+    own = None if caller is None else team_of(session, caller.account)
+    everything = caller is not None and caller.is_organizer
+    hidden, late = hidden_whys(session, matches), after_freeze(session, matches)
+    return [
+        _view(
+            match,
+            seats.get(match.id, []),
+            results.get(match.id),
+            teams,
+            {None if own is None else own.name},
+            hidden[match.id],
+            everything=everything,
+            # Whoever meets on a ladder may know at once how it went.
+            shown=not hidden[match.id] or (match.kind == LADDER and match.id not in late),
+        )
+        for match in matches
+    ]
+
+
+def _teams(session: Session, seats: Sequence[MatchSeat]) -> dict[int, str]:
+    """Return the teams' names of the submissions in some seats."""
+    numbers = {seat.submission_id for seat in seats if seat.submission_id is not None}
+    wanted = select(Submission.id, Team.name).join(Team, Team.id == Submission.team_id)
+    found = session.execute(wanted.where(Submission.id.in_(numbers)))
+    return {number: name for number, name in found}  # noqa: C416 (rows are no pairs to mypy)
+
+
+def _view(
+    match: Match,
+    seats: Sequence[MatchSeat],
+    result: MatchResult | None,
+    teams: dict[int, str],
+    own: set[str | None],
+    hidden: str,
+    *,
+    everything: bool,
+    shown: bool,
+) -> MatchView:
+    rows, timings = _rows(result)
+    views = []
+    for seat in seats:
+        team = None if seat.submission_id is None else teams.get(seat.submission_id)
+        is_own = everything or (team is not None and team in own)
+        row = rows.get(seat.seat) if shown or is_own else None
+        views.append(_seat(seat, team, row, timings.get(seat.seat) if is_own else None, detailed=is_own))
+    return MatchView(
+        id=match.id,
+        kind=match.kind,
+        track=match.track,
+        number=match.number,
+        state=match.state,
+        since=match.since,
+        created=match.created,
+        detail=match.detail,
+        platform_faults=match.platform_faults,
+        seats=views,
+        hidden=hidden or None,
+        record=None if result is None else result.record,
+    )
+
+
+def _rows(result: MatchResult | None) -> tuple[dict[int, dict[str, Any]], dict[int, dict[str, Any]]]:
+    """Return the results and the timings of a match's seats, as they were stored."""
+    if result is None:
+        return {}, {}
+    rows, timings = result.row["seats"], result.timing["seats"]
+    return {seat["seat"]: seat for seat in rows}, {seat["seat"]: seat for seat in timings}
+
+
+def _seat(
+    seat: MatchSeat,
+    team: str | None,
+    row: dict[str, Any] | None,
+    timing: dict[str, Any] | None,
+    *,
+    detailed: bool,
+) -> SeatView:
+    told: dict[str, Any] = {}
+    if row is not None:
+        told = {name: row[name] for name in (*OUTCOME, "detail") if detailed or name in OUTCOME}
+    if timing is not None:
+        told |= {name: timing[name] for name in ANSWERS}
+    return SeatView(seat=seat.seat, entrant=seat.entrant, submission=seat.submission_id, team=team, **told)

@@ -1,0 +1,60 @@
+"""How a season is doing, as organizers see it, and what they send to change it."""
+
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, Field
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.organizing.status import status
+from wildscav_leaderboard.presentation.documents import View
+
+
+class AttemptView(View):
+    """An attempt at a piece of work."""
+
+    id: int
+    kind: str
+    number: int  # of this piece of work, from 1
+    submission_id: int | None
+    match_id: int | None
+    started: datetime
+    deadline: datetime
+    ended: datetime | None
+    outcome: str | None
+    detail: str
+
+
+class StatusView(View):
+    """How the season is doing."""
+
+    conductor: str | None  # who conducts; None if nobody does
+    sandbox: str | None
+    executor: str | None
+    at_once: int | None  # matches
+    paused: str | None  # why
+    teams: int
+    submissions: dict[str, int]  # by state
+    matches: dict[str, int]  # by state
+    attempts: list[AttemptView]  # that have not ended
+    faults: list[AttemptView]  # of the platform, in the last day, the latest first
+
+
+class NewAnnouncement(BaseModel):
+    """A text for everyone."""
+
+    title: str
+    text: str = ""
+
+
+class NewInvitation(BaseModel):
+    """An invitation, with which people register."""
+
+    label: str = ""  # for whom it is
+    role: Literal["competitor", "organizer"] = "competitor"
+    uses: Annotated[int | None, Field(ge=1, le=1_000_000)] = 1  # registrations; None: any number
+
+
+def status_view(session: Session, now: datetime) -> StatusView:
+    """Return how the season is doing."""
+    return StatusView.model_validate(status(session, now))

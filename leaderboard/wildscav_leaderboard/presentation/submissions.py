@@ -1,0 +1,72 @@
+"""Submissions as they are shown: to everyone, and to their own team and the organizers."""
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.presentation.documents import SubmissionView, TransitionView
+from wildscav_leaderboard.submissions.listing import is_own, team_names
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue
+from wildscav_leaderboard.submissions.service import history_of
+
+
+def submission_views(
+    session: Session, submissions: Sequence[Submission], caller: Caller | None, now: datetime
+) -> list[SubmissionView]:
+    """Return submissions for a list, without their history."""
+    teams = team_names(session, submissions)
+    positions = {one.id: number for number, one in enumerate(queue(session), 1)}
+    each = mean_time(session)
+    return [
+        _view(session, one, teams[one.team_id].name, caller, now, positions.get(one.id), each)
+        for one in submissions
+    ]
+
+
+def submission_view(
+    session: Session, submission: Submission, caller: Caller | None, now: datetime
+) -> SubmissionView:
+    """Return a submission with its history."""
+    (view,) = submission_views(session, [submission], caller, now)
+    history = [TransitionView.model_validate(one) for one in history_of(session, submission)]
+    if not is_own(session, caller, submission):
+        history = [one.model_copy(update={"detail": ""}) for one in history]
+    return view.model_copy(update={"history": history})
+
+
+def _view(
+    session: Session,
+    one: Submission,
+    team: str,
+    caller: Caller | None,
+    now: datetime,
+    position: int | None,
+    each: float,
+) -> SubmissionView:
+    own = is_own(session, caller, one)
+    return SubmissionView(
+        id=one.id,
+        team=team,
+        name=one.name,
+        version=one.version,
+        message=one.message if own else "",
+        tracks=one.tracks,
+        digest=one.digest,
+        size=one.size,
+        created=one.created,
+        state=one.state,
+        since=one.since,
+        deadline=one.deadline,
+        queue_position=position,
+        expected_wait=expected_wait(one, position, each, now),
+        charged=one.charged,
+        platform_faults=one.platform_faults,
+        fault=one.fault,
+        # Why a submission was replaced or disqualified is for everyone; why its code failed is not.
+        reason=one.reason if own or one.state in ("disabled", "cancelled") else None,
+        last_lines=one.last_lines if own else [],
+        command=one.command if own else None,
+    )

@@ -1,0 +1,144 @@
+"""A season as a folder of files, which any web server can serve, and `wildscav audit` reads as it is."""
+
+import hashlib
+import shutil
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from sqlalchemy.orm import Session
+
+from wildscav.errors import UserError, describe
+from wildscav.system import leftovers
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import MatchResult
+from wildscav_leaderboard.publishing.csv_tables import board_table, matches_table
+from wildscav_leaderboard.publishing.documents import (
+    SEASON_FILE,
+    BoardFile,
+    Line,
+    PublishedBoard,
+    PublishedMatch,
+)
+from wildscav_leaderboard.publishing.readme import readme
+from wildscav_leaderboard.publishing.service import Addresses, board_lines, published_season
+from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
+
+IN_FOLDER = Addresses(
+    lines={"public": "tracks/{track}.ndjson", "season": "tracks/{track}-season.ndjson"},
+    shown={"public": "boards/{track}.json", "season": "boards/{track}-season.json"},
+    records="records/{thousand}/{match}.wsr",
+)
+SUMS_FILE, README_FILE = "SHA256SUMS", "README.md"
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was exported."""
+
+    folder: Path
+    boards: int
+    matches: int
+    records: int
+    hidden: int  # records that cannot be published yet
+
+
+def export(season: Season, database: Database, folder: Path) -> Exported:
+    """Write everything that is published of a season into a new folder, whole or not at all.
+
+    Args:
+        season: The season.
+        database: Its database.
+        folder: The folder, which must be missing or empty.
+
+    Raises:
+        UserError: The folder has something in it, or cannot be written, or a record is missing.
+    """
+    folder = folder.absolute()
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(f"{folder} is not an empty folder: name a new one", exit_code=2)
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with leftovers.temporary_folder_in(folder.parent, ".export-") as place:
+            made = place / "export"
+            made.mkdir()
+            with database.reading() as session:
+                counts = _write(session, season, made)
+            _write_sums(made)
+            made.rename(folder)
+    except OSError as error:
+        raise UserError(f"the season cannot be exported: {describe(error)}") from error
+    return Exported(folder, *counts)
+
+
+def _write(session: Session, season: Season, folder: Path) -> tuple[int, int, int, int]:
+    """Write all files; return the numbers of boards, matches, records, and hidden records."""
+    document = published_season(session, season, IN_FOLDER)
+    _write_text(folder / SEASON_FILE, document.model_dump_json(indent=1) + "\n")
+    count, matches = 0, dict[int, PublishedMatch]()
+    for board in document.boards:
+        file = _write_board(session, season, folder, board)
+        count += file.board is not None
+        matches |= {match.id: match for match in file.matches}
+    shown = [match for match in matches.values() if match.record is not None and match.hidden is None]
+    for match in shown:
+        _copy_record(session, season, folder, match)
+    for track in document.tracks:
+        if track.suite_file is not None:
+            _write_text(folder / "suites" / f"{track.name}.toml", track.suite_file)
+    for name, one in ((SECRET_FILE, document.secret), (FINAL_SECRET_FILE, document.final_secret)):
+        if one.secret is not None:
+            (folder / name).write_bytes(bytes.fromhex(one.secret))
+    hidden = sum(match.hidden is not None for match in matches.values())
+    counts = count, len(matches), len(shown), hidden
+    _write_text(folder / README_FILE, readme(document, *counts))
+    return counts
+
+
+def _write_board(session: Session, season: Season, folder: Path, board: PublishedBoard) -> BoardFile:
+    """Write the files of a board: for audits, and for people and their spreadsheets."""
+    lines: list[Line] = []
+    path = folder / board.lines
+    path.parent.mkdir(exist_ok=True)
+    with path.open("w", encoding="utf-8", newline="") as output:
+        for line in board_lines(session, season, board.track, board.audience):
+            output.write(line.text())
+            lines.append(line)
+    file = BoardFile.of(lines)
+    if file.board is not None:
+        shown = folder / board.shown
+        _write_text(shown, file.board.model_dump_json(indent=1) + "\n")
+        _write_text(shown.with_suffix(".csv"), board_table(file.board))
+        _write_text(folder / "matches" / f"{board.label}.csv", matches_table(file.matches))
+    return file
+
+
+def record_address(template: str, match: int) -> str:
+    """Return the address of a match's record."""
+    return template.replace("{match}", str(match)).replace("{thousand}", f"{match // 1000:04d}")
+
+
+def _copy_record(session: Session, season: Season, folder: Path, match: PublishedMatch) -> None:
+    result = session.get_one(MatchResult, match.id)
+    source = season.match_folder(match.id) / str(result.row["record"])
+    target = folder / record_address(IN_FOLDER.records, match.id)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(source, target)
+    session.expunge(result)
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, "utf-8", newline="")
+
+
+def _write_sums(folder: Path) -> None:
+    """Write the sums of all files, as ``sha256sum --check`` reads them."""
+    paths = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+    _write_text(folder / SUMS_FILE, "".join(_sums(folder, paths)))
+
+
+def _sums(folder: Path, paths: Iterable[str]) -> Iterable[str]:
+    for path in paths:
+        with (folder / path).open("rb") as file:
+            yield f"{hashlib.file_digest(file, 'sha256').hexdigest()}  {path}\n"

@@ -1,0 +1,147 @@
+"""A season's folder, and what is in it."""
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.suites.rounds import matches_in_rounds
+from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
+from wildscav_evaluator.suites.suite import Suite
+from wildscav_evaluator.suites.suite_file import SUFFIX, find_suite, read_suite
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.settings import SeasonSettings, SettingsError, TrackSettings, read_settings
+
+# The seeds of the season's matches, and of those that decide it at its end; private until they are opened.
+SECRET_FILE, FINAL_SECRET_FILE = "secret.txt", "final-secret.txt"
+DATABASE_FILE = "season.db"
+FILES = "files"
+PUBLISHED = "published"  # what `wildscav season finalize` exports
+
+
+@dataclass(frozen=True)
+class Season:
+    """A season: its folder and its settings. Everything that changes is in its database."""
+
+    folder: Path  # absolute
+    settings: SeasonSettings
+
+    @classmethod
+    def open(cls, folder: Path) -> "Season":
+        """Open the folder that ``wildscav season init`` made.
+
+        Raises:
+            SettingsError: Its settings are not valid.
+            UserError: Its secret, or a suite, cannot be read.
+        """
+        folder = folder.absolute()
+        season = cls(folder, read_settings(folder))
+        season.check()
+        return season
+
+    def check(self) -> None:
+        """Check what the settings name.
+
+        Raises:
+            SettingsError: A suite does not have the track that names it.
+            UserError: The secret, or a suite, cannot be read.
+        """
+        for track in self.settings.tracks:
+            if track not in self.suite(track).tracks:
+                raise SettingsError(
+                    f"tracks.{track}.suite: the suite {self.settings.tracks[track].suite} has no matches of "
+                    f"{track}; it has {', '.join(self.suite(track).tracks)}"
+                )
+        _ = self.seed, self.final_seed
+
+    @cached_property
+    def seed(self) -> SuiteSeed:
+        """The seed of all matches. Only its commitment is public until the season is opened."""
+        return read_secret(self.folder / SECRET_FILE)
+
+    @cached_property
+    def final_seed(self) -> SuiteSeed:
+        """The seed of the matches that decide the season, which nobody has played before."""
+        return read_secret(self.folder / FINAL_SECRET_FILE)
+
+    @property
+    def database_url(self) -> str:
+        """The URL of the database; WILDSCAV_SEASON_DATABASE, which may hold a password, comes first."""
+        given = os.environ.get("WILDSCAV_SEASON_DATABASE") or self.settings.database
+        return given or f"sqlite:///{self.folder / DATABASE_FILE}"
+
+    def database(self) -> Database:
+        """Return the database, which is not connected before it is used.
+
+        Raises:
+            DatabaseError: Its URL is not valid.
+        """
+        return Database(self.database_url)
+
+    @property
+    def files(self) -> Path:
+        """The folder of archives and records; several machines may share it."""
+        return self.folder / (self.settings.files or FILES)
+
+    @property
+    def archives(self) -> Path:
+        """The archives of submissions, each named by its SHA-256 and its suffix."""
+        return self.files / "archives"
+
+    @property
+    def live(self) -> Path:
+        """The folder in which the conductor tells of matches that are being played."""
+        return self.files / "live"
+
+    def match_folder(self, match: int) -> Path:
+        """Return the output folder of a match: its record, logs and journal."""
+        # A folder of a hundred thousand entries is slow to list.
+        return self.files / "matches" / f"{match // 1000:04d}" / str(match)
+
+    def submission_folder(self, submission: int) -> Path:
+        """Return the folder of what was found out about a submission: the logs of its validation."""
+        return self.files / "submissions" / str(submission)
+
+    def track(self, name: str) -> TrackSettings:
+        """Return the settings of a track.
+
+        Raises:
+            SettingsError: The season does not have it.
+        """
+        if name not in self.settings.tracks:
+            tracks = ", ".join(self.settings.tracks)
+            raise SettingsError(f"the season has no track {name!r}; it has {tracks}")
+        return self.settings.tracks[name]
+
+    def suite(self, track: str) -> Suite:
+        """Return the suite of a track.
+
+        Raises:
+            UserError: There is none of that name, or its file cannot be read.
+        """
+        name = self.track(track).suite
+        return read_suite(self.folder / name) if name.endswith(SUFFIX) else find_suite(name)
+
+    @cached_property
+    def suite_matches(self) -> dict[str, tuple[MatchSpec, ...]]:
+        """The matches of each track in mode suite, which are the same for every submission."""
+        return {
+            name: matches_in_rounds(self.suite(name), name, self.seed.value, track.rounds)
+            for name, track in self.settings.tracks.items()
+            if track.mode == "suite"
+        }
+
+    @cached_property
+    def final_matches(self) -> dict[str, tuple[MatchSpec, ...]]:
+        """The matches of each track in mode suite that decide the season."""
+        return {
+            name: matches_in_rounds(self.suite(name), name, self.final_seed.value, track.rounds)
+            for name, track in self.settings.tracks.items()
+            if track.mode == "suite"
+        }
+
+    def limits(self, track: str) -> Limits:
+        """Return the limits of an agent on a track."""
+        return self.suite(track).limits.get(track, DEFAULT_LIMITS)

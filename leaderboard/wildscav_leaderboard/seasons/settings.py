@@ -1,0 +1,210 @@
+"""The settings of a season: the file ``season.toml``, checked as a whole before anything starts."""
+
+import tomllib
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from ipaddress import ip_network
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from wildscav.errors import UserError, describe
+from wildscav.terminal.suggestions import did_you_mean
+
+SETTINGS_FILE = "season.toml"
+LARGEST = 1 << 20  # bytes
+
+Seconds = Annotated[float, Field(gt=0.0, le=7 * 86_400.0)]
+Mode = Literal["suite", "ladder"]
+
+
+class SettingsError(UserError):
+    """A season's settings are not valid."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, exit_code=2)
+
+
+def _in_utc(moment: datetime) -> datetime:
+    """Return a moment with its time zone, which is UTC unless it says otherwise."""
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
+
+
+Moment = Annotated[datetime, AfterValidator(_in_utc)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Quotas(_Part):
+    """How much each team may submit."""
+
+    per_day: Annotated[int, Field(ge=1, le=1000)] = 5  # submissions in a day of UTC
+    active: Annotated[int, Field(ge=1, le=100)] = 2  # submissions that take part at once, on each track
+    members: Annotated[int, Field(ge=1, le=100)] = 5  # accounts of a team
+    archive: Annotated[int, Field(ge=1, le=256)] = 100  # MiB of an archive
+
+
+class Deadlines(_Part):
+    """After how long a piece of work that has not ended counts as lost."""
+
+    building: Seconds = 900.0
+    validating: Seconds = 900.0
+    match: Seconds = 7200.0
+    attempts: Annotated[int, Field(ge=1, le=10)] = 3  # at work that the platform broke
+
+
+class Execution(_Part):
+    """Where agents run."""
+
+    executor: str = "local"  # or ray
+    address: str | None = None  # of a Ray cluster
+    matches: Annotated[int | None, Field(ge=1, le=10_000)] = None  # at once; None: as many as there are cores
+    sandbox: str | None = None  # None: the strongest that works here; never process, which isolates nothing
+
+
+class Web(_Part):
+    """Where the web site is."""
+
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65_535)] = 8000
+    url: Annotated[str | None, Field(pattern=r"^https?://[^/\s]+/?$")] = None  # as people write it
+    certificate: Path | None = None  # PEM file, for TLS; with its key
+    key: Path | None = None
+    proxies: tuple[str, ...] = ()  # addresses of reverse proxies, whose X-Forwarded headers are believed
+    requests_per_minute: Annotated[int, Field(ge=1, le=1_000_000)] = 600  # of one address
+    replays: Annotated[int, Field(ge=1, le=1_000_000)] = 2048  # MiB of rendered replays that are kept
+    metrics_port: Annotated[int | None, Field(ge=0, le=65_535)] = None  # on this machine, for Prometheus
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Web":
+        if (self.certificate is None) != (self.key is None):
+            raise ValueError("certificate and key belong together: give both or none")
+        for proxy in self.proxies:
+            ip_network(proxy, strict=False)
+        return self
+
+
+class Webhooks(_Part):
+    """Messages to teams' own addresses."""
+
+    enabled: bool = True
+    private_addresses: bool = False  # whether they may lead into private networks
+
+
+class TrackSettings(_Part):
+    """What is played on a track, and how it is ranked."""
+
+    mode: Mode
+    suite: str = "official"  # or a path of an organizer's own suite, relative to the season's folder
+    rounds: Annotated[int, Field(ge=1, le=1000)] = 1  # of the suite, in mode suite
+    # In mode ladder:
+    seats: Annotated[int, Field(ge=2, le=100)] = 4  # entrants in a match
+    robots: tuple[str, ...] = ()  # robots that take part as entrants, whose ratings anchor the scale
+    matches: Annotated[int, Field(ge=1, le=100_000)] = 40  # until a submission's rating counts as settled
+    waiting: Annotated[int, Field(ge=1, le=10_000)] = 8  # matches that are made in advance, at most
+
+
+class SeasonSettings(_Part):
+    """Everything in ``season.toml``."""
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{1,39}$")]
+    title: Annotated[str, Field(min_length=1, max_length=100)]
+    opens: Moment  # submissions are accepted from here
+    freezes: Moment | None = None  # the public boards stay as they are then
+    closes: Moment  # submissions are accepted until here
+    registration: Literal["open", "invited"] = "invited"
+    database: str | None = None  # URL; None: a file of SQLite in the season's folder
+    files: Path | None = None  # folder of archives and records; None: in the season's folder
+    tracks: Annotated[dict[str, TrackSettings], Field(min_length=1)]
+    quotas: Quotas = Quotas()
+    deadlines: Deadlines = Deadlines()
+    execution: Execution = Execution()
+    web: Web = Web()
+    webhooks: Webhooks = Webhooks()
+
+    @model_validator(mode="after")
+    def _fits(self) -> "SeasonSettings":
+        if not self.opens < self.closes:
+            raise ValueError("closes must be later than opens")
+        if self.freezes is not None and not self.opens <= self.freezes <= self.closes:
+            raise ValueError("freezes must be between opens and closes")
+        return self
+
+
+def read_settings(folder: Path) -> SeasonSettings:
+    """Read and check the settings of a season's folder.
+
+    Raises:
+        SettingsError: They are missing or not valid; one line says which field, and what is allowed.
+    """
+    path = folder / SETTINGS_FILE
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        raise SettingsError(
+            f"there is no {path}: `wildscav season init {folder}` makes a season's folder"
+        ) from None
+    except OSError as error:
+        raise SettingsError(describe(error)) from error
+    if len(content) > LARGEST:
+        raise SettingsError(f"{path} has {len(content):,} bytes, may have {LARGEST:,} at most")
+    return parse_settings(content.decode("utf-8", "replace"), path)
+
+
+def parse_settings(text: str, path: Path) -> SeasonSettings:
+    """Check the text of settings.
+
+    Args:
+        text: The content of the file.
+        path: Its path, for errors.
+
+    Raises:
+        SettingsError: They are not valid.
+    """
+    try:
+        content = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SettingsError(f"{path} is not valid TOML: {error}") from None
+    try:
+        settings = SeasonSettings.model_validate(content)
+    except ValidationError as error:
+        raise SettingsError(f"{path}: {_explained(error)}") from None
+    for problem in _problems(settings):
+        raise SettingsError(f"{path}: {problem}")
+    return settings
+
+
+def _explained(error: ValidationError) -> str:
+    first: Any = error.errors(include_url=False)[0]
+    field = ".".join(str(part) for part in first["loc"])
+    message = str(first["ctx"]["error"]) if first["type"] == "value_error" else str(first["msg"])
+    if first["type"] == "extra_forbidden":
+        message = "is not a setting"
+    return f"{field}: {message}" if field else message
+
+
+def _problems(settings: SeasonSettings) -> Iterator[str]:
+    """Yield what does not fit to the installed tracks, suites, robots, executors and sandboxes."""
+    from wildscav_engine.simulation.robots.decide import ROBOTS
+    from wildscav_engine.tracks import TRACKS
+    from wildscav_evaluator.executors import EXECUTORS
+    from wildscav_evaluator.sandbox import SANDBOXES
+    from wildscav_evaluator.tournaments.drawing import has_teams
+
+    yield from _unknown("execution.executor", settings.execution.executor, EXECUTORS)
+    if settings.execution.sandbox is not None:
+        yield from _unknown("execution.sandbox", settings.execution.sandbox, SANDBOXES)
+    for name, track in settings.tracks.items():
+        yield from _unknown("tracks", name, TRACKS)
+        for robot in track.robots:
+            yield from _unknown(f"tracks.{name}.robots", robot, ROBOTS)
+        if track.mode == "ladder" and name in TRACKS and has_teams(name):
+            yield f"tracks.{name}.mode: {name} is played by one team, so it has no ladder; allowed is suite"
+
+
+def _unknown(field: str, name: str, known: Any) -> Iterator[str]:
+    if name not in known:
+        yield f"{field}: {name!r} is none of {', '.join(known)}{did_you_mean(name, known)}"

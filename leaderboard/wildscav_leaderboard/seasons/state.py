@@ -1,0 +1,56 @@
+"""What changes about a season while it runs: whether it is paused, frozen, finalized or opened."""
+
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.seasons.models import AuditEntry, StateValue
+
+PAUSED = "paused"  # {"reason"}: the conductor starts nothing
+FROZEN = "frozen"  # {"at"}: the public boards stay as they were then
+# {"at", "best", "field"}: nothing more is accepted. The field is null until everything that was handed in is
+# played; then it names the submissions of each suite that play the matches that decide the season.
+FINALIZING = "finalizing"
+FINALIZED = "finalized"  # {"at", "field", "conditions"}: those matches are played, and the boards are final
+OPENED = "opened"  # {"secret", "final_secret"}: the secrets are public
+NODES = "nodes"  # {"nodes": […], "sandbox"}: where the conductor plays, for pages
+
+
+def read_state(session: Session, name: str) -> dict[str, Any] | None:
+    """Return a value of the season's state; None if it is not set."""
+    found = session.get(StateValue, name)
+    return None if found is None else found.value
+
+
+def write_state(session: Session, name: str, value: dict[str, Any] | None, now: datetime) -> None:
+    """Set a value of the season's state, or remove it."""
+    found = session.get(StateValue, name)
+    if found is None and value is not None:
+        session.add(StateValue(name=name, value=value, updated=now))
+    elif found is not None and value is None:
+        session.delete(found)
+    elif found is not None and value is not None:
+        found.value, found.updated = value, now
+
+
+def frozen_since(session: Session) -> datetime | None:
+    """Return since when the public boards stay as they are; None if they do not, or the season is final."""
+    frozen = read_state(session, FROZEN)
+    if frozen is None or read_state(session, FINALIZED) is not None:
+        return None
+    return datetime.fromisoformat(str(frozen["at"]))
+
+
+def log_act(session: Session, actor: str, act: str, subject: str, now: datetime, detail: str = "") -> None:
+    """Add a privileged act to the log.
+
+    Args:
+        session: A writing session.
+        actor: The name of the account; ``command line`` or ``conductor`` if there is none.
+        act: A verb, such as "disqualify team".
+        subject: What it was done to, such as "team foxes".
+        now: The time.
+        detail: The reason, or what changed.
+    """
+    session.add(AuditEntry(at=now, actor=actor, act=act, subject=subject, detail=detail))

@@ -1,0 +1,212 @@
+"""The trails of a recorded match: the record is played again by the engine, and sampled."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav.errors import UserError
+from wildscav_engine.record import Record, RecordError, read_record, resimulate
+from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED, State
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.result import SeatResult
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_engine.tracks import TRACKS
+from wildscav_engine.view.outcome import describe_outcome
+from wildscav_engine.view.recording.history import History, collect_history, seats_where
+from wildscav_leaderboard.spectating.document import (
+    Box,
+    Circle,
+    Event,
+    MapExtent,
+    Samples,
+    SeatResultShown,
+    SeatSamples,
+    SeatShown,
+    Target,
+    Trails,
+    ZonePhase,
+)
+
+SAMPLE_INTERVAL = 10  # frames, at least, between two samples: five a second
+DECIMETRES = 10  # in a metre
+
+
+def trails_of_file(path: Path) -> Trails:
+    """Return the trails of a record's file.
+
+    Raises:
+        UserError: The record cannot be read, or not be played again.
+    """
+    try:
+        return trails_of(read_record(path))
+    except RecordError as error:
+        raise UserError(str(error)) from None
+
+
+def trails_of(record: Record) -> Trails:
+    """Return the trails of a record, which is played again.
+
+    Raises:
+        RecordError: It cannot be played again with this engine.
+    """
+    match, history = collect_history(resimulate(record), record.steps, None)
+    zone = zone_phases(match.state.matches.zone[0, : int(match.state.matches.phases[0])])
+    track = TRACKS[record.spec.track]
+    return Trails(
+        over=match.over,
+        track=track.name,
+        title=track.title,
+        frames_per_second=FRAMES_PER_SECOND,
+        frames=match.frame,
+        frame_limit=record.spec.frame_limit,
+        ending=record.result.ending,
+        outcome=describe_outcome(record.result, record.names),
+        map=map_extent(record.spec),
+        target=target_of(match.state),
+        seats=seats_shown(record.spec, record.names, record.result.seats),
+        samples=_samples(history),
+        events=sorted([*_events(history), *zone_events(zone, match.frame)], key=lambda event: event.frame),
+        zone=zone,
+        boxes=_boxes(history),
+    )
+
+
+def decimetres(metres: float) -> int:
+    """Return a length or coordinate in m as whole decimetres."""
+    return round(float(metres) * DECIMETRES)
+
+
+def map_extent(spec: MatchSpec) -> MapExtent:
+    """Return the part of the world that the map of a spec covers: a square about the origin."""
+    side = decimetres(spec.map.config.size)
+    return MapExtent(west=-side // 2, north=side // 2, width=side, height=side)
+
+
+def seats_shown(
+    spec: MatchSpec, names: tuple[str, ...], results: tuple[SeatResult, ...] | None
+) -> list[SeatShown]:
+    """Return the seats of a match, with their results once it has ended."""
+    return [
+        SeatShown(
+            seat=seat,
+            name=name,
+            kind=spec.seats[seat],
+            team=spec.team_of_seats[seat],
+            full_health=spec.equipment_of(seat).health,
+            result=None if results is None else _result(results[seat]),
+        )
+        for seat, name in enumerate(names)
+    ]
+
+
+def _result(result: SeatResult) -> SeatResultShown:
+    return SeatResultShown(
+        supplies=result.supplies,
+        kills=result.kills,
+        deaths=result.deaths,
+        shots=result.shots,
+        hits=result.hits,
+        walked=decimetres(result.walked),
+        metrics=result.metrics,
+    )
+
+
+def target_of(state: State) -> Target | None:
+    """Return the target of a match; None if it has none."""
+    if not state.matches.has_target[0]:
+        return None
+    x, height, z = state.matches.target[0]
+    return Target(x=decimetres(x), z=decimetres(z), height=decimetres(height))
+
+
+def zone_phases(rows: NDArray[np.float64]) -> list[ZonePhase]:
+    """Return the phases of a safe zone, from (Z, 9) rows as in ``Matches.zone``."""
+    return [
+        ZonePhase(
+            start=round(row[0]),
+            end=round(row[1]),
+            before=_circle(row[2:5]),
+            after=_circle(row[5:8]),
+            damage=int(row[8]),
+        )
+        for row in rows.tolist()
+    ]
+
+
+def _circle(numbers: list[float]) -> Circle:
+    x, z, radius = map(decimetres, numbers)
+    return Circle(x=x, z=z, radius=radius)
+
+
+def zone_events(zone: list[ZonePhase], frames: int) -> list[Event]:
+    """Return the beginnings and ends of the shrinking of a zone in the first frames of a match."""
+    moments = [(frame, amount) for phase in zone for frame, amount in ((phase.start, 1), (phase.end, 0))]
+    return [Event(frame=frame, kind="zone", amount=amount) for frame, amount in moments if frame <= frames]
+
+
+def _samples(history: History) -> Samples:
+    agents = history.agents
+    # The first row of every interval, and the last row, which shows how the match ended.
+    first = np.flatnonzero(np.diff(history.frame // SAMPLE_INTERVAL, prepend=-1))
+    rows = np.union1d(first, history.rows[-1:])
+    places = np.rint(agents.position[rows] * DECIMETRES).astype(int)
+    degrees = np.rint(agents.yaw[rows]).astype(int)
+    return Samples(
+        frames=history.frame[rows].tolist(),
+        seats=[
+            SeatSamples(
+                x=places[:, seat, 0].tolist(),
+                z=places[:, seat, 2].tolist(),
+                height=places[:, seat, 1].tolist(),
+                yaw=degrees[:, seat].tolist(),
+                health=agents.health[rows, seat].tolist(),
+                supplies=agents.supplies[rows, seat].tolist(),
+            )
+            for seat in range(len(history.teams))
+        ],
+    )
+
+
+def _events(history: History) -> Iterator[Event]:
+    """Yield what agents did, one kind after the other."""
+    agents, frame = history.agents, history.frame.tolist()
+    for row, seat in seats_where(agents.fired & (agents.hit_seat != NOBODY)):
+        other = int(agents.hit_seat[row, seat])
+        left = int(agents.health[row, other])
+        yield Event(frame=frame[row], kind="hit", seat=seat, other=other, amount=left)
+    for row, seat in seats_where(np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0):
+        by = int(agents.hit_by_seat[row, seat])
+        is_out = agents.eliminated[row, seat] != NOT_ELIMINATED
+        other_seat = None if by == NOBODY else by
+        yield Event(frame=frame[row], kind="out" if is_out else "death", seat=seat, other=other_seat)
+    alive = agents.health > 0
+    for row, seat in seats_where(alive[1:] & ~alive[:-1]):
+        yield Event(frame=frame[row + 1], kind="respawn", seat=seat)
+    for row, seat in seats_where(agents.gained > 0):
+        yield Event(frame=frame[row], kind="pick_up", seat=seat, amount=int(agents.gained[row, seat]))
+    reached = np.flatnonzero(history.reached_by != NOBODY)
+    if len(reached):
+        row = int(reached[0])
+        yield Event(frame=frame[row], kind="target", seat=int(history.reached_by[row]))
+
+
+def _boxes(history: History) -> list[Box]:
+    """Return all boxes, in the order in which they appear."""
+    boxes: dict[int, Box] = {}
+    present: set[int] = set()
+    for change in history.boxes:
+        frame = int(history.frame[change.row])
+        now = change.serial.tolist()
+        for serial in present.difference(now):
+            boxes[serial] = boxes[serial].model_copy(update={"taken": frame})
+        for place, serial in enumerate(now):
+            if serial not in present:
+                x, _, z = change.position[place]
+                quantity = int(change.quantity[place])
+                boxes[serial] = Box(
+                    x=decimetres(x), z=decimetres(z), quantity=quantity, appears=frame, taken=None
+                )
+        present = set(now)
+    return list(boxes.values())

@@ -1,0 +1,1 @@
+"""Submissions: what teams hand in, the states that it goes through, and quotas."""

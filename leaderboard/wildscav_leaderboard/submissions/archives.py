@@ -1,0 +1,113 @@
+"""The archives that teams hand in: checked before anything of them is stored, and kept by their digest."""
+
+import hashlib
+import os
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from wildscav.errors import UserError
+from wildscav_evaluator.submissions.archives import SUFFIXES
+from wildscav_evaluator.submissions.submission import Manifest, Submission, load_submission
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import InvalidError, TooLargeError
+
+
+@dataclass(frozen=True)
+class CheckedArchive:
+    """An archive with a valid submission in it. None of its code has run."""
+
+    path: Path
+    suffix: str
+    manifest: Manifest
+    tracks: list[str]  # of the season that its manifest names
+    digest: str  # of the folder's content
+    sha256: str  # of the archive
+    size: int  # bytes
+
+
+def checked_suffix(suffix: str) -> str:
+    """Return the suffix of an archive.
+
+    Raises:
+        InvalidError: It is of no kind of archive that is allowed.
+    """
+    if suffix not in SUFFIXES:
+        raise InvalidError(f"an archive must be one of {', '.join(SUFFIXES)}")
+    return suffix
+
+
+def check_archive(path: Path, season: Season) -> CheckedArchive:
+    """Check an archive that was uploaded into a folder of its own.
+
+    Raises:
+        RefusalError: It is too large, not an archive, or holds no submission for the tracks of the season; it
+            says so in one line.
+    """
+    size, largest = path.stat().st_size, season.settings.quotas.archive << 20
+    if size > largest:
+        raise TooLargeError(
+            f"the archive has {size / (1 << 20):,.1f} MiB, may have {season.settings.quotas.archive} at most"
+        )
+    try:
+        submission = load_submission(path)
+    except UserError as error:
+        raise InvalidError(_without_folder(str(error), path)) from None
+    tracks = [track for track in season.settings.tracks if track in submission.manifest.tracks]
+    if not tracks:
+        raise InvalidError(
+            f"the submission plays {', '.join(submission.manifest.tracks)}, and the season has only "
+            f"{', '.join(season.settings.tracks)}"
+        )
+    suffix = next(suffix for suffix in SUFFIXES if path.name.endswith(suffix))
+    with path.open("rb") as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+    return CheckedArchive(path, suffix, submission.manifest, tracks, submission.digest, sha256, size)
+
+
+def _without_folder(text: str, path: Path) -> str:
+    """Return an error without the paths of our machine, which are nothing to a competitor."""
+    from wildscav_evaluator.cache import cache_folder
+
+    for folder in (path.parent, *sorted((cache_folder("submissions")).glob("*"), reverse=True)):
+        text = text.replace(f"{folder}{os.sep}", "")
+    return text
+
+
+def archive_name(archive: CheckedArchive) -> str:
+    """Return the name of an archive's file in the season's files."""
+    return f"{archive.sha256}{archive.suffix}"
+
+
+def store_archive(archive: CheckedArchive, season: Season) -> None:
+    """Put an archive into the season's files, whole or not at all.
+
+    Raises:
+        OSError: The disk is full or cannot be written.
+    """
+    season.archives.mkdir(parents=True, exist_ok=True)
+    target = season.archives / archive_name(archive)
+    if target.exists():
+        return
+    fresh = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        shutil.copyfile(archive.path, fresh)
+        with fresh.open("rb") as file:
+            os.fsync(file.fileno())
+        fresh.rename(target)
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+def load_archive(season: Season, name: str, entrant: str) -> Submission:
+    """Return the submission in a stored archive, ready to be played under its name in the season.
+
+    Raises:
+        UserError: The archive is missing, or cannot be unpacked here.
+    """
+    from dataclasses import replace
+
+    path = season.archives / name
+    if not path.is_file():
+        raise UserError(f"the archive {path} is missing")
+    return replace(load_submission(path), entered_as=entrant)

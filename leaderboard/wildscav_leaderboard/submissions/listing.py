@@ -1,0 +1,46 @@
+"""Lists of submissions, and what may be seen of one."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.teams.service import team_of
+
+MOST = 100  # in one list
+
+
+def list_submissions(
+    session: Session,
+    *,
+    team: int | None = None,
+    states: Sequence[str] = (),
+    before: int | None = None,
+    limit: int = MOST,
+) -> list[Submission]:
+    """Return submissions, the newest first."""
+    wanted = select(Submission).order_by(Submission.id.desc()).limit(limit)
+    if team is not None:
+        wanted = wanted.where(Submission.team_id == team)
+    if states:
+        wanted = wanted.where(Submission.state.in_(states))
+    if before is not None:
+        wanted = wanted.where(Submission.id < before)
+    return list(session.scalars(wanted))
+
+
+def team_names(session: Session, submissions: Sequence[Submission]) -> dict[int, Team]:
+    """Return the teams of some submissions, by number."""
+    numbers = {one.team_id for one in submissions}
+    return {team.id: team for team in session.scalars(select(Team).where(Team.id.in_(numbers)))}
+
+
+def is_own(session: Session, caller: Caller | None, submission: Submission) -> bool:
+    """Return whether a submission is of the caller's team, or the caller is an organizer."""
+    if caller is None:
+        return False
+    team = team_of(session, caller.account)
+    return caller.is_organizer or (team is not None and team.id == submission.team_id)

@@ -1,0 +1,69 @@
+"""The queue of submissions that wait to be built and validated: whose turn it is, and how long it takes."""
+
+from collections import Counter
+from datetime import datetime
+from statistics import fmean
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission, Transition
+
+FIRST_GUESS = 60.0  # s that a submission takes, before any has been seen
+RECENT = 20  # submissions from which the expected wait is computed
+
+
+def queue(session: Session) -> list[Submission]:
+    """Return the submissions that wait, in the order in which they are taken.
+
+    Each team's first one comes before any team's second one, so that a team that submits much delays nobody
+    but itself.
+    """
+    wanted = select(Submission).where(Submission.state.in_((states.SUBMITTED, states.QUEUED)))
+    waiting = list(session.scalars(wanted.order_by(Submission.id)))
+    turns: Counter[int] = Counter()
+    keyed = []
+    for submission in waiting:
+        keyed.append((turns[submission.team_id], submission.id, submission))
+        turns[submission.team_id] += 1
+    return [submission for _, _, submission in sorted(keyed, key=lambda one: one[:2])]
+
+
+def expected_wait(submission: Submission, position: int | None, each: float, now: datetime) -> float | None:
+    """Return how long it will take until a submission is active or has failed, s; None if it has ended.
+
+    Args:
+        submission: The submission.
+        position: Its place in the queue, 1 for the next one; None if it does not wait.
+        each: How long recent ones took, s: it takes as long for each that comes before it, and for itself.
+        now: The time.
+    """
+    if submission.state in (states.BUILDING, states.VALIDATING):
+        return max(0.0, each - (now - submission.since).total_seconds())
+    return None if position is None else position * each
+
+
+def mean_time(session: Session) -> float:
+    """Return how long recent submissions took from the start of their building to their end, s."""
+    ends = session.scalars(
+        select(Transition)
+        .where(Transition.state.in_((states.ACTIVE, states.FAILED)))
+        .order_by(Transition.id.desc())
+        .limit(RECENT)
+    ).all()
+    begun = session.scalars(
+        select(Transition)
+        .where(
+            Transition.state == states.BUILDING,
+            Transition.submission_id.in_([end.submission_id for end in ends]),
+        )
+        .order_by(Transition.id)
+    ).all()
+    start = {one.submission_id: one.at for one in begun}  # of the last attempt
+    times = [
+        (end.at - start[end.submission_id]).total_seconds()
+        for end in ends
+        if end.submission_id in start and end.at >= start[end.submission_id]
+    ]
+    return fmean(times) if times else FIRST_GUESS

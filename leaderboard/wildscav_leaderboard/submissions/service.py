@@ -1,0 +1,198 @@
+"""What can be done with submissions: hand in, cancel, move from state to state."""
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.names import checked_line
+from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, RefusalError
+from wildscav_leaderboard.submissions import quotas, states
+from wildscav_leaderboard.submissions.archives import CheckedArchive, archive_name
+from wildscav_leaderboard.submissions.models import Submission, Transition
+from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.webhooks.service import queue_message
+
+LONGEST_MESSAGE = 200  # characters
+PLATFORM = "platform"
+
+
+class StateError(RefusalError):
+    """A submission cannot go from its state into another one."""
+
+
+def check_accepting(session: Session, season: Season, team: Team, now: datetime) -> None:
+    """Check that a team may hand in a submission now.
+
+    Raises:
+        RefusalError: The season is not open, or the team is disqualified, or its quota is used up.
+    """
+    settings = season.settings
+    if now < settings.opens:
+        raise RefusalError(f"the season opens at {settings.opens:%Y-%m-%d %H:%M} UTC")
+    if now >= settings.closes:
+        raise RefusalError(f"the season closed at {settings.closes:%Y-%m-%d %H:%M} UTC")
+    if season_state.read_state(session, season_state.FINALIZING) is not None:
+        raise RefusalError("the season is closed: it is being decided")
+    if team.disqualified is not None:
+        raise ForbiddenError(f"the team {team.name} is disqualified: {team.disqualified}")
+    quotas.check_day(session, settings.quotas, team, now)
+
+
+def hand_in(
+    session: Session,
+    season: Season,
+    team: Team,
+    account: Account,
+    archive: CheckedArchive,
+    message: str,
+    now: datetime,
+) -> Submission:
+    """Enter a submission whose archive is in the season's files.
+
+    Raises:
+        RefusalError: The season is not open, the quota is used up, or the same content takes part already.
+    """
+    check_accepting(session, season, team, now)
+    message = checked_line(message, "message", LONGEST_MESSAGE, empty=True)
+    _check_new(session, team, archive)
+    submission = Submission(
+        team_id=team.id,
+        account_id=account.id,
+        name=archive.manifest.name,
+        version=archive.manifest.version,
+        message=message,
+        tracks=archive.tracks,
+        digest=archive.digest,
+        archive=archive_name(archive),
+        size=archive.size,
+        created=now,
+        state=states.SUBMITTED,
+        since=now,
+    )
+    session.add(submission)
+    session.flush()
+    session.add(Transition(submission_id=submission.id, at=now, state=states.SUBMITTED))
+    _report(session, submission, now)
+    return submission
+
+
+def _check_new(session: Session, team: Team, archive: CheckedArchive) -> None:
+    """Refuse content that the team has in the season already, so that no quota is lost by accident."""
+    wanted = select(Submission).filter_by(team_id=team.id, digest=archive.digest)
+    for same in session.scalars(wanted):
+        if same.state not in states.FINAL:
+            raise RefusalError(
+                f"your team's submission {same.id} has the same content and is {same.state}: nothing was "
+                "submitted or charged"
+            )
+
+
+def find_submission(session: Session, number: int) -> Submission:
+    """Return a submission.
+
+    Raises:
+        NotFoundError: There is none of this number.
+    """
+    found = session.get(Submission, number)
+    if found is None:
+        raise NotFoundError(f"there is no submission {number}")
+    return found
+
+
+def move(
+    session: Session,
+    submission: Submission,
+    state: str,
+    now: datetime,
+    *,
+    detail: str = "",
+    deadline: datetime | None = None,
+    fault: str | None = None,
+    reason: str = "",
+    last_lines: Sequence[str] = (),
+    command: str = "",
+) -> None:
+    """Move a submission into another state: the one place where states change.
+
+    Args:
+        session: A writing session.
+        submission: The submission.
+        state: The new state.
+        now: The time.
+        detail: What the history says about it.
+        deadline: For leaving the new state.
+        fault: Whose fault it is, if it failed: ``agent`` or ``platform``, which is never charged.
+        reason: What happened, in one line.
+        last_lines: The last lines that its agent printed.
+        command: The command that shows it again on the competitor's machine.
+
+    Raises:
+        StateError: The state cannot follow.
+    """
+    if state not in states.FOLLOWING[submission.state]:
+        raise StateError(
+            f"submission {submission.id} is {submission.state}, and cannot become {state}"
+            f"{_allowed(submission.state)}"
+        )
+    submission.state, submission.since, submission.deadline = state, now, deadline
+    submission.fault, submission.reason = fault, reason
+    submission.last_lines, submission.command = list(last_lines), command
+    if fault == PLATFORM:
+        submission.charged = False
+    session.add(Transition(submission_id=submission.id, at=now, state=state, detail=detail or reason))
+    session.flush()
+    _report(session, submission, now)
+
+
+def _allowed(state: str) -> str:
+    following = sorted(states.FOLLOWING[state])
+    return f"; it may become {', '.join(following)}" if following else ""
+
+
+def _report(session: Session, submission: Submission, now: datetime) -> None:
+    """Queue messages to the team's webhooks about a submission's new state."""
+    data = {
+        "submission": submission.id,
+        "name": submission.name,
+        "version": submission.version,
+        "state": submission.state,
+        "fault": submission.fault,
+        "reason": submission.reason,
+    }
+    queue_message(session, submission.team_id, f"submission.{submission.state}", data, now)
+
+
+def cancel(session: Session, submission: Submission, now: datetime) -> None:
+    """Withdraw a submission that does not take part yet. It stays charged.
+
+    Raises:
+        StateError: It takes part, or has ended.
+    """
+    move(session, submission, states.CANCELLED, now, detail="withdrawn by its team")
+
+
+def activate(session: Session, season: Season, submission: Submission, now: datetime) -> list[Submission]:
+    """Let a submission take part, and replace the oldest ones of its team that are too many for the quota.
+
+    Returns:
+        The submissions that it replaces.
+    """
+    move(session, submission, states.ACTIVE, now)
+    replaced = quotas.surplus(session, season.settings.quotas, submission.team_id)
+    for old in replaced:
+        reason = f"replaced by submission {submission.id}"
+        if old is submission:  # that an attempt more, or an organizer, held up
+            reason = "newer submissions of the team take part already"
+        move(session, old, states.DISABLED, now, reason=reason)
+    return replaced
+
+
+def history_of(session: Session, submission: Submission) -> list[Transition]:
+    """Return the states that a submission went through, the first one first."""
+    wanted = select(Transition).filter_by(submission_id=submission.id).order_by(Transition.id)
+    return list(session.scalars(wanted))

@@ -1,0 +1,94 @@
+"""The pages of boards: who leads, how it came about, and who beat whom."""
+
+from datetime import datetime
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+from markupsafe import Markup
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Reading, check_organizer
+from wildscav_leaderboard.boards.documents import SuiteBoard
+from wildscav_leaderboard.boards.history import team_histories
+from wildscav_leaderboard.boards.kept import board_updated, read_board
+from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON
+from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_of, ranked_teams
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.refusals import UnknownCallerError
+from wildscav_leaderboard.seasons.state import frozen_since
+from wildscav_leaderboard.teams.service import team_of
+from wildscav_leaderboard.web.charts import rank_chart
+from wildscav_leaderboard.web.intervals import Scale
+from wildscav_leaderboard.web.page_parts import PageParts
+from wildscav_leaderboard.web.rendering import environment, page
+
+router = APIRouter()
+CHARTED = 8  # teams whose history is drawn
+
+
+@router.get("/boards/{track}", response_class=HTMLResponse)
+def board(
+    request: Request,
+    track: str,
+    season: CurrentSeason,
+    session: Reading,
+    caller: AnyBrowser,
+    audience: str = PUBLIC,
+) -> HTMLResponse:
+    """Show the board of a track."""
+    if audience not in (PUBLIC, SEASON):
+        if caller is None:
+            raise UnknownCallerError("log in first")
+        check_organizer(caller)
+        audience = HIDDEN
+    settings = season.track(track)
+    updated = board_updated(session, track, audience)
+    team = None if caller is None else team_of(session, caller.account)
+    return page(
+        request,
+        "board.html",
+        caller,
+        track=track,
+        settings=settings,
+        audience=audience,
+        updated=updated,
+        frozen=season_state.read_state(session, season_state.FROZEN) is not None,
+        finalized=season_state.read_state(session, season_state.FINALIZED) is not None,
+        part=_part(request, session, track, audience, updated, None if team is None else team.name),
+    )
+
+
+def _part(
+    request: Request, session: Session, track: str, audience: str, updated: datetime | None, own: str | None
+) -> Markup | None:
+    """Return the part of a board's page that changes only when the board does."""
+    parts: PageParts = request.app.state.page_parts
+    if updated is None:
+        return None
+    return parts.get(
+        (track, audience, updated, own), lambda: _rendered(session, track, audience, updated, own)
+    )
+
+
+def _rendered(session: Session, track: str, audience: str, updated: datetime, own: str | None) -> Markup:
+    found = read_board(session, track, audience)
+    shown: dict[str, Any] = {"board": found, "own": own, "is_suite": isinstance(found, SuiteBoard)}
+    if found is not None:
+        teams = ranked_teams(found, CHARTED)
+        until = updated if audience == HIDDEN else min(updated, frozen_since(session) or updated)
+        histories = team_histories(session, track, teams, until)
+        chart = rank_chart([(teams[name], points) for name, points in histories.items()], until)
+        shown |= {"scale": Scale.of(found), "chart": chart, "charted": list(teams)}
+    return Markup(environment().get_template("board_part.html").render(**shown))  # noqa: S704 (it escapes)
+
+
+@router.get("/boards/{track}/head-to-head", response_class=HTMLResponse)
+def head_to_head(
+    request: Request, track: str, season: CurrentSeason, session: Reading, caller: AnyBrowser
+) -> HTMLResponse:
+    """Show who beat whom on a ladder."""
+    season.track(track)
+    view = head_to_head_view(session, ladder_of(session, track))
+    records = {(one.first, one.second): one for one in view.records}
+    return page(request, "head_to_head.html", caller, track=track, view=view, records=records)

@@ -1,0 +1,130 @@
+"""The pages for everyone about the season, its teams and their submissions."""
+
+from datetime import datetime
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import HTMLResponse
+from sqlalchemy.orm import Session
+
+from wildscav_evaluator.output.results import metric_infos
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.boards.documents import BoardDocument
+from wildscav_leaderboard.boards.history import history, team_histories
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.matches.listing import list_matches
+from wildscav_leaderboard.presentation.boards import opponent_views
+from wildscav_leaderboard.presentation.matches import match_views
+from wildscav_leaderboard.presentation.people import team_view
+from wildscav_leaderboard.presentation.season import counts_view, season_view
+from wildscav_leaderboard.presentation.submissions import submission_view, submission_views
+from wildscav_leaderboard.seasons.state import frozen_since
+from wildscav_leaderboard.submissions.listing import is_own, list_submissions
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import find_submission
+from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.teams.service import find_team, team_of
+from wildscav_leaderboard.web.charts import rank_chart
+from wildscav_leaderboard.web.rendering import page
+
+router = APIRouter()
+LEADERS = 3  # of each track on the season's page
+MATCHES = 25  # of a submission on its page
+
+
+@router.get("/", response_class=HTMLResponse)
+def home(
+    request: Request, season: CurrentSeason, session: Reading, caller: AnyBrowser, now: Now
+) -> HTMLResponse:
+    """Show the season: what it is, who leads, and how to take part."""
+    boards = {track: read_board(session, track) for track in season.settings.tracks}
+    leaders = {
+        track: [] if board is None else [row for row in board.rows if row.rank is not None][:LEADERS]
+        for track, board in boards.items()
+    }
+    return page(
+        request,
+        "home.html",
+        caller,
+        about=season_view(session, season),
+        counts=counts_view(session),
+        boards=boards,
+        leaders=leaders,
+        now=now,
+    )
+
+
+@router.get("/teams/{name}", response_class=HTMLResponse)
+def team(
+    request: Request, name: str, session: Reading, caller: AnyBrowser, season: CurrentSeason, now: Now
+) -> HTMLResponse:
+    """Show a team, its places and its submissions."""
+    found = find_team(session, name)
+    own = None if caller is None else team_of(session, caller.account)
+    boards = {track: read_board(session, track) for track in season.settings.tracks}
+    submissions = list_submissions(session, team=found.id)
+    return page(
+        request,
+        "team.html",
+        caller,
+        team=team_view(session, found),
+        own=own is not None and own.id == found.id,
+        places=[
+            place
+            for track, board in boards.items()
+            if board is not None
+            for place in _team_places(session, track, board, found)
+        ],
+        submissions=submission_views(session, submissions, caller, now),
+    )
+
+
+def _team_places(session: Session, track: str, board: BoardDocument, team: Team) -> list[tuple[Any, ...]]:
+    """Return a team's row on a board, if it has one, with the chart of its ranks."""
+    until = min(board.updated, frozen_since(session) or board.updated)
+    points = team_histories(session, track, [team.name], until)[team.name]
+    chart = rank_chart([(team.title, points)], until, bands=True)
+    return [(track, row, chart) for row in board.rows if row.team == team.name]
+
+
+@router.get("/submissions/{number}", response_class=HTMLResponse)
+def submission(
+    request: Request,
+    number: int,
+    session: Reading,
+    caller: AnyBrowser,
+    season: CurrentSeason,
+    now: Now,
+    before: Annotated[int | None, Query(ge=1, le=2**53)] = None,
+) -> HTMLResponse:
+    """Show a submission: its states, why it failed, its places and its matches."""
+    found = find_submission(session, number)
+    matches = list_matches(session, submission=number, before=before, limit=MATCHES)
+    tracks = [track for track in found.tracks if track in season.settings.tracks]
+    places = [_places(session, track, found, caller, now) for track in tracks]
+    return page(
+        request,
+        "submission.html",
+        caller,
+        submission=submission_view(session, found, caller, now),
+        own=is_own(session, caller, found),
+        matches=match_views(session, matches, caller),
+        more=matches[-1].id if len(matches) == MATCHES else None,
+        infos={
+            track: {info.name: info for info in metric_infos(track)}
+            for track in {match.track for match in matches}
+        },
+        places=[place for place in places if place[1] or place[3]],
+    )
+
+
+def _places(
+    session: Session, track: str, one: Submission, caller: Caller | None, now: datetime
+) -> tuple[Any, ...]:
+    """Return the history of a submission's places on a track, its chart, and the record against opponents."""
+    until = None if caller is not None and caller.is_organizer else frozen_since(session)
+    points = history(session, track, [one.id], until)
+    ends = min(now, until or now) if one.state == "active" else one.since
+    chart = rank_chart([(one.name, points)], ends, bands=True)
+    return track, points, chart, opponent_views(session, track, one)

@@ -1,0 +1,71 @@
+"""The page on which a submission is handed in, and the forms that withdraw one."""
+
+from http import HTTPStatus
+from typing import Annotated
+
+import anyio.to_thread
+from fastapi import APIRouter, Form, Query, Request
+from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
+
+from wildscav_evaluator.submissions.archives import SUFFIXES
+from wildscav_leaderboard.access.requests import (
+    CurrentDatabase,
+    CurrentSeason,
+    KnownBrowser,
+    Now,
+    Reading,
+    check_form,
+)
+from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
+from wildscav_leaderboard.presentation.people import account_view
+from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
+from wildscav_leaderboard.submissions import service
+from wildscav_leaderboard.submissions.listing import is_own
+from wildscav_leaderboard.web.rendering import page
+
+router = APIRouter()
+Text = Annotated[str, Form(max_length=2000)]
+
+
+@router.get("/submit", response_class=HTMLResponse)
+def form(
+    request: Request, caller: KnownBrowser, season: CurrentSeason, session: Reading, now: Now
+) -> HTMLResponse:
+    """Show how to hand in a submission."""
+    quota = account_view(session, season, caller, now).quota
+    return page(request, "submit.html", caller, suffixes=SUFFIXES, quota=quota)
+
+
+@router.post("/submit")
+async def submit(
+    request: Request,
+    caller: KnownBrowser,
+    season: CurrentSeason,
+    database: CurrentDatabase,
+    now: Now,
+    message: Annotated[str, Query(max_length=1000)] = "",
+    suffix: Annotated[str, Query(max_length=20)] = ".tar.gz",
+) -> JSONResponse:
+    """Take a submission from the form's script; the body of the request is the archive."""
+    run = anyio.to_thread.run_sync
+    try:
+        check_form(caller, request.headers.get("x-csrf", ""))
+        await run(check_upload_wanted, database, season, caller.account, now)
+        async with uploaded(request, season, suffix) as path:
+            one = await run(take_upload, database, season, caller.account, path, message, now)
+    except RefusalError as error:
+        # The connection is closed, or all of an archive that is refused would be read.
+        return JSONResponse({"error": str(error)}, error.status, {"Connection": "close"})
+    return JSONResponse({"address": f"/submissions/{one.id}"}, HTTPStatus.CREATED)
+
+
+@router.post("/submissions/{number}/cancel")
+def cancel(number: int, caller: KnownBrowser, database: CurrentDatabase, now: Now, csrf: Text) -> Response:
+    """Withdraw a submission of one's team."""
+    check_form(caller, csrf)
+    with database.writing() as session:
+        found = service.find_submission(session, number)
+        if not is_own(session, caller, found):
+            raise NotFoundError(f"your team has no submission {number}")
+        service.cancel(session, found, now)
+    return RedirectResponse(f"/submissions/{number}", 303)

@@ -1,0 +1,43 @@
+"""The pages of matches: how they ended, from above, live, and in 3D."""
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+
+from wildscav_evaluator.output.results import metric_infos
+from wildscav_leaderboard.access.requests import AnyBrowser, Reading
+from wildscav_leaderboard.matches.models import PLAYING
+from wildscav_leaderboard.matches.service import find_match
+from wildscav_leaderboard.matches.visibility import live_hidden_why
+from wildscav_leaderboard.presentation.matches import match_views
+from wildscav_leaderboard.seasons.refusals import ForbiddenError
+from wildscav_leaderboard.spectating import rerun_viewer
+from wildscav_leaderboard.web.rendering import page
+
+router = APIRouter()
+
+
+@router.get("/matches/{number}", response_class=HTMLResponse)
+def match(request: Request, number: int, session: Reading, caller: AnyBrowser) -> HTMLResponse:
+    """Show a match: its result, and how it went."""
+    found = find_match(session, number)
+    (view,) = match_views(session, [found], caller)
+    return page(
+        request,
+        "match.html",
+        caller,
+        match=view,
+        infos={info.name: info for info in metric_infos(view.track)},
+        names=list(dict.fromkeys(name for seat in view.seats for name in seat.metrics or ())),
+        visible=view.hidden is None,
+        live=found.state == PLAYING and not live_hidden_why(session, found),
+    )
+
+
+@router.get("/matches/{number}/watch", response_class=HTMLResponse)
+def watch(request: Request, number: int, session: Reading, caller: AnyBrowser) -> HTMLResponse:
+    """Show the replay of a match in the Rerun viewer."""
+    (view,) = match_views(session, [find_match(session, number)], caller)
+    if view.hidden is not None:
+        raise ForbiddenError(view.hidden)
+    recording = str(request.url_for("replay_file", match=number))
+    return page(request, "watch.html", caller, match=view, viewer=rerun_viewer.address_of(recording))

@@ -1,0 +1,102 @@
+"""One attempt to send a message to a webhook over HTTP, signed as https://www.standardwebhooks.com says."""
+
+import asyncio
+import json
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import datetime
+from http import HTTPStatus
+from typing import Any
+
+import httpx
+from standardwebhooks import Webhook as Signer
+
+from wildscav.version import __version__
+from wildscav_leaderboard.webhooks.addresses import Address, RefusedAddressError, checked_addresses
+
+TIME = 10.0  # s for an attempt, from looking up the name to the status of the answer
+CONNECT_TIME = 4.0  # s for each of the addresses
+
+
+@dataclass(frozen=True)
+class Message:
+    """A message that is to be sent now."""
+
+    delivery: int
+    event: str  # its identifier, equal in all attempts
+    url: str
+    secret: str
+    payload: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """How an attempt went."""
+
+    delivery: int
+    problem: str = ""  # in one line; empty if the message arrived
+    is_gone: bool = False  # whether the receiver says that it wants no more messages, ever
+
+
+async def send_all(messages: Sequence[Message], now: datetime, *, private_addresses: bool) -> list[Answer]:
+    """Send messages at the same time, and return how it went, in their order."""
+    # A name that is looked up slowly must not keep the others waiting.
+    asyncio.get_running_loop().set_default_executor(ThreadPoolExecutor(len(messages)))
+    # Neither proxies nor passwords of this machine's user; certificates from SSL_CERT_FILE if it is set.
+    client = httpx.AsyncClient(
+        verify=httpx.create_ssl_context(), trust_env=False, timeout=httpx.Timeout(TIME, connect=CONNECT_TIME)
+    )
+    async with client:
+        return await asyncio.gather(*(_send(client, one, now, private_addresses) for one in messages))
+
+
+async def _send(
+    client: httpx.AsyncClient, message: Message, now: datetime, private_addresses: bool
+) -> Answer:
+    try:
+        async with asyncio.timeout(TIME):
+            status = await _post(client, message, now, private_addresses)
+    except (TimeoutError, httpx.TimeoutException):
+        return Answer(message.delivery, f"there was no answer within {TIME:.0f} s")
+    except RefusedAddressError as error:
+        return Answer(message.delivery, str(error))
+    except (httpx.HTTPError, httpx.InvalidURL, OSError, ValueError) as error:
+        reason = " ".join(str(error).split())[:200]
+        return Answer(message.delivery, f"it cannot be reached: {reason or type(error).__name__}")
+    if 200 <= status < 300:
+        return Answer(message.delivery)
+    return Answer(message.delivery, f"it answered with status {status}", is_gone=status == HTTPStatus.GONE)
+
+
+async def _post(client: httpx.AsyncClient, message: Message, now: datetime, private_addresses: bool) -> int:
+    """Return the status of the answer to a message; nothing else of the answer is read."""
+    url = httpx.URL(message.url)
+    port = url.port or (443 if url.scheme == "https" else 80)
+    addresses = await checked_addresses(url.host, port, private_addresses=private_addresses)
+    body = json.dumps(message.payload, separators=(",", ":"))
+    headers = {
+        "host": url.netloc.decode("ascii"),
+        "content-type": "application/json",
+        "user-agent": f"wildscav/{__version__}",
+        "webhook-id": message.event,
+        "webhook-timestamp": str(int(now.timestamp())),
+        "webhook-signature": Signer(message.secret).sign(message.event, now, body),
+    }
+    for address in addresses:
+        try:
+            return await _post_to(client, url, address, headers, body)
+        except (httpx.ConnectError, httpx.ConnectTimeout):
+            if address == addresses[-1]:
+                raise
+    raise RefusedAddressError("the name has no addresses")
+
+
+async def _post_to(
+    client: httpx.AsyncClient, url: httpx.URL, address: Address, headers: dict[str, str], body: str
+) -> int:
+    """Send a request to an address that was checked; TLS and headers have the name of the webhook."""
+    there = url.copy_with(host=str(address), username=None, password=None)
+    named = {"sni_hostname": url.host}
+    async with client.stream("POST", there, headers=headers, content=body, extensions=named) as response:
+        return response.status_code

@@ -1,0 +1,174 @@
+"""What the page of competitors says is true: its commands lead from an invitation to the board."""
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from tests.end_to_end.pages import blocks
+from tests.end_to_end.ports import free_ports
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.cli.competing.season_site import Competitor, Site, competitor, season_site
+from tests.leaderboard.seasons_made import make_season
+
+from wildscav.cli import main
+from wildscav_leaderboard.submissions.states import STATES
+
+__all__ = ["competitor"]
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "competing.md"
+TEXT = PAGE.read_text("utf-8")
+COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text("utf-8").partition("## JSON")[2]
+ROWS = re.findall(r"^\| `([a-z -]+)` \| (.+) \|$", COMMAND_LINE, re.MULTILINE)
+TOLD = {command: set(re.findall(r"`([\w ]+)`", fields)) for command, fields in ROWS}
+WILDSCAV = str(Path(sys.executable).parent / "wildscav")
+ADDRESS = "https://season.example.org"
+PATIENCE = 1200  # looks at a season that plays
+
+
+def lines(block: str) -> list[list[str]]:
+    """The commands of a block, as words."""
+    found = [shlex.split(line, comments=True) for line in block.splitlines()]
+    return [words for words in found if words[:1] == ["wildscav"]]
+
+
+EVERY = [words for block in blocks(PAGE, "console") for words in lines(block)]
+
+
+@pytest.mark.parametrize("words", EVERY, ids=" ".join)
+def test_every_command_of_the_page_takes_what_it_is_given(words: list[str]) -> None:
+    arguments = words[1 : words.index(">") if ">" in words else None]
+    command: Any = typer.main.get_command(main.app)
+    name = "wildscav"
+    while hasattr(command, "get_command"):
+        name, *arguments = arguments
+        command = command.get_command(None, name)
+    with command.make_context(name, arguments) as context:
+        assert not context.args
+
+
+def test_the_states_and_the_variables_told_are_those_that_there_are() -> None:
+    rows = re.findall(r"^\| `(\w+)` \|", TEXT, re.MULTILINE)
+    assert [row for row in rows if row.islower()] == list(STATES)
+    package = ROOT / "leaderboard" / "wildscav_leaderboard"
+    code = "".join(path.read_text("utf-8") for path in package.rglob("*.py"))
+    assert all(f'"{row}"' in code for row in rows if row.isupper())
+
+
+def names(document: object) -> set[str]:
+    """Every field of a document."""
+    if isinstance(document, dict):
+        return set(document).union(*map(names, document.values()))
+    if isinstance(document, list):
+        return set().union(*map(names, document))
+    return set()
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with season_site(tmp_path_factory.mktemp("site")) as one:
+        yield one
+
+
+def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
+    competitor: Competitor,
+) -> None:
+    def shown(command: str, *arguments: object) -> Any:
+        done = competitor.run(*command.split(), *arguments, "--json")
+        assert done.returncode == 0, done.stderr
+        document = json.loads(done.stdout)
+        assert TOLD[command] - {"agent", "platform"} <= names(document), command
+        return document
+
+    shown("login", competitor.site.url, "--token", competitor.site.token("ada"))
+    key = shown("team create", "ants")["key"]
+    shown("team leave")
+    shown("team join", key)
+    shown("team show")
+    shown("team key")
+    write_agent(competitor.folder, "walker")
+    number = shown("submit", "walker")["submission"]["id"]
+    shown("submissions", number)
+    match = competitor.site.played(number, 0)
+    shown("matches", number)
+    of_match = json.loads(competitor.run("logs", "--match", match, "--json").stdout)
+    assert names(of_match) == TOLD["logs"] - {"submission"}
+    shown("leaderboard --season")
+    shown("cancel", number)
+    shown("logout")
+
+
+@pytest.mark.slow
+def test_the_way_from_an_invitation_to_the_board(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "season", current=True)
+    settings = season.folder / "season.toml"
+    settings.write_text(settings.read_text().replace('"open"', '"invited"'))
+    port = free_ports(1)
+    url = f"http://127.0.0.1:{port}"
+    environment = {
+        **os.environ,
+        "WILDSCAV_CONFIG_DIR": str(tmp_path / "settings"),
+        "WILDSCAV_PASSWORD": "a long password",
+    }
+
+    def run(*words: str) -> str:
+        done = subprocess.run(
+            [WILDSCAV, *words], cwd=tmp_path, env=environment, input="ada\n", capture_output=True, text=True
+        )
+        assert done.returncode == 0, (words, done.stdout, done.stderr)
+        return done.stdout
+
+    def until(command: list[str], found: Callable[[Any], Any]) -> Any:
+        for _ in range(PATIENCE):
+            if seen := found(json.loads(run(*command, "--json"))):
+                return seen
+            time.sleep(0.5)
+        raise AssertionError(command)
+
+    key = run("season", "invite", str(season.folder)).strip()
+    server = subprocess.Popen([WILDSCAV, "season", "serve", str(season.folder), "--port", str(port)])
+    try:
+        until_answers(url, run)
+        for words in lines(blocks(PAGE, "console")[0]):
+            run(*(word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]))
+        until(["leaderboard", "--season"], has_team)
+        match = until(["matches", "1", "--track", "battle"], seen_match)
+        run("replay", str(match), "--no-images")
+        run("verify", f"match-{match}.wsr")
+    finally:
+        server.terminate()
+        server.wait(60)
+    assert (tmp_path / f"match-{match}.rrd").is_file()
+
+
+def until_answers(url: str, run: Callable[..., str]) -> None:
+    """Wait until a season that was just started answers."""
+    for _ in range(PATIENCE):
+        try:
+            run("leaderboard", "--season", url)
+        except AssertionError:
+            time.sleep(0.5)
+        else:
+            return
+    raise AssertionError(url)
+
+
+def has_team(document: Any) -> bool:
+    """Whether the team of the page has a rank on the board of navigation."""
+    rows = [row for board in document["boards"] if board["track"] == "navigation" for row in board["rows"]]
+    return any(row["team_title"] == "The Night Owls" and row["rank"] for row in rows)
+
+
+def seen_match(document: Any) -> int | None:
+    """The number of a match that is over and may be seen."""
+    over = (one["id"] for one in document["matches"] if one["state"] == "finished" and not one["hidden"])
+    return next(over, None)

@@ -1,0 +1,83 @@
+"""What the page of organizing says is so: every command runs as it stands, and every setting is one."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+import typer
+from prometheus_client import CollectorRegistry
+from tests.leaderboard.seasons_made import make_season
+
+from wildscav.cli import main
+from wildscav_leaderboard.hosting.metrics import SeasonMetrics
+from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
+from wildscav_leaderboard.seasons.settings import Execution, SeasonSettings, Web
+
+PAGE = Path(__file__).parents[2] / "docs" / "organizing.md"
+TEXT = PAGE.read_text("utf-8")
+BLOCKS = re.findall(r"```(\w+)\n(.*?)```", TEXT, re.DOTALL)
+LINES = [line for kind, block in BLOCKS if kind == "console" for line in block.splitlines()]
+INLINE = re.findall(r"`(wildscav season [^`]+)`", TEXT)
+ENDLESS = ("serve", "demo")
+OF_SOMEBODY = ("rerun", "disqualify")  # need a submission or a team
+AT_THE_END = {"finalize": ("--now", "--yes")}  # or it would wait for the date
+
+
+def words(line: str) -> list[str]:
+    """Return the words of a command, as a shell splits it."""
+    return [first or second for first, second in re.findall(r'"([^"]*)"|(\S+)', line)]
+
+
+def season_commands() -> set[str]:
+    season = typer.main.get_command(main.app).get_command(None, "season")  # type: ignore[attr-defined]
+    return set(season.commands)
+
+
+def test_every_command_of_a_season_is_on_the_page() -> None:
+    told = {words(line)[2] for line in (*LINES, *INLINE) if len(words(line)) > 2}
+    assert told == season_commands()
+
+
+@pytest.mark.parametrize("line", sorted({*LINES, *INLINE}))
+def test_every_command_on_the_page_has_the_options_that_it_is_given(line: str) -> None:
+    _, _, name, *arguments = words(line)
+    command = typer.main.get_command(main.app).get_command(None, "season").get_command(None, name)  # type: ignore[attr-defined]
+    if arguments:
+        command.make_context(name, arguments)
+
+
+def test_the_commands_run_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for line in LINES:
+        name = words(line)[2]
+        if name in (*ENDLESS, *OF_SOMEBODY):
+            continue
+        monkeypatch.setattr("sys.argv", [*words(line), *AT_THE_END.get(name, ())])
+        with pytest.raises(SystemExit) as ended:
+            main.main()
+        assert ended.value.code == 0, line
+    assert (tmp_path / "spring" / PUBLISHED / "season.json").is_file()
+    assert Season.open(tmp_path / "spring-again").settings == Season.open(tmp_path / "spring").settings
+
+
+@pytest.mark.parametrize("block", [block for kind, block in BLOCKS if kind == "toml"])
+def test_the_settings_on_the_page_are_settings(block: str) -> None:
+    for section, values in tomllib.loads(block).items():
+        kind = {"web": Web, "execution": Execution}[section]
+        assert kind.model_validate(values)
+    assert {"freezes", "closes", "registration"} <= set(SeasonSettings.model_fields)
+
+
+def test_the_metrics_on_the_page_are_those_that_are_served(tmp_path: Path) -> None:
+    database = make_season(tmp_path / "season").database()
+    database.upgrade()
+    counts = RequestCounts()
+    counts.add("GET", "/", 200, 0.1)
+    registry = CollectorRegistry()
+    registry.register(SeasonMetrics(database, counts))
+    served = {metric.name for metric in registry.collect()}
+    database.close()
+    told = set(re.findall(r"`(wildscav_season_\w+)`", TEXT))
+    assert {name.removesuffix("_total") for name in told} == served

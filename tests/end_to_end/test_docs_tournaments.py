@@ -1,0 +1,139 @@
+"""What the page of tournaments says is true: its numbers, files and fields exist, and its commands run."""
+
+import inspect
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+from tests.end_to_end.pages import blocks
+
+from wildscav_engine.record import read_record
+from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS, MOST_MATCHES, MOST_PLAYERS
+from wildscav_evaluator.cli.commands.tournament import tournament
+from wildscav_evaluator.cli.options.tournament import USUAL_SEATS, USUAL_TEAM
+from wildscav_evaluator.cli.result_tables.standings import MOST_OPPONENTS
+from wildscav_evaluator.output.json_files import FileModel
+from wildscav_evaluator.output.layout import STANDINGS_PICTURE, TOURNAMENT_FILE
+from wildscav_evaluator.ratings import standings
+from wildscav_evaluator.ratings.bands import FEWEST_GAMES
+from wildscav_evaluator.ratings.fit import RESAMPLES
+from wildscav_evaluator.ratings.picture import MOST_SHOWN
+from wildscav_evaluator.suites.suite import SUITES
+from wildscav_evaluator.suites.suite_file import read_suite
+from wildscav_evaluator.tournaments import tournament_file
+from wildscav_evaluator.tournaments.schedule import make_schedule
+from wildscav_evaluator.tournaments.tournament_file import Tournament
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "tournaments.md"
+TEXT = PAGE.read_text("utf-8")
+WORDS = " ".join(TEXT.split())
+LINES = [line for block in blocks(PAGE, "console") for line in block.splitlines()]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with the page's suite."""
+    (toml,) = blocks(PAGE, "toml")
+    (tmp_path / "arena.toml").write_text(toml)
+    return tmp_path
+
+
+def run(line: str, folder: Path, **variables: str) -> str:
+    """Run a line of the page in a shell, and return what it prints."""
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", **variables}
+    done = subprocess.run(
+        ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=500
+    )
+    assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def test_the_numbers_of_the_text_are_those_of_the_code() -> None:
+    rounds = inspect.signature(tournament).parameters["rounds"].default
+    assert f"A tournament has {FEWEST_ENTRANTS} to {MOST_ENTRANTS:,} entrants" in WORDS
+    assert f"at most {MOST_MATCHES:,} matches, and at most {MOST_PLAYERS:,} seats" in WORDS
+    assert f"`--rounds`, {rounds} by default" in WORDS
+    assert f"In fewer than {FEWEST_GAMES} games no two entrants can be told apart" in WORDS
+    assert f"a bootstrap with {RESAMPLES:,} resamples" in WORDS
+    assert f"They are in the table (up to {MOST_OPPONENTS} entrants)" in WORDS
+    assert f"in the picture (the best {MOST_SHOWN})" in WORDS
+    assert f"in `tournament.json` (the best {standings.MOST_PAIRED})" in WORDS
+    assert f"{USUAL_SEATS} where these have a single seat" in WORDS
+    assert f"`--team-size {USUAL_TEAM}` forms teams of two seats" in WORDS
+    for suite, seats in (("quick", 6), ("official", 10)):
+        for track in ("battle", "royale"):
+            assert len(SUITES[suite].matches(track, 0)[0].seats) == seats
+
+
+def test_the_page_and_the_schedule_give_the_same_limits_of_the_balance() -> None:
+    told = " ".join((make_schedule.__doc__ or "").split())
+    for share in re.findall(r"\d+ %", told):
+        assert share in WORDS
+    assert len(make_schedule(10, seats=6, rounds=10, seed=0).games) == 100  # as in the picture
+
+
+def test_every_field_of_the_file_of_a_tournament_is_told() -> None:
+    table = TEXT[TEXT.index("| in `tournament.json` |") :].split("\n\n")[0]
+    told = set(re.findall(r"`(\w+)`", table))
+    modules = {tournament_file.__name__, standings.__name__}
+    parts = [part for part in FileModel.__subclasses__() if part.__module__ in modules]
+
+    assert {Tournament, standings.Standing} <= set(parts)
+    assert told == {name for part in parts for name in part.model_fields}
+
+
+def test_the_code_of_the_page_prints_what_it_says(tmp_path: Path) -> None:
+    (code,) = blocks(PAGE, "python")
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert [done.stdout] == blocks(PAGE, "text")
+
+
+def test_the_commands_have_the_options_and_the_suite_the_tracks_named(folder: Path) -> None:
+    app = typer.Typer()
+    app.command()(tournament)
+    options = {option for parameter in typer.main.get_command(app).params for option in parameter.opts}
+    lines = [shlex.split(line) for line in LINES if line.startswith("wildscav tournament ")]
+    assert len(lines) >= 5
+    for words in lines:
+        assert {word for word in words if word.startswith("-")} <= options
+
+    suite = read_suite(folder / "arena.toml")
+    assert len(suite.matches("battle", 0)) == 4
+    assert len(suite.matches("royale", 0)) == 2
+
+
+@pytest.mark.slow
+def test_robots_alone_play_the_tournament_on_the_own_suite(folder: Path) -> None:
+    (line,) = (line for line in LINES if line.endswith("--out out/arena"))
+    printed = run(line, folder, WILDSCAV_SANDBOX="process")
+    out = folder / "out" / "arena"
+
+    assert "battle · 4 entrants · 12 matches · suite arena@" in printed
+    assert "time of the agents" not in printed
+    assert (out / "replays" / "battle-000.rrd").exists(), "a match without agents has a replay, too"
+    table = TEXT[TEXT.index("| file | |") :].split("\n\n")[0]
+    assert set(re.findall(r"^\| `([\w.]+)`", table, re.MULTILINE)) == {TOURNAMENT_FILE, STANDINGS_PICTURE}
+    assert all((out / name).exists() for name in (TOURNAMENT_FILE, STANDINGS_PICTURE))
+    assert read_record(out / "records" / "battle-000.wsr").spec.track == "battle"
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_page_run_in_their_order(folder: Path) -> None:
+    printed = {line: run(line, folder) for line in LINES}
+
+    assert "12 matches" in printed[LINES[0]]
+    assert "all agree" in printed["wildscav rescore out/arena"]
+    assert any("is the one committed to" in text for line, text in printed.items() if "secret check" in line)
+    assert "all agree" in run("wildscav rescore out/final", folder)
+    assert sorted(path.name[:5] for path in (folder / "out" / "tournaments").iterdir()) == [
+        "0001-",
+        "0002-",
+        "0003-",
+    ]

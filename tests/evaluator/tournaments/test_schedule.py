@@ -1,0 +1,257 @@
+"""Schedules: everyone plays, meets everyone else and has every seat equally often."""
+
+from collections import Counter
+from hashlib import blake2b
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wildscav_evaluator.tournaments.schedule import Schedule, make_schedule
+
+
+@st.composite
+def settings_of_schedules(draw: st.DrawFn) -> dict[str, Any]:
+    """Return arguments of `make_schedule` that are possible."""
+    team_size, mixed = draw(st.integers(1, 3)), draw(st.booleans())
+    teams = draw(st.integers(1 if mixed and team_size > 1 else 2, 4))
+    places = teams * team_size if mixed else teams
+    entrants = draw(st.integers(places, places + 12))
+    groups = None
+    if draw(st.booleans()):
+        largest = entrants // places
+        sizes = draw(st.lists(st.integers(1, largest), min_size=entrants, max_size=entrants))
+        numbered = [number for number, size in enumerate(sizes) for _ in range(size)][:entrants]
+        groups = draw(st.permutations(numbered))
+    return {
+        "entrants": entrants,
+        "seats": teams * team_size,
+        "rounds": draw(st.integers(1, 4)),
+        "seed": draw(st.integers(-(2**70), 2**70)),
+        "team_size": team_size,
+        "mixed": mixed,
+        "repeats": draw(st.integers(1, places)),
+        "groups": groups,
+    }
+
+
+def matches_of_games(schedule: Schedule) -> list[np.ndarray[Any, Any]]:
+    """Return the players (Q, K) of all matches of each game."""
+    return [schedule.players[schedule.games == game] for game in range(schedule.games.max() + 1)]
+
+
+@settings(max_examples=60, deadline=None)
+@given(settings_of_schedules())
+def test_every_schedule_is_fair(arguments: dict[str, Any]) -> None:
+    schedule = make_schedule(**arguments)
+    entrants, repeats, team_size = arguments["entrants"], arguments["repeats"], arguments["team_size"]
+    places = arguments["seats"] if arguments["mixed"] else arguments["seats"] // team_size
+    group = np.arange(entrants) if arguments["groups"] is None else np.array(arguments["groups"])
+
+    for number in range(arguments["rounds"]):  # after each round, everyone has played equally often
+        counts = np.bincount(schedule.players[schedule.rounds == number].reshape(-1), minlength=entrants)
+        assert counts.min() == counts.max() > 0
+    assert (np.diff(schedule.games) >= 0).all()
+    assert (np.bincount(schedule.games) == repeats).all()
+    for matches in matches_of_games(schedule):
+        playing = set(matches[0].tolist())
+        assert (
+            len(playing) == len(set(group[list(playing)])) == places
+        )  # nobody meets an entry of the same group
+        for match in matches:  # the same entrants, in other seats
+            assert Counter(match.tolist()) == Counter(matches[0].tolist())
+        for seats_of_two in zip(*np.triu_indices(repeats, 1), strict=True):
+            first, second = matches[list(seats_of_two)]
+            assert (first != second).all() if not arguments["mixed"] else (first != second).any()
+        if not arguments["mixed"]:
+            assert all(len(set(team)) == 1 for team in matches.reshape(-1, team_size).tolist())
+
+
+@settings(max_examples=40, deadline=None)
+@given(settings_of_schedules())
+def test_every_seat_is_had_equally_often(arguments: dict[str, Any]) -> None:
+    schedule = make_schedule(**arguments)
+    places = arguments["seats"] if arguments["mixed"] else arguments["seats"] // arguments["team_size"]
+    counts = schedule.seat_counts
+    unevenness = counts.max() - counts.min()
+
+    if arguments["repeats"] == places:
+        assert unevenness == 0
+    elif not arguments["mixed"] and places % arguments["repeats"] == 0:
+        assert unevenness <= 1
+
+
+@pytest.mark.parametrize(
+    ("entrants", "seats", "rounds", "spread"),
+    [
+        (8, 2, 7, 0),  # everyone has met everyone
+        (9, 2, 4, 0),
+        (10, 2, 13, 1),
+        (7, 3, 1, 0),  # the Fano plane
+        (13, 4, 1, 0),  # the projective plane of order 3
+        (16, 4, 5, 0),  # the affine plane of order 4
+        (27, 3, 13, 0),  # Kirkman's rounds in which every pair has met once
+        (25, 5, 4, 1),
+        (10, 9, 3, 0),  # one is absent in turn
+        (10, 8, 4, 1),  # two are
+        (6, 6, 3, 0),
+        (1000, 10, 10, 1),
+        (999, 9, 10, 1),
+        (997, 10, 2, 1),
+    ],
+)
+def test_pairs_meet_equally_often(entrants: int, seats: int, rounds: int, spread: int) -> None:
+    schedule = make_schedule(entrants, seats=seats, rounds=rounds, seed=4)
+
+    met = schedule.pair_counts[np.triu_indices(entrants, 1)]
+    assert schedule.spread == met.max() - met.min() == spread
+    assert met.sum() == schedule.games[-1:].sum() * seats * (seats - 1) // 2 + seats * (seats - 1) // 2
+
+
+@given(st.integers(2, 60), st.integers(1, 12), st.booleans())
+@settings(max_examples=40, deadline=None)
+def test_in_games_of_two_the_meetings_differ_by_one_at_most(entrants: int, rounds: int, absent: bool) -> None:
+    seats = entrants - 2 if absent and entrants > 3 else 2
+
+    assert make_schedule(entrants, seats=seats, rounds=rounds, seed=0, repeats=1).spread <= 1
+
+
+def test_two_rounds_of_three_in_all_numbers() -> None:
+    """Six entrants, three in a game: a round is two games, in which everyone plays once."""
+    schedule = make_schedule(6, seats=3, rounds=2, seed=1, repeats=3)
+
+    assert schedule.players.shape == (12, 3)
+    assert schedule.teams == (0, 1, 2)
+    assert schedule.games.tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
+    assert schedule.rounds.tolist() == [0] * 6 + [1] * 6
+    assert schedule.games_played.tolist() == [2] * 6
+    assert (schedule.seat_counts == 2).all()
+    assert sorted(schedule.players[[0, 3]].reshape(-1).tolist()) == [0, 1, 2, 3, 4, 5]
+
+
+def test_with_two_repeats_the_starts_are_exchanged() -> None:
+    schedule = make_schedule(8, seats=4, rounds=2, seed=3)
+
+    for first, second in matches_of_games(schedule):
+        assert second.tolist() == [first[2], first[3], first[0], first[1]]
+
+
+def test_a_team_is_one_submission_and_changes_sides() -> None:
+    schedule = make_schedule(4, seats=6, rounds=3, seed=3, team_size=3)
+
+    assert schedule.teams == (0, 0, 0, 1, 1, 1)
+    assert schedule.spread == 0
+    assert not schedule.teammate_counts.any()
+    for first, second in matches_of_games(schedule):
+        assert second.tolist() == [*first[3:], *first[:3]]
+        assert len(set(first.tolist())) == 2
+
+
+def test_mixed_teams_are_of_everyone_with_everyone() -> None:
+    """Twelve entrants, two against two: seven rounds are 21 games, with 42 of the 66 pairs as teammates."""
+    schedule = make_schedule(12, seats=4, rounds=7, seed=3, team_size=2, mixed=True)
+
+    mates = schedule.teammate_counts[np.triu_indices(12, 1)]
+    assert (mates.sum(), mates.max()) == (42, 1)
+    for first, second in matches_of_games(schedule):
+        assert sorted(first[:2].tolist()) == sorted(second[2:].tolist())  # teammates stay together
+        assert len(set(first.tolist())) == 4
+
+
+def test_one_team_of_all_players_can_only_be_mixed() -> None:
+    schedule = make_schedule(6, seats=3, rounds=5, seed=3, team_size=3, mixed=True, repeats=3)
+
+    assert schedule.teams == (0, 0, 0)
+    assert (schedule.teammate_counts == schedule.pair_counts).all()
+    with pytest.raises(ValueError, match="at least 2 entrants; 3 seats in teams of 3 hold 1"):
+        make_schedule(6, seats=3, rounds=5, seed=3, team_size=3)
+
+
+def test_entries_of_one_submission_never_meet_and_all_others_meet_equally_often() -> None:
+    groups = [7, 7, 3, 4, 5, 5, 9, 9]
+
+    schedule = make_schedule(8, seats=2, rounds=12, seed=1, groups=groups)
+
+    apart = np.array(groups)[:, None] == np.array(groups)[None, :]
+    assert not schedule.pair_counts[apart].any()
+    assert schedule.pair_counts[~apart].min() >= 1
+    assert schedule.games_played.tolist() == [12] * 8
+
+
+def test_the_seed_decides_everything() -> None:
+    first, again, other = (make_schedule(12, seats=4, rounds=3, seed=seed) for seed in (5, 5, 6))
+
+    assert first.players.tobytes() == again.players.tobytes()
+    assert first.players.tobytes() != other.players.tobytes()
+    assert first.spread == other.spread
+
+
+@pytest.mark.parametrize(
+    ("arguments", "digest"),
+    [
+        ({"entrants": 9, "seats": 3, "rounds": 4}, "b8650c580a0157b2"),  # a lattice
+        ({"entrants": 11, "seats": 4, "rounds": 2}, "b574b7acf7d0ab0f"),  # a search by shifts
+        ({"entrants": 12, "seats": 4, "rounds": 5}, "6b901e3dbe342e24"),  # a search by swaps
+        ({"entrants": 8, "seats": 4, "rounds": 3, "team_size": 2, "mixed": True}, "a261bcabb9104782"),
+        ({"entrants": 8, "seats": 4, "rounds": 3, "groups": [0, 0, 1, 2, 3, 4, 5, 6]}, "4e2b26f3d3c52991"),
+    ],
+)
+def test_a_schedule_never_changes(arguments: dict[str, Any], digest: str) -> None:
+    """A tournament is checked by its seed, so a change would make old tournaments impossible to check."""
+    schedule = make_schedule(seed=2026, **arguments)
+
+    assert blake2b(schedule.players.astype("<i4").tobytes(), digest_size=8).hexdigest() == digest
+
+
+def test_groups_may_come_from_an_array() -> None:
+    groups = [0, 0, 1, 2, 3, 4]
+
+    schedules = [
+        make_schedule(6, seats=2, rounds=2, seed=1, groups=given) for given in (groups, np.array(groups))
+    ]
+
+    assert schedules[0].players.tobytes() == schedules[1].players.tobytes()
+
+
+@pytest.mark.parametrize("groups", [None, [0, 0, 1, 2, 3, 3, 4, 5]])
+def test_the_number_of_an_entrant_is_no_advantage(groups: list[int] | None) -> None:
+    """Over many seeds, everyone has the first seat of the first match equally often."""
+    firsts = Counter(
+        int(make_schedule(8, seats=4, rounds=1, seed=seed, groups=groups).players[0, 0])
+        for seed in range(800)
+    )
+
+    assert all(60 <= firsts[entrant] <= 145 for entrant in range(8))  # 100 expected, four deviations of 9.4
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"entrants": 1}, "2 to 1,000 entrants, not 1"),
+        ({"entrants": 10**12}, "2 to 1,000 entrants, not 1,000,000,000,000"),
+        ({"entrants": 3}, "each game needs 4 entrants, and there are only 3"),
+        ({"seats": 0}, "0 seats cannot be divided into teams of 1"),
+        ({"seats": 1}, "a game has at least 2 entrants; 1 seats in teams of 1 hold 1"),
+        ({"team_size": 3}, "4 seats cannot be divided into teams of 3"),
+        ({"team_size": 0}, "4 seats cannot be divided into teams of 0"),
+        ({"rounds": 0}, "at least 1 round, not 0"),
+        ({"repeats": 0}, "can be played 1 to 4 times, not 0"),
+        ({"repeats": 5}, "can be played 1 to 4 times, not 5"),
+        ({"repeats": 3, "team_size": 2}, "a game of 2 entrants can be played 1 to 2 times, not 3"),
+        ({"rounds": 3126}, "12,504 matches with 50,016 seats.* at most 3,125 rounds"),
+        (
+            {"entrants": 1000, "seats": 1000, "rounds": 26},
+            "26 rounds have 52 matches.* at most 25 rounds",
+        ),
+        ({"groups": [0, 1]}, "groups are given for 2 entrants; there are 8"),
+        ({"groups": [0, 0, 0, 1, 2, 3, 4, 5]}, "3 of the 8 entrants may not meet.*with 4.*at most 2"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
+    arguments: dict[str, Any] = {"entrants": 8, "seats": 4, "rounds": 1, "seed": 1, **changed}
+
+    with pytest.raises(ValueError, match=message) as refused:
+        make_schedule(**arguments)
+    assert "\n" not in str(refused.value)

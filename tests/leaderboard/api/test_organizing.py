@@ -1,0 +1,133 @@
+"""What organizers do through the API, and that nobody else can."""
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+import httpx
+import pytest
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import make_account, make_season, submitted, team_with_member
+from tests.leaderboard.spectating.served import served
+
+from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER
+from wildscav_leaderboard.accounts.service import new_token
+from wildscav_leaderboard.hosting.app import create_app
+
+
+class Callers:
+    """Clients of a season's API, by who asks."""
+
+    def __init__(self, address: str, tokens: dict[str, str]) -> None:
+        self.address, self._tokens = address, tokens
+
+    def ask(self, who: str, method: str, path: str, content: object = None) -> httpx.Response:
+        headers = {"Authorization": f"Bearer {self._tokens[who]}"}
+        return httpx.request(method, f"{self.address}/api/v1{path}", json=content, headers=headers)
+
+    def act(self, path: str, content: object = None) -> httpx.Response:
+        answer = self.ask("olga", "POST", f"/organizer{path}", content)
+        assert answer.is_success, answer.text
+        return answer
+
+
+@pytest.fixture
+def callers(tmp_path: Path) -> Iterator[Callers]:
+    """A season with an organizer, olga, and a team with a submission, whose captain is a competitor."""
+    season, now = make_season(tmp_path / "season", current=True), datetime.now(UTC)
+    database = season.database()
+    database.upgrade()
+    with database.writing() as session:
+        _, captain = team_with_member(session, "foxes")
+        olga = make_account(session, "olga", ORGANIZER)
+        submitted(session, season, "foxes", write_agent(tmp_path, "fox"), now)
+        tokens = {who.name: new_token(session, who, "test", now) for who in (olga, captain)}
+    with served(create_app(season, database)) as address:
+        yield Callers(address, tokens)
+    database.close()
+
+
+def test_every_act_is_entered_in_the_audit_log_with_who_did_it_and_why(callers: Callers) -> None:
+    callers.act("/pause", {"reason": "a new disk"})
+    assert callers.act("/announcements", {"title": "Welcome", "text": "Good luck!"}).status_code == 204
+    callers.act("/resume")
+    callers.act("/submissions/1/disqualify", {"reason": "it reads the map"})
+    callers.act("/teams/foxes/disqualify", {"reason": "two teams of one person"})
+    callers.act("/freeze")
+    entries = callers.ask("olga", "GET", "/organizer/audit-log").json()
+    assert [(one["actor"], one["act"], one["subject"], one["detail"]) for one in reversed(entries)] == [
+        ("olga", "pause", "season", "a new disk"),
+        ("olga", "announce", "announcement 'Welcome'", ""),
+        ("olga", "resume", "season", ""),
+        ("olga", "disqualify submission", "submission 1", "it reads the map"),
+        ("olga", "disqualify team", "team foxes", "two teams of one person"),
+        ("olga", "freeze", "boards", ""),
+    ]
+    older = callers.ask("olga", "GET", f"/organizer/audit-log?before={entries[1]['id']}&limit=2").json()
+    assert older == entries[2:4]
+
+
+def test_everyone_sees_why_a_submission_was_disqualified(callers: Callers) -> None:
+    callers.act("/submissions/1/disqualify", {"reason": "it reads the map"})
+    seen = httpx.get(f"{callers.address}/api/v1/submissions/1").json()
+    assert (seen["state"], seen["reason"]) == ("cancelled", "disqualified: it reads the map")
+
+
+def test_the_status_tells_that_nobody_conducts_and_what_waits(callers: Callers) -> None:
+    seen = callers.ask("olga", "GET", "/organizer/status").json()
+    assert seen["conductor"] is None
+    assert seen["submissions"] == {"submitted": 1}
+    assert seen["teams"] == 1
+    assert seen["faults"] == []
+
+
+def test_an_invitation_registers_as_many_as_it_says_and_in_its_role(callers: Callers) -> None:
+    key = callers.act("/invitations", {"label": "jury", "role": "organizer"}).json()["key"]
+    new = {"name": "jill", "password": "correct horse battery", "invitation": key}
+    made = httpx.post(f"{callers.address}/api/v1/accounts", json=new)
+    assert made.json()["role"] == ORGANIZER
+    again = httpx.post(f"{callers.address}/api/v1/accounts", json=new | {"name": "jack"})
+    assert again.status_code == 403, again.text
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "content"),
+    [
+        ("GET", "/organizer/status", None),
+        ("GET", "/organizer/audit-log", None),
+        ("POST", "/organizer/pause", {"reason": "mine"}),
+        ("POST", "/organizer/resume", None),
+        ("POST", "/organizer/freeze", None),
+        ("POST", "/organizer/announcements", {"title": "mine"}),
+        ("POST", "/organizer/invitations", {}),
+        ("POST", "/organizer/submissions/1/rerun", None),
+        ("POST", "/organizer/submissions/1/disqualify", {"reason": "mine"}),
+        ("POST", "/organizer/teams/foxes/disqualify", {"reason": "mine"}),
+    ],
+)
+def test_a_competitor_does_nothing_of_it_and_a_visitor_is_asked_to_log_in(
+    callers: Callers, method: str, path: str, content: object
+) -> None:
+    refused = callers.ask("foxes-captain", method, path, content)
+    assert (refused.status_code, refused.json()["error"]) == (403, "only organizers may do this")
+    assert httpx.request(method, f"{callers.address}/api/v1{path}", json=content).status_code == 401
+    assert callers.ask("olga", "GET", "/organizer/audit-log").json() == []
+
+
+@pytest.mark.parametrize(
+    ("path", "content", "status"),
+    [
+        ("/submissions/1/rerun", None, 409),
+        ("/submissions/9/rerun", None, 404),
+        ("/submissions/1/disqualify", {"reason": ""}, 422),
+        ("/teams/wolves/disqualify", {"reason": "why not"}, 404),
+        ("/resume", None, 409),
+        ("/invitations", {"role": COMPETITOR, "uses": 0}, 422),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_one_line(
+    callers: Callers, path: str, content: object, status: int
+) -> None:
+    refused = callers.ask("olga", "POST", f"/organizer{path}", content)
+    assert refused.status_code == status, refused.text
+    assert "\n" not in refused.json()["error"]

@@ -1,0 +1,69 @@
+"""A season that was played and opened, exported once, and copies of it to tamper with."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from tests.leaderboard.auditing.tampering import Published
+from tests.leaderboard.played_seasons import end_season, played_season
+
+from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_leaderboard.auditing.audit import Audit
+from wildscav_leaderboard.auditing.record_checks import Wanted
+from wildscav_leaderboard.auditing.report import Report
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.publishing.export import export
+from wildscav_leaderboard.seasons.folder import Season
+
+Run = Callable[..., Report]
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Season, Database]]:
+    """A season that was played; its secrets are not opened yet."""
+    season, database = played_season(tmp_path_factory.mktemp("played"))
+    yield season, database
+    database.close()
+
+
+@pytest.fixture(scope="module")
+def before_opening(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What is published of it before its secrets are opened."""
+    folder = tmp_path_factory.mktemp("before") / "export"
+    export(*played, folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def after_opening(
+    played: tuple[Season, Database], before_opening: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    """What is published of it afterwards."""
+    season, database = played
+    end_season(database, season)
+    folder = tmp_path_factory.mktemp("after") / "export"
+    export(season, database, folder)
+    return folder
+
+
+@pytest.fixture
+def opened(after_opening: Path, tmp_path: Path) -> Published:
+    """A copy of what is published after the secrets were opened, to tamper with."""
+    return Published(Path(shutil.copytree(after_opening, tmp_path / "opened")))
+
+
+@pytest.fixture
+def hidden(before_opening: Path, tmp_path: Path) -> Published:
+    """A copy of what is published before the secrets are opened, to tamper with."""
+    return Published(Path(shutil.copytree(before_opening, tmp_path / "hidden")))
+
+
+@pytest.fixture
+def audit(tmp_path: Path) -> Run:
+    """Audit a folder or an address in this process."""
+
+    def run(place: object, **wanted: object) -> Report:
+        return Audit(Wanted(**wanted), LocalExecutor(1), tmp_path / "cache").run(str(place))  # type: ignore[arg-type]
+
+    return run

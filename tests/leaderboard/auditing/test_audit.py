@@ -1,0 +1,306 @@
+"""A season that was played fairly holds; whatever is changed in what is published is found and named."""
+
+import json
+from typing import Any
+
+import pytest
+from tests.leaderboard.auditing.conftest import Run
+from tests.leaderboard.auditing.tampering import Published
+from tests.leaderboard.played_seasons import TEAMS
+
+from wildscav.errors import UserError
+from wildscav_evaluator.suites.seeds import commitment_of, new_secret
+
+SUITE_MATCHES, FINAL_MATCHES, LADDER_MATCHES = 18, 12, 6
+
+
+def test_a_season_that_was_played_fairly_holds_and_everything_is_checked(
+    opened: Published, audit: Run
+) -> None:
+    report = audit(opened)
+
+    assert report.findings == []
+    counts = {(check.track, check.what): check.checked for check in report.checks}
+    assert not any(check.unchecked for check in report.checks)
+    for track, count, rows in (
+        ("navigation", FINAL_MATCHES, 2),
+        ("navigation-season", SUITE_MATCHES, 3),
+        ("battle", LADDER_MATCHES, 4),
+        ("battle-season", LADDER_MATCHES, 4),
+    ):
+        assert counts[track, "rows of the board"] == rows
+        for what in ("results of matches", "records", "records played again", "matches drawn by the secret"):
+            assert counts[track, what] == count, what
+
+
+def test_before_the_secrets_are_opened_the_rest_is_listed_with_the_reason(
+    hidden: Published, audit: Run
+) -> None:
+    report = audit(hidden)
+
+    assert report.findings == []
+    checks = {(check.track, check.what): check for check in report.checks}
+    records = checks["navigation", "records"]
+    assert (records.checked, list(records.unchecked.values())) == (0, [SUITE_MATCHES])
+    assert "hidden until the season's secret is opened" in next(iter(records.unchecked))
+    assert checks["navigation", "rows of the board"].checked == 3
+    assert checks["battle", "records played again"].checked == LADDER_MATCHES
+    assert checks["battle", "seats of the ladder's games"].checked == LADDER_MATCHES
+    assert checks["battle", "matches drawn by the secret"].checked == 0
+    assert checks[None, "secrets and their commitments"].unchecked == {"the secret is not opened yet": 2}
+
+
+def row(board: dict[str, Any], team: str) -> dict[str, Any]:
+    return next(one for one in board["rows"] if one["team"] == team)
+
+
+def leader(board: dict[str, Any]) -> dict[str, Any]:
+    return next(one for one in board["rows"] if one["team"])
+
+
+@pytest.mark.parametrize(
+    ("track", "field", "by"),
+    [
+        ("navigation", "metrics.time.mean", 1e-9),
+        ("navigation", "metrics.time.low", -0.5),
+        ("navigation", "metrics.time.high", 0.5),
+        ("navigation", "metrics.success.mean", 0.01),
+        ("navigation", "rank", 1),
+        ("navigation", "last_rank", -1),
+        ("navigation", "matches", 1),
+        ("navigation", "faults", 1),
+        ("battle", "rating", 0.01),
+        ("battle", "deviation", -0.01),
+        ("battle", "low", 0.01),
+        ("battle", "mu", 1e-6),
+        ("battle", "wins", 1),
+        ("battle", "mean_place", -0.01),
+        ("battle", "last_rank", -1),
+    ],
+)
+def test_a_wrong_digit_on_a_board_is_found_and_its_row_and_field_are_named(
+    opened: Published, audit: Run, track: str, field: str, by: float
+) -> None:
+    """Also if the same digit is wrong wherever the board is shown."""
+    *path, last = field.split(".")
+    whose = leader(opened.board(track))
+    place, team, number = whose, whose["team"], whose["submission"]
+    for name in path:
+        place = place[name]
+    right = place[last]
+
+    def change(board: dict[str, Any]) -> None:
+        inner = row(board, team)
+        for name in path:
+            inner = inner[name]
+        inner[last] = right + by
+
+    opened.change_board(track, change)
+    (finding,) = audit(opened, records=0).findings
+
+    assert (finding.track, finding.team, finding.submission, finding.field) == (track, team, number, field)
+    assert (finding.published, finding.expected) == (right + by, right)
+    assert str(finding) == (
+        f"{track}, team {team}, submission {number}: {field} is published as {right + by}, must be {right}"
+    )
+
+
+def test_a_board_that_is_shown_is_the_one_that_is_published_for_audits(opened: Published, audit: Run) -> None:
+    path = opened.folder / "boards/battle.json"
+    shown = json.loads(path.read_text())
+    row(shown, "foxes")["rating"] = 2600.0
+    path.write_text(json.dumps(shown))
+    opened.resum()
+
+    (finding,) = audit(opened, records=0).findings
+    assert (finding.team, finding.field, finding.published) == ("foxes", "rating", 2600.0)
+    assert "in the board that is shown" in str(finding)
+
+
+def test_a_result_that_is_not_its_records_is_found_and_so_is_the_board_that_follows_from_it(
+    opened: Published, audit: Run
+) -> None:
+    def cheat(matches: list[dict[str, Any]]) -> None:
+        match = matches[0]
+        match["seats"][0]["metrics"]["time"] = match["metrics"]["time"] = 0.5
+
+    opened.change_matches("navigation", cheat)
+    assert {one.field for one in audit(opened, records=0).findings} >= {"metrics.time.mean"}, (
+        "without records, the board and the result contradict each other"
+    )
+    report = audit(opened)
+    (finding,) = report.findings
+    first = opened.matches("navigation")[0]
+    assert (finding.submission, finding.match) == (first["submission"], first["id"])
+    assert (finding.team, finding.field) == (TEAMS[first["submission"] - 1], "seats.0.metrics.time")
+    assert finding.published == 0.5
+
+
+def test_a_mean_of_seats_that_is_wrong_is_found(opened: Published, audit: Run) -> None:
+    opened.change_matches("battle", lambda matches: matches[2]["metrics"].update(kills=7.0))
+    wrong, twice = audit(opened, records=0).findings
+    assert (wrong.field, wrong.published, wrong.match) == ("metrics.kills", 7.0, twice.match)
+    assert "another board of the track counts it differently" in str(twice)
+
+
+@pytest.mark.parametrize("byte", [0, 20, -40])
+def test_a_byte_of_a_record_that_was_changed_is_found(opened: Published, audit: Run, byte: int) -> None:
+    match = opened.matches("battle")[1]["id"]
+    content = bytearray(opened.record(match).read_bytes())
+    content[byte] ^= 1
+    opened.record(match).write_bytes(content)
+    opened.resum()
+
+    findings = audit(opened, track="battle", replay=0).findings
+    assert {(one.track, one.match) for one in findings} == {("battle", match), ("battle-season", match)}
+    assert all("its record has the digest" in str(one) for one in findings)
+
+
+def test_a_damaged_file_is_not_the_one_of_the_sums(opened: Published, audit: Run) -> None:
+    (opened.folder / "boards/battle.csv").write_text("rank\n")
+    (opened.folder / "more.txt").write_text("?")
+    found = [str(one) for one in audit(opened, records=0).findings]
+    assert found == [
+        "boards/battle.csv is not the file that SHA256SUMS names",
+        "more.txt is not in SHA256SUMS",
+    ]
+
+
+def test_a_record_that_is_another_matchs_is_found_even_if_its_digest_fits(
+    opened: Published, audit: Run
+) -> None:
+    first, second = opened.matches("navigation")[:2]
+    opened.record(first["id"]).write_bytes(opened.record(second["id"]).read_bytes())
+    opened.change_matches("navigation", lambda matches: matches[0].update(record=second["record"]))
+
+    findings = audit(opened, track="navigation", replay=0).findings
+    assert {one.match for one in findings if one.match is not None} == {first["id"]}
+    assert any("it is not match number 0 that the secret gives" in str(one) for one in findings)
+
+
+def test_a_secret_that_was_swapped_does_not_fit_its_commitment(opened: Published, audit: Run) -> None:
+    other = new_secret()
+    opened.change_season(lambda season: season["secret"].update(secret=other.hex()))
+
+    report = audit(opened, replay=0)
+    (finding,) = report.findings
+    assert (finding.field, finding.expected) == ("commitment", commitment_of(other))
+    drawn = {one.track: one for one in report.checks if one.what == "matches drawn by the secret"}
+    wrong = {"the opened secret is not the one of the commitment": LADDER_MATCHES}
+    assert (drawn["battle"].checked, drawn["battle"].unchecked) == (0, wrong)
+    assert drawn["navigation"].checked == FINAL_MATCHES, "they come from the other secret"
+
+
+def test_maps_that_another_secret_gives_are_found_even_if_its_commitment_was_swapped_too(
+    opened: Published, audit: Run
+) -> None:
+    other = new_secret()
+    was = opened.board("battle")["conditions"]["commitment"]
+    swapped = {"secret": other.hex(), "commitment": commitment_of(other)}
+    opened.change_season(lambda season: season["secret"].update(swapped))
+
+    found = [str(one) for one in audit(opened, track="battle", replay=0).findings]
+    assert any(was in one and "conditions.commitment" in one for one in found)
+    assert sum("of the ladder's match number" in one for one in found) == 2 * LADDER_MATCHES
+
+
+def test_a_commitment_that_was_noted_earlier_must_still_be_the_published_one(
+    opened: Published, audit: Run
+) -> None:
+    noted = opened.board("battle")["conditions"]["commitment"]
+    assert audit(opened, records=0, commitment=noted).holds
+    (finding,) = audit(opened, records=0, commitment="ab" * 32).findings
+    assert finding.field == "commitment"
+
+
+@pytest.mark.parametrize("track", ["navigation", "battle"])
+def test_a_match_that_is_left_out_is_found(opened: Published, audit: Run, track: str) -> None:
+    team = TEAMS[(opened.matches(track)[2]["submission"] or 1) - 1]
+    opened.change_matches(track, lambda matches: matches.pop(2))
+    findings = audit(opened, track=track, replay=0).findings
+    named = {(one.team, one.field) for one in findings}
+    if track == "battle":
+        assert ("the ladder's match number 2 is missing") in str(findings[0])
+        assert (None, "applied") in named
+    else:
+        assert {(team, "matches"), (team, "metrics.time.mean")} <= named
+
+
+def test_a_board_that_is_not_published_at_all_is_found(opened: Published, audit: Run) -> None:
+    def leave_out(season: dict[str, Any]) -> None:
+        season["boards"] = [one for one in season["boards"] if one["track"] != "battle"]
+
+    opened.change_season(leave_out)
+    (finding,) = audit(opened, records=0).findings
+    assert str(finding) == "battle: its board is not published for audits"
+
+
+def test_a_match_that_counts_twice_is_found(opened: Published, audit: Run) -> None:
+    def twice(matches: list[dict[str, Any]]) -> None:
+        matches.append({**matches[-1], "id": matches[-1]["id"] + 1})
+
+    opened.change_matches("navigation", twice)
+    found = [str(one) for one in audit(opened, track="navigation", records=0).findings]
+    assert any("two results of match number" in one for one in found)
+
+
+def test_the_order_of_the_ladder_is_that_in_which_its_matches_were_made(
+    opened: Published, audit: Run
+) -> None:
+    def swap(matches: list[dict[str, Any]]) -> None:
+        matches[0]["id"], matches[1]["id"] = matches[1]["id"], matches[0]["id"]
+        matches[0], matches[1] = matches[1], matches[0]
+
+    opened.change_matches("battle", swap)
+    assert not audit(opened, track="battle", records=0).holds
+
+
+def test_a_team_that_is_left_out_of_its_board_is_found(opened: Published, audit: Run) -> None:
+    opened.change_board("navigation", lambda board: board["rows"].pop(0))
+    findings = audit(opened, records=0).findings
+    assert any("has no row, and should have one" in str(one) for one in findings)
+
+
+def test_the_board_of_before_the_final_matches_is_audited_too(opened: Published, audit: Run) -> None:
+    lines = opened.lines("navigation-season")
+    right = row(lines[0]["board"], "hares")["metrics"]["time"]["mean"]
+    row(lines[0]["board"], "hares")["metrics"]["time"]["mean"] = 1.0
+    opened.write_lines("navigation-season", lines)
+    opened.resum()
+    findings = audit(opened, records=0).findings
+    assert {(one.track, one.team, one.field) for one in findings} == {
+        ("navigation-season", "hares", "metrics.time.mean")
+    }
+    assert {(one.published, one.expected) for one in findings} == {(1.0, right), (right, 1.0)}
+
+
+def test_rows_in_another_order_are_found(opened: Published, audit: Run) -> None:
+    opened.change_board("battle", lambda board: board["rows"].reverse())
+    (finding,) = audit(opened, records=0).findings
+    assert "the rows are in the order" in str(finding)
+
+
+def test_a_file_that_was_cut_off_is_no_season_that_holds(opened: Published, audit: Run) -> None:
+    lines = opened.lines("battle")
+    opened.write_lines("battle", lines[:-1])
+    opened.resum()
+    (finding,) = audit(opened, records=0).findings
+    assert str(finding).startswith("battle: tracks/battle.ndjson is not valid: it has no end")
+
+
+def test_some_records_are_chosen_by_chance(opened: Published, audit: Run) -> None:
+    report = audit(opened, track="navigation", records=4, replay=2)
+    checks = {check.what: check for check in report.checks}
+    assert report.holds
+    assert (checks["records"].checked, checks["records played again"].checked) == (4, 2)
+    assert checks["records"].unchecked == {"nobody asked for it (--records, --replay)": SUITE_MATCHES - 4}
+
+
+def test_a_track_that_the_season_does_not_have_is_an_error_of_usage(opened: Published, audit: Run) -> None:
+    with pytest.raises(UserError, match="the season has no track 'royale'; it has navigation, battle"):
+        audit(opened, track="royale")
+
+
+def test_a_folder_of_something_else_is_refused(audit: Run, tmp_path: Any) -> None:
+    with pytest.raises(UserError, match="name the address of a season, or a folder that"):
+        audit(tmp_path)

@@ -1,0 +1,69 @@
+"""A season that a real conductor plays, with real agents, is audited while it runs and as files."""
+
+import threading
+from pathlib import Path
+
+import pytest
+from sqlalchemy import func, select
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.auditing.conftest import Run
+from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
+from tests.leaderboard.spectating.served import served
+
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.conductor.conductor import Conductor, now
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.matches.models import FINISHED, Match
+from wildscav_leaderboard.publishing.export import export
+from wildscav_leaderboard.seasons.folder import Season
+
+SUITE_MATCHES, LADDER_MATCHES = 4, 2  # of two submissions
+LONGEST = 240  # s
+
+
+def conduct(database: Database, season: Season) -> None:
+    """Run a conductor in this thread until everything is played and on the boards."""
+    conductor = Conductor(season, database)
+    ended = threading.Event()
+
+    def watch() -> None:
+        for _ in range(LONGEST * 2):
+            with database.reading() as session:
+                played = session.scalar(select(func.count()).where(Match.state == FINISHED))
+                boards = [read_board(session, track) for track in season.settings.tracks]
+            shown = [board for board in boards if board is not None and any(row.rank for row in board.rows)]
+            if (played == SUITE_MATCHES + LADDER_MATCHES and len(shown) == 2) or ended.wait(0.5):
+                break
+        conductor.stop()
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    conductor.run()
+    ended.set()
+    watcher.join()
+
+
+@pytest.mark.slow
+def test_what_a_real_conductor_played_holds(tmp_path: Path, audit: Run) -> None:
+    season = make_season(tmp_path / "season", "matches = 2\nwaiting = 2", current=True)
+    database = season.database()
+    database.upgrade()
+    with database.writing() as session:
+        for team in ("foxes", "owls"):
+            team_with_member(session, team)
+            folder = write_agent(tmp_path / "agents", team, tracks='["navigation", "battle"]')
+            submitted(session, season, team, folder, now())
+    conduct(database, season)
+    export(season, database, tmp_path / "export")
+
+    with served(create_app(season, database)) as address:
+        reports = [audit(address), audit(tmp_path / "export"), audit(address)]
+    for report in reports:
+        assert report.findings == []
+        counts = {(check.track, check.what): check.checked for check in report.checks}
+        assert counts["navigation", "results of matches"] == SUITE_MATCHES
+        assert counts["battle", "records played again"] == LADDER_MATCHES
+    seen = {check.track: check.checked for check in reports[2].checks if "earlier audit" in check.what}
+    assert seen == {"navigation": SUITE_MATCHES, "battle": LADDER_MATCHES}
+    database.close()

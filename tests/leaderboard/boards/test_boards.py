@@ -1,0 +1,199 @@
+"""Who leads, who is tied, and that a ladder's history never moves."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.leaderboard.seasons_made import NOON
+
+from wildscav_evaluator.output.results import KeptLimits, MetricInfo
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.ratings.ladder import Skill
+from wildscav_evaluator.suites.official import OFFICIAL
+from wildscav_leaderboard.boards.documents import Conditions
+from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
+from wildscav_leaderboard.boards.matchmaking import Candidate, choose_entrants, ladder_match
+from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
+from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
+
+CONDITIONS = Conditions(
+    versions=CURRENT_VERSIONS,
+    suite="official",
+    rounds=1,
+    commitment="ab" * 32,
+    sandbox="oci",
+    limits=KeptLimits(),
+)
+TIME = (MetricInfo(name="time", title="time", unit="s", lower_is_better=True),)
+
+
+def results(number: int, team: str, times: list[float], planned: int = 20) -> SuiteResults:
+    return SuiteResults(
+        submission=number,
+        name=f"agent{number}",
+        version="1",
+        team=team,
+        team_title=team.title(),
+        since=NOON,
+        planned=planned,
+        faults=0,
+        metrics={index: {"time": time} for index, time in enumerate(times)},
+    )
+
+
+def times(mean: float) -> list[float]:
+    """Times of twenty matches of very different lengths, each a little off."""
+    return [mean + 40.0 * (index % 5) + 0.1 * (index * 7 % 3) for index in range(20)]
+
+
+def test_a_small_lead_in_every_match_is_enough_where_matches_differ_much() -> None:
+    board = suite_board(
+        "navigation",
+        CONDITIONS,
+        TIME,
+        [results(1, "owls", times(11.0)), results(2, "foxes", times(10.0))],
+        NOON,
+    )
+    assert [(row.team, row.ranks) for row in board.rows] == [("foxes", "1"), ("owls", "2")]
+
+
+def test_who_cannot_be_told_apart_is_tied() -> None:
+    wavering = [time + (3.0 if index % 2 else -3.0) for index, time in enumerate(times(10.0))]
+    board = suite_board(
+        "navigation", CONDITIONS, TIME, [results(1, "owls", times(10.1)), results(2, "foxes", wavering)], NOON
+    )
+    assert [row.ranks for row in board.rows] == ["1–2", "1–2"]
+
+
+def test_a_team_stands_with_its_best_submission_and_only_with_a_complete_one() -> None:
+    board = suite_board(
+        "navigation",
+        CONDITIONS,
+        TIME,
+        [
+            results(1, "foxes", times(12.0)),
+            results(2, "foxes", times(10.0)),
+            results(3, "foxes", times(1.0)[:5]),  # still playing
+            results(4, "owls", times(1.0)[:5]),
+        ],
+        NOON,
+    )
+    assert [(row.team, row.submission, row.ranks) for row in board.rows] == [
+        ("foxes", 2, "1"),
+        ("owls", 4, ""),
+    ]
+
+
+def test_with_fewer_than_six_matches_everyone_is_tied() -> None:
+    scores = np.array([[1.0] * 5, [9.0] * 5])
+    assert rank_ranges(better_in_pairs(scores, lower_is_better=True)) == [(1, 2), (1, 2)]
+
+
+@given(st.integers(2, 12), st.integers(6, 30), st.integers(0, 2**32 - 1))
+def test_rank_ranges_hold_together(count: int, matches: int, seed: int) -> None:
+    scores = np.random.default_rng(seed).normal(np.arange(count)[:, np.newaxis] % 4, 1.0, (count, matches))
+    better = better_in_pairs(scores, lower_is_better=False)
+    ranges = rank_ranges(better)
+    assert not (better & better.T).any()
+    assert all(1 <= low <= high <= count for low, high in ranges)
+    for one, other in zip(*np.nonzero(better), strict=True):
+        assert ranges[one][0] <= ranges[other][0]
+        assert scores[one].mean() > scores[other].mean()
+
+
+def entrant(number: int, team: str, skill: Skill, places: tuple[int, ...]) -> LadderResults:
+    return LadderResults(
+        submission=number or None,
+        name=f"agent{number}",
+        version="1",
+        team=team,
+        team_title=team,
+        since=NOON,
+        planned=40,
+        faults=0,
+        skill=skill,
+        places=places,
+        wins=0,
+    )
+
+
+def test_a_ladder_ties_those_whose_ratings_are_uncertain() -> None:
+    board = ladder_board(
+        "battle",
+        CONDITIONS,
+        TIME,
+        [
+            entrant(1, "owls", Skill(30.0, 1.0), (1, 1)),
+            entrant(2, "foxes", Skill(30.5, 1.0), (1, 2)),
+            entrant(3, "hares", Skill(10.0, 1.0), (4,)),
+            entrant(4, "newts", Skill(), ()),
+        ],
+        7,
+        NOON,
+    )
+    assert [(row.team, row.ranks) for row in board.rows] == [
+        ("foxes", "1–2"),
+        ("owls", "1–2"),
+        ("hares", "3"),
+        ("newts", ""),
+    ]
+
+
+def candidates(counts: list[int], robots: int = 0) -> list[Candidate]:
+    found = [Candidate(f"agent-{i}", i, 25.0 + i, count) for i, count in enumerate(counts)]
+    return found + [Candidate(f"robot:r{i}", None, 25.0, 0) for i in range(robots)]
+
+
+def test_submissions_of_one_team_never_meet() -> None:
+    own = [Candidate("a-1", 1, 25.0, 0), Candidate("a-2", 1, 25.0, 0)]
+    assert choose_entrants(own, 2, 40, "k") is None
+    met = choose_entrants([*own, Candidate("b-3", 2, 9.0, 99)], 2, 40, "k")
+    assert met is not None
+    assert {one.team for one in met} == {1, 2}
+
+
+def test_a_single_submission_meets_robots() -> None:
+    met = choose_entrants(candidates([0], robots=3), 4, 40, "k")
+    assert met is not None
+    assert [one.is_robot for one in met] == [False, True, True, True]
+
+
+def test_nobody_plays_once_everyone_has_played_enough() -> None:
+    assert choose_entrants(candidates([40, 40, 41], robots=2), 2, 40, "k") is None
+
+
+@given(st.integers(2, 20), st.integers(2, 6), st.integers(0, 1000))
+def test_nobody_starves_and_the_new_come_first(count: int, seats: int, salt: int) -> None:
+    played = dict.fromkeys(range(count), 0)
+    robots = [Candidate(f"robot:r{i}", None, 25.0, 0) for i in range(seats)]
+    for game in range(count * 4):
+        pool = [Candidate(f"agent-{i}", i, 25.0 + i * salt % 7, played[i]) for i in played]
+        met = choose_entrants([*pool, *robots], seats, 10_000, f"{salt}/{game}")
+        assert met is not None
+        assert len(met) == seats == len(set(met))
+        assert met[0].matches == min(played.values())
+        for one in met:
+            if one.team is not None:
+                played[one.team] += 1
+    assert min(played.values()) >= 4
+
+
+def test_a_match_of_a_ladder_follows_from_its_number_alone_and_its_twin_has_other_seats() -> None:
+    names = ["fox-1", "owl-2", "robot:fighter"]
+    spec, seats = ladder_match(OFFICIAL, "battle", 7, 4, names)
+    again, seats_again = ladder_match(OFFICIAL, "battle", 7, 4, names)
+    twin, twin_seats = ladder_match(OFFICIAL, "battle", 7, 5, names)
+    assert (spec, seats) == (again, seats_again)
+    assert (spec.map, spec.seed) == (twin.map, twin.seed)
+    assert sorted(seats.values()) == sorted(twin_seats.values()) == names
+    assert seats != twin_seats
+    assert [spec.seats[seat] for seat, name in seats.items() if name == "robot:fighter"] == ["fighter"]
+    other, _ = ladder_match(OFFICIAL, "battle", 7, 6, names)
+    assert (other.map, other.seed) != (spec.map, spec.seed)
+
+
+@pytest.mark.parametrize("number", [0, 19, 20, 41])
+def test_a_ladder_never_runs_out_of_games(number: int) -> None:
+    """The official suite has ten battles; the eleventh game is drawn from the next seed."""
+    spec, _ = ladder_match(OFFICIAL, "battle", 7, number, ["fox-1", "owl-2"])
+    assert spec.track == "battle"

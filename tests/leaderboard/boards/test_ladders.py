@@ -1,0 +1,120 @@
+"""A ladder is applied in the order in which its matches were made, and compares what is comparable."""
+
+from collections.abc import Mapping
+
+from sqlalchemy.orm import Session
+from tests.leaderboard.seasons_made import NOON
+
+from wildscav_engine.specs.map_spec import MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
+from wildscav_evaluator.ratings.head_to_head import PairRecord
+from wildscav_evaluator.ratings.ladder import Ladder, Skill
+from wildscav_leaderboard.boards.ladders import (
+    Standing,
+    applied_matches,
+    apply_matches,
+    head_to_head,
+    rated_match,
+    records_against,
+    skills_of,
+    standings_of,
+)
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import Match
+from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, add_ladder_match, deliver, void
+
+SCORE = metric_infos("royale")[0]
+TIMING = MatchTiming(submission=None, track="royale", index=0, started=0.0, wall=1.0, steps=1, seats=())
+
+
+def plan(session: Session, number: int, *entrants: str) -> Match:
+    seats = {seat: Entrant(f"robot:{name}", None) for seat, name in enumerate(entrants)}
+    spec = MatchSpec(track="royale", map=MapSpec(seed=1), seats=("fighter",) * len(entrants))
+    return add_ladder_match(session, "royale", number, spec, seats, NOON)
+
+
+def end(
+    session: Session, match: Match, placements: Mapping[str, float], under: str = "a", broken: str = ""
+) -> None:
+    """Let a match end: every entrant has its place, and perhaps one of them breaks."""
+    names = {metric.name: 0.0 for metric in metric_infos("royale")}
+    seats = tuple(
+        SeatRow(
+            seat=seat,
+            submission=f"robot:{name}",
+            status="crashed" if name == broken else "finished",
+            fault="agent" if name == broken else None,
+            metrics={**names, "placement": place, SCORE.name: -place},
+        )
+        for seat, (name, place) in enumerate(placements.items())
+    )
+    row = MatchRow.of(match.number, seats, None)
+    deliver(session, match, None, row, TIMING, PlayedRecord("ab" * 16, 1, under), SCORE, NOON)
+
+
+def test_a_match_that_ends_early_waits_for_those_that_were_made_before_it(database: Database) -> None:
+    with database.writing() as session:
+        first, second, third = (plan(session, number, "fox", "owl") for number in range(3))
+        end(session, second, {"fox": 1, "owl": 2})
+        assert apply_matches(session, "royale") == 0
+        end(session, first, {"fox": 2, "owl": 1})
+        assert apply_matches(session, "royale") == 2
+        void(third, NOON, "given up")
+        fourth = plan(session, 3, "fox", "owl")
+        end(session, fourth, {"fox": 1, "owl": 2})
+        assert apply_matches(session, "royale") == 1
+
+        by_hand = Ladder()
+        for fox, owl in ((2.0, 1.0), (1.0, 2.0), (1.0, 2.0)):
+            seats = [("robot:fox", {"placement": fox}), ("robot:owl", {"placement": owl})]
+            by_hand.apply(rated_match(0, "royale", seats))
+        assert skills_of(session, "royale", "a") == dict(by_hand.skills)
+        assert applied_matches(session, "royale", "a") == 3
+
+
+def test_matches_under_other_conditions_are_another_ladder(database: Database) -> None:
+    with database.writing() as session:
+        for number, under in enumerate(("a", "b", "a")):
+            end(session, plan(session, number, "fox", "owl"), {"fox": 1, "owl": 2}, under)
+        assert apply_matches(session, "royale") == 3
+
+        old, new = skills_of(session, "royale", "a"), skills_of(session, "royale", "b")
+        assert old["robot:fox"].mu > new["robot:fox"].mu > Skill().mu
+        assert applied_matches(session, "royale", "b") == 1
+        assert skills_of(session, "royale") == old, "whatever was played last"
+
+
+def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Database) -> None:
+    with database.writing() as session:
+        end(session, plan(session, 0, "fox", "owl"), {"fox": 1, "owl": 2}, broken="owl")
+        end(session, plan(session, 1, "fox", "owl", "hare"), {"fox": 1, "owl": 1, "hare": 3})
+        apply_matches(session, "royale")
+
+        assert standings_of(session, "royale", "a") == {
+            "robot:fox": Standing((1, 1), 1, 0),
+            "robot:owl": Standing((2, 1), 0, 1),
+            "robot:hare": Standing((3,), 0, 0),
+        }
+        met = head_to_head(session, "royale", "a", ["robot:fox", "robot:owl", "robot:hare"])
+        assert met["robot:fox", "robot:owl"] == PairRecord(wins=1, ties=1, losses=0)
+        assert met["robot:hare", "robot:fox"] == PairRecord(wins=0, ties=0, losses=1)
+        assert set(head_to_head(session, "royale", "a", ["robot:fox", "robot:owl"])) == {
+            ("robot:fox", "robot:owl"),
+            ("robot:owl", "robot:fox"),
+        }
+        assert records_against(session, "royale", "a", "robot:hare") == {
+            "robot:fox": PairRecord(losses=1),
+            "robot:owl": PairRecord(losses=1),
+        }
+
+
+def test_a_frozen_board_tells_nothing_of_later_meetings(database: Database) -> None:
+    with database.writing() as session:
+        for number, (fox, owl) in enumerate(((1, 2), (1, 2), (2, 1))):
+            end(session, plan(session, number, "fox", "owl"), {"fox": fox, "owl": owl})
+        apply_matches(session, "royale")
+
+        assert records_against(session, "royale", "a", "robot:fox", 2) == {"robot:owl": PairRecord(wins=2)}
+        met = head_to_head(session, "royale", "a", ["robot:fox", "robot:owl"], 2)
+        assert met["robot:owl", "robot:fox"] == PairRecord(losses=2)

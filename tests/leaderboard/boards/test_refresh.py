@@ -1,0 +1,115 @@
+"""A board that is brought up to date bit by bit is the one that is computed from everything."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy.orm import Session
+from tests.leaderboard.conductor.conducted import Conducted
+from tests.leaderboard.results_made import made_result
+from tests.leaderboard.seasons_made import make_season, team_with_member
+
+from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.service import read_ahead, refresh
+from wildscav_leaderboard.boards.suite_scores import SuiteScores
+from wildscav_leaderboard.conductor import steps
+from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.matches.service import find_match, seats_of
+from wildscav_leaderboard.seasons import state as season_state
+
+SANDBOX = "process"
+
+
+class CutOffError(Exception):
+    """The transaction ended in the middle."""
+
+
+@pytest.fixture
+def season(tmp_path: Path) -> Iterator[Conducted]:
+    made = make_season(tmp_path / "season")
+    database = made.database()
+    database.upgrade()
+    conducted = Conducted(made, database)
+    with database.writing() as session:
+        team_with_member(session, "foxes")
+        team_with_member(session, "owls")
+    conducted.take_over()
+    conducted.active("foxes")
+    conducted.active("owls")
+    yield conducted
+    database.close()
+
+
+def deliver(session: Session, season: Conducted, attempt: Attempt, score: float) -> None:
+    match = find_match(session, attempt.match_id or 0)
+    conditions = digest_of(conditions_of(season.season, match.track, SANDBOX))
+    result = made_result(match, seats_of(session, [match.id])[match.id], [score], conditions)
+    assert steps.played(session, season.holding, attempt.id, *result, season.now)
+
+
+def boards_agree(season: Conducted, scores: SuiteScores) -> None:
+    """Compare the board that ``scores`` leads to with the one that follows from all results."""
+
+    def board(session: Session, known: SuiteScores) -> object:
+        season_state.write_state(session, "board:navigation", None, season.now)
+        session.flush()
+        refresh(session, season.season, SANDBOX, season.now, known)
+        return read_board(session, "navigation")
+
+    with season.database.writing() as session:
+        found = board(session, scores)
+        assert found == board(session, SuiteScores())
+        assert found is not None
+
+
+def test_results_that_arrive_one_by_one(season: Conducted) -> None:
+    scores = SuiteScores()
+    for place, (attempt, _) in enumerate(season.take_matches(4)):
+        season.wait(1)
+        season.write(lambda session, one=attempt, at=place: deliver(session, season, one, 10.0 + at))  # type: ignore[misc]
+        boards_agree(season, scores)
+    with season.database.reading() as session:
+        board = read_board(session, "navigation")
+    assert board is not None
+    assert [(row.team, row.matches) for row in board.rows] == [("foxes", 2), ("owls", 2)]
+
+
+def test_results_that_arrive_after_a_clock_was_set_back(season: Conducted) -> None:
+    scores = SuiteScores()
+    first, second, *_ = (attempt for attempt, _ in season.take_matches(4))
+    season.write(lambda session: deliver(session, season, first, 10.0))
+    with season.database.reading() as session:
+        read_ahead(session, season.season, SANDBOX, season.now, scores)
+    season.wait(-3600)
+    season.write(lambda session: deliver(session, season, second, 11.0))
+    boards_agree(season, scores)
+
+
+def test_results_that_were_seen_and_never_stored(season: Conducted) -> None:
+    scores = SuiteScores()
+    first, second, *_ = (attempt for attempt, _ in season.take_matches(4))
+    season.write(lambda session: deliver(session, season, first, 10.0))
+
+    def cut_off(session: Session) -> None:
+        deliver(session, season, second, 99.0)
+        refresh(session, season.season, SANDBOX, season.now, scores)
+        raise CutOffError
+
+    with pytest.raises(CutOffError):
+        season.write(cut_off)
+    boards_agree(season, scores)
+    season.write(lambda session: deliver(session, season, second, 11.0))
+    boards_agree(season, scores)
+
+
+def test_a_board_is_left_alone_while_nothing_changes(season: Conducted) -> None:
+    ((attempt, _), *_others) = season.take_matches(1)
+    season.write(lambda session: deliver(session, season, attempt, 10.0))
+    assert season.write(lambda session: refresh(session, season.season, SANDBOX, season.now)) == [
+        "navigation",
+        "battle",
+    ]
+    assert season.write(lambda session: refresh(session, season.season, SANDBOX, season.now)) == []
+    # The same results under other conditions are another board.
+    assert season.write(lambda session: refresh(session, season.season, "bubblewrap", season.now))

@@ -1,0 +1,193 @@
+"""A season's real web server without a conductor, and competitors who use it by command."""
+
+import io
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import make_season
+from tests.leaderboard.spectating.served import served
+from tests.platform.helpers.command import Done
+
+from wildscav.cli.main import main
+from wildscav.terminal import console as consoles
+from wildscav_engine.record import write_record
+from wildscav_engine.simulation.match import Match as PlayedMatch
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.output.journal import file_digest
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, SeatTiming, metric_infos
+from wildscav_leaderboard.accounts import service as accounts
+from wildscav_leaderboard.accounts.passwords import hashed
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, add_ladder_match, deliver
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.submissions import service as submissions
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.teams.service import make_team
+
+PASSWORD = "a long password"  # noqa: S105
+WIDE = 200  # characters of the terminal
+Run = Callable[..., Done]
+
+
+@dataclass(frozen=True)
+class Site:
+    """A season that is served."""
+
+    url: str
+    season: Season
+    database: Database
+    folder: Path
+
+    def token(self, name: str, team: str | None = None) -> str:
+        """Make an account, perhaps with a team, and return a token of it."""
+        now = datetime.now(UTC)
+        with self.database.writing() as session:
+            account = accounts.add_account(session, name, hashed(PASSWORD), "competitor", now)
+            if team is not None:
+                make_team(session, account, team, team.title(), now)
+            return accounts.new_token(session, account, "test", now)
+
+    def invitation(self) -> str:
+        """Return the key of an invitation."""
+        with self.database.writing() as session:
+            return accounts.invite(session, "test", datetime.now(UTC))
+
+    def move(self, submission: int, *states: str, **details: Any) -> None:
+        """Move a submission through states, as a conductor does; details are of the last one."""
+        with self.database.writing() as session:
+            found = session.get_one(Submission, submission)
+            for state in states:
+                given = details if state == states[-1] else {}
+                submissions.move(session, found, state, datetime.now(UTC), **given)
+
+    def conducted(self, submission: int, *states: str, **details: Any) -> threading.Thread:
+        """Move a submission that is still to be handed in through states, from another thread."""
+
+        def conduct() -> None:
+            for _ in range(1200):
+                with self.database.reading() as session:
+                    if session.get(Submission, submission) is not None:
+                        break
+                time.sleep(0.05)
+            self.move(submission, *states, **details)
+
+        thread = threading.Thread(target=conduct)
+        thread.start()
+        return thread
+
+    def played(self, submission: int, number: int, log: str = "hello\n") -> int:
+        """Let a submission have played a short battle of the ladder against a robot; return the match."""
+        spec = MatchSpec(
+            track="battle",
+            map=MapSpec(config=MapConfig(size=40, houses=0), seed=1),
+            seats=("submission", "fighter"),
+            time_limit=2.0,
+            seed=number,
+        )
+        now = datetime.now(UTC)
+        with self.database.writing() as session:
+            entrant = session.get_one(Submission, submission).entrant
+            seats = {0: Entrant(entrant, submission), 1: Entrant("robot:fighter", None)}
+            match = add_ladder_match(session, "battle", number, spec, seats, now)
+            folder = self.season.match_folder(match.id)
+            folder.mkdir(parents=True)
+            played = PlayedMatch(spec)
+            played.play_out()
+            write_record(folder / "match.wsr", played, [entrant, "fighter"])
+            (folder / "0.log").write_text(log)
+            _deliver(session, match, entrant, folder / "match.wsr", now)
+            return match.id
+
+
+def _deliver(session: Any, match: Any, entrant: str, record: Path, now: datetime) -> None:
+    metrics = {metric.name: 0.0 for metric in metric_infos("battle")}
+    rows = (
+        SeatRow(seat=0, submission=entrant, status="finished", metrics=metrics, log="0.log"),
+        SeatRow(seat=1, submission="robot:fighter", status="finished", metrics=metrics),
+    )
+    row = MatchRow.of(match.number, rows, None).model_copy(update={"record": record.name})
+    timing = MatchTiming(
+        submission=None, track="battle", index=0, started=0.0, wall=1.0, steps=20, seats=(_TIMING,)
+    )
+    stored = PlayedRecord(file_digest(record), record.stat().st_size, "conditions")
+    deliver(session, match, None, row, timing, stored, metric_infos("battle")[0], now)
+
+
+_TIMING = SeatTiming(
+    seat=0,
+    start_up=0.1,
+    steps=20,
+    latency_p50=0.001,
+    latency_p99=0.0125,
+    latency_max=0.02,
+    late_steps=0,
+    time_used=0.0,
+    time_bank=30.0,
+)
+
+
+@contextmanager
+def season_site(folder: Path, **changes: Any) -> Iterator[Site]:
+    """Serve a season, perhaps with other settings than usual."""
+    made = make_season(folder / "season", current=True)
+    season = replace(made, settings=made.settings.model_copy(update=changes))
+    database = season.database()
+    database.upgrade()
+    with served(create_app(season, database)) as url:
+        yield Site(url, season, database, folder)
+    database.close()
+
+
+@dataclass(frozen=True)
+class Competitor:
+    """Someone at a terminal, with a folder of settings of their own."""
+
+    run: Run
+    folder: Path
+    site: Site
+
+    def logged_in(self, name: str, team: str | None = None) -> "Competitor":
+        """Log in as a new account."""
+        done = self.run("login", self.site.url, "--token", self.site.token(name, team))
+        assert done.returncode == 0, done.stderr
+        return self
+
+    def submitted(self, name: str, *options: str, tracks: str = '["battle"]') -> int:
+        """Submit a new agent, and return its number."""
+        write_agent(self.folder, name, f"    # {name}\n    act = lambda self, seen: Action()\n", tracks)
+        done = self.run("submit", name, *options)
+        assert done.returncode == 0, done.stderr
+        return int(done.stdout.split()[1].rstrip(":"))
+
+
+@pytest.fixture
+def competitor(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> Competitor:
+    """A competitor in an empty folder, who is logged in nowhere."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "config"))
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
+    for name in ("WILDSCAV_SEASON", "WILDSCAV_TOKEN", "WILDSCAV_PASSWORD"):
+        monkeypatch.delenv(name, raising=False)
+    for console in (consoles.console, consoles.error_console):
+        monkeypatch.setattr(console, "width", WIDE)
+
+    def run(*arguments: object, stdin: str = "") -> Done:
+        monkeypatch.setattr(sys, "argv", ["wildscav", *map(str, arguments)])
+        monkeypatch.setattr(sys, "stdin", io.StringIO(stdin))
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return Done(int(ended.value.code or 0), *capsys.readouterr())
+
+    return Competitor(run, tmp_path, site)

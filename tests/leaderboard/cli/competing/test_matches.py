@@ -1,0 +1,75 @@
+"""Matches, their logs and their replays; the board."""
+
+import json
+
+from tests.leaderboard.cli.competing.season_site import Competitor
+
+from wildscav_engine.record import read_record
+
+
+def test_the_matches_of_a_submission_are_listed_with_their_outcomes(competitor: Competitor) -> None:
+    competitor.logged_in("ada", "ants")
+    number, other = competitor.submitted("one"), competitor.submitted("two")
+    first = competitor.site.played(number, 0)
+    second = competitor.site.played(other, 2)
+
+    listed = json.loads(competitor.run("matches", number, "--json").stdout)["matches"]
+    assert [one["id"] for one in listed] == [first]
+    newest = json.loads(competitor.run("matches", "--limit", 1, "--json").stdout)["matches"]
+    assert [one["id"] for one in newest] == [second]
+    table = competitor.run("matches", number).stdout
+    assert "ants, robot:fighter" in table
+    assert "finished · supplies 0" in table
+    shown = competitor.run("matches", "--match", first).stdout
+    assert "12.5 ms" in shown
+    assert f"wildscav replay {first}" in shown
+
+
+def test_logs_are_for_the_own_team_and_control_no_terminal(competitor: Competitor) -> None:
+    competitor.logged_in("bob", "bats")
+    number = competitor.submitted("one")
+    match = competitor.site.played(number, 4, log="one\ttwo\n\x1b[2J[red]\u202e\n")
+
+    done = competitor.run("logs", "--match", match)
+    assert done.stdout == "one     two\n\\x1b[2J[red]\\u202e\n"
+    assert competitor.run("logs", "--match", match, "--seat", 0).stdout == done.stdout
+    assert json.loads(competitor.run("logs", number, "--json").stdout) == {
+        "logs": [{"submission": number, "log": "It printed nothing.\n"}]
+    }
+
+    competitor.logged_in("carol", "crows")
+    for arguments in (("--match", match, "--seat", 0), ("--match", match), (number,)):
+        refused = competitor.run("logs", *arguments)
+        assert refused.returncode == 1
+        assert "your team has no" in refused.stderr
+
+
+def test_a_match_is_replayed_by_its_number(competitor: Competitor) -> None:
+    competitor.logged_in("dave", "ducks")
+    match = competitor.site.played(competitor.submitted("one"), 6)
+
+    done = competitor.run("replay", match, "--no-images")
+
+    assert done.returncode == 0, done.stderr
+    record, replay = (competitor.folder / f"match-{match}{suffix}" for suffix in (".wsr", ".rrd"))
+    assert read_record(record).names[0].startswith("one")
+    assert replay.read_bytes()[:3] == b"RRF"
+    # What is there already is not downloaded again, and what is something else is not overwritten.
+    record.chmod(0o444)
+    assert "the record of match" not in competitor.run("replay", match, "--no-images").stdout
+    record.unlink()
+    record.write_bytes(b"my own")
+    assert "is another file" in competitor.run("replay", match).stderr
+    assert record.read_bytes() == b"my own"
+    assert sorted(path.name for path in competitor.folder.iterdir() if path.name.startswith(".")) == []
+
+
+def test_anyone_sees_the_boards(competitor: Competitor) -> None:
+    none_yet = competitor.run("leaderboard", "--season", competitor.site.url)
+    assert none_yet.returncode == 0, none_yet.stderr
+    assert "There are no results in The trial season yet." in none_yet.stdout
+    wrong = competitor.run("leaderboard", "--season", competitor.site.url, "--track", "batle")
+    assert "has no track batle (did you mean 'battle'?)" in wrong.stderr
+    assert competitor.run("leaderboard", "--season").stderr == (
+        "wildscav: you are logged in to no season: `wildscav login URL`\n"
+    )

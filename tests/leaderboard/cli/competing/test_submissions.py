@@ -1,0 +1,166 @@
+"""Handing in, following, listing and cancelling submissions."""
+
+import json
+import os
+import shutil
+from typing import Any
+
+import pytest
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.cli.competing.season_site import Competitor, season_site
+
+from wildscav_leaderboard.seasons.settings import Quotas
+from wildscav_leaderboard.submissions.models import Submission
+
+NASTY = "\x1b[2J\u202e[red]"
+
+
+def document(competitor: Competitor, *arguments: object) -> Any:
+    done = competitor.run(*arguments, "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_folder_is_packed_as_it_is_played_and_handed_in(competitor: Competitor) -> None:
+    competitor.logged_in("ada", "ants")
+    agent = write_agent(competitor.folder, "walker")
+    (agent / "__pycache__").mkdir()
+    (agent / "__pycache__" / "agent.pyc").write_bytes(b"old")
+
+    handed_in = document(competitor, "submit", "walker", "-m", "faster")
+
+    one = handed_in["submission"]
+    assert (one["name"], one["state"], one["tracks"]) == ("walker", "submitted", ["navigation"])
+    assert one["message"] == "faster"
+    assert handed_in["quota"]["left_today"] == 2
+    with competitor.site.database.reading() as session:
+        stored = session.get_one(Submission, one["id"])
+    shutil.unpack_archive(competitor.site.season.archives / stored.archive, competitor.folder / "unpacked")
+    names = {path.name for path in (competitor.folder / "unpacked").rglob("*")}
+    assert names == {"agent.py", "submission.toml"}
+
+
+def test_an_archive_is_handed_in_as_it_is(competitor: Competitor) -> None:
+    competitor.logged_in("bob", "bats")
+    agent = write_agent(competitor.folder, "walker", tracks='["battle"]')
+    archive = shutil.make_archive(str(competitor.folder / "walker"), "zip", agent)
+
+    done = competitor.run("submit", archive)
+
+    assert done.returncode == 0, done.stderr
+    assert "walker 1.0, for battle" in done.stdout
+    assert "2 of 3 submissions left today" in done.stdout
+
+
+def test_what_would_be_refused_is_not_sent(competitor: Competitor) -> None:
+    write_agent(competitor.folder, "walker")
+    competitor.logged_in("carol")
+    assert "you are in no team yet: `wildscav team create NAME`" in competitor.run("submit", "walker").stderr
+    competitor.run("team", "create", "crows")
+    for name in ("one", "two", "three"):
+        competitor.submitted(name)
+    done = competitor.run("submit", "walker")
+    assert done.returncode == 1
+    assert "your team has used its 3 submissions of today" in done.stderr
+    assert competitor.run("submit", "nothing").returncode == 2
+
+
+def test_the_seasons_refusals_are_told_in_one_line(competitor: Competitor) -> None:
+    competitor.logged_in("dave", "ducks")
+    competitor.submitted("walker")
+    same = competitor.run("submit", "walker")
+    assert (same.returncode, same.stderr.count("\n")) == (1, 1)
+    assert "has the same content and is submitted: nothing was submitted or charged" in same.stderr
+    write_agent(competitor.folder, "royal", tracks='["royale"]')
+    assert (
+        "plays royale, and the season has only navigation, battle" in competitor.run("submit", "royal").stderr
+    )
+    long = competitor.run("submit", "royal", "-m", "x" * 2000)
+    assert "message: String should have at most 1000 characters" in long.stderr
+
+
+def test_waiting_shows_every_state_and_ends_when_the_submission_takes_part(competitor: Competitor) -> None:
+    competitor.logged_in("erin", "emus")
+    number = competitor.submitted("first") + 1
+    conductor = competitor.site.conducted(number, "queued", "building", "validating", "active")
+    write_agent(competitor.folder, "walker")
+
+    done = competitor.run("submit", "walker", "--wait")
+    conductor.join()
+
+    assert done.returncode == 0, done.stderr
+    states = [line.split()[2] for line in done.stdout.splitlines() if line.startswith("20")]
+    assert states == ["submitted", "queued", "building", "validating", "active"]
+
+
+def test_a_submission_that_fails_tells_whose_fault_it_was_and_what_shows_it_again(
+    competitor: Competitor,
+) -> None:
+    competitor.logged_in("frank", "foxes")
+    number = competitor.submitted("first") + 1
+    failure = {
+        "fault": "agent",
+        "reason": f"match: it crashed {NASTY}",
+        "last_lines": ["Traceback", f"ValueError: {NASTY}"],
+        "command": "wildscav check DIR --sandbox process",
+    }
+    conductor = competitor.site.conducted(number, "queued", "failed", **failure)
+    write_agent(competitor.folder, "walker")
+
+    done = competitor.run("submit", "walker", "--wait")
+    conductor.join()
+
+    assert done.returncode == 1
+    assert done.stderr == f"wildscav: submission {number} failed; the fault is the agent's\n"
+    waited = competitor.run("submissions", number, "--wait")
+    assert (waited.returncode, waited.stderr) == (1, done.stderr)
+    shown = competitor.run("submissions", number).stdout
+    for text in (done.stdout, waited.stdout, shown):
+        assert r"match: it crashed \x1b[2J\u202e[red]" in text
+        assert r"ValueError: \x1b[2J\u202e[red]" in text
+        assert "wildscav check DIR --sandbox process" in text
+        assert "\x1b" not in text
+        assert "\u202e" not in text
+
+
+def test_lists_are_of_the_own_team_unless_others_are_asked_for(competitor: Competitor) -> None:
+    competitor.logged_in("grace", "geese")
+    numbers = [competitor.submitted(name, "-m", f"of {name}") for name in ("one", "two")]
+    competitor.site.move(numbers[0], "queued", "failed", fault="platform", reason="no disk")
+    competitor.logged_in("heidi", "hens")
+    other = competitor.submitted("three")
+
+    def ids(*options: str) -> list[int]:
+        return [one["id"] for one in document(competitor, "submissions", *options)["submissions"]]
+
+    assert ids() == [other]
+    assert ids("--team", "geese") == numbers[::-1]
+    assert ids("--team", "geese", "--state", "failed") == numbers[:1]
+    assert ids("--all", "--limit", "2") == [other, numbers[1]]
+    table = competitor.run("submissions", "--all").stdout
+    assert "failed (platform)" in table
+    assert "of one" not in table, "messages are for the own team"
+
+
+def test_a_submission_that_waits_can_be_cancelled(competitor: Competitor) -> None:
+    competitor.logged_in("ivan", "ibises")
+    number = competitor.submitted("walker")
+    assert document(competitor, "cancel", number)["submission"]["state"] == "cancelled"
+    again = competitor.run("cancel", number)
+    assert again.returncode == 1
+    assert f"submission {number} is cancelled, and cannot become cancelled" in again.stderr
+    assert competitor.run("cancel", 10_000).stderr == "wildscav: there is no submission 10000\n"
+
+
+def test_an_archive_that_is_too_large_is_refused_before_it_was_sent_to_its_end(
+    competitor: Competitor, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    small = Quotas(archive=1)
+    with season_site(tmp_path_factory.mktemp("small"), quotas=small) as site:
+        competitor.run("login", site.url, "--token", site.token("judy", "jays"))
+        agent = write_agent(competitor.folder, "walker")
+        (agent / "model.bin").write_bytes(os.urandom(20 << 20))
+
+        done = competitor.run("submit", "walker")
+
+    assert (done.returncode, done.stderr) == (1, "wildscav: the archive is larger than 1 MiB\n")

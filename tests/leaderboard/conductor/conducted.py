@@ -1,0 +1,144 @@
+"""A season whose conductor's steps are taken by hand."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from hashlib import blake2b
+from pathlib import Path
+from typing import TypeVar
+
+from sqlalchemy.orm import Session
+from tests.leaderboard.results_made import made_result
+from tests.leaderboard.seasons_made import NOON
+
+from wildscav_evaluator.submissions.submission import Manifest
+from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.conductor import lease, steps
+from wildscav_leaderboard.conductor.lease import Holding
+from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import Match
+from wildscav_leaderboard.matches.service import find_match, seats_of
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.submissions.archives import CheckedArchive
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import hand_in
+from wildscav_leaderboard.teams.service import find_team
+
+Value = TypeVar("Value")
+
+
+def made_archive(number: int, tracks: tuple[str, ...] = ("navigation",)) -> CheckedArchive:
+    """Return an archive that nobody unpacks, with other content for each number."""
+    digest = blake2b(str(number).encode(), digest_size=16).hexdigest()
+    manifest = Manifest(name="runner", version="1", entry_point="agent:Agent", tracks=tracks)
+    return CheckedArchive(Path("none"), ".zip", manifest, list(tracks), digest, digest * 2, 1000)
+
+
+@dataclass
+class Conducted:
+    """A season, its conductor's lease, and the time."""
+
+    season: Season
+    database: Database
+    holding: Holding = Holding("nobody", 0)  # noqa: RUF009 (it cannot be changed)
+    now: datetime = NOON
+    handed_in: int = 0
+
+    def take_over(self) -> Holding:
+        """Let another process be the conductor."""
+        self.now += lease.LASTS
+        found = self.write(lambda session: lease.acquire(session, lease.new_holder(), self.now))
+        assert found is not None
+        self.holding = found
+        return found
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        self.now += timedelta(seconds=seconds)
+
+    def write(self, act: Callable[[Session], Value]) -> Value:
+        """Do something in a transaction."""
+        with self.database.writing() as session:
+            return act(session)
+
+    def submission(self, number: int) -> Submission:
+        """Return a submission as it is now."""
+        with self.database.reading() as session:
+            return session.get_one(Submission, number)
+
+    def match(self, number: int) -> Match:
+        """Return a match as it is now."""
+        with self.database.reading() as session:
+            return session.get_one(Match, number)
+
+    def hand_in(self, team: str = "foxes", tracks: tuple[str, ...] = ("navigation",)) -> int:
+        """Hand in something new, and return its number."""
+        self.handed_in += 1
+
+        def act(session: Session) -> int:
+            found, archive = find_team(session, team), made_archive(self.handed_in, tracks)
+            account = session.get_one(Account, 1)
+            return hand_in(session, self.season, found, account, archive, "", self.now).id
+
+        number = self.write(act)
+        self.write(lambda session: steps.admit(session, self.now))
+        return number
+
+    def take(self) -> Attempt | None:
+        """Take the submission whose turn it is."""
+        return self.write(lambda session: steps.take_submission(session, self.season, self.holding, self.now))
+
+    def built(self, attempt: int) -> Attempt | None:
+        """Bring the news that a submission is built."""
+        return self.write(lambda session: steps.built(session, self.season, self.holding, attempt, self.now))
+
+    def validated(self, attempt: int) -> bool:
+        """Bring the news that a submission is valid."""
+        return self.write(
+            lambda session: steps.validated(session, self.season, self.holding, attempt, self.now)
+        )
+
+    def broke(self, attempt: int, why: str = "the disk is full") -> bool:
+        """Bring the news that the platform broke an attempt."""
+        return self.write(
+            lambda session: steps.broke(session, self.season, self.holding, attempt, self.now, why)
+        )
+
+    def expire(self) -> int:
+        """Try again what never ended."""
+        return self.write(lambda session: steps.expire(session, self.season, self.holding, self.now))
+
+    def active(self, team: str = "foxes", tracks: tuple[str, ...] = ("navigation",)) -> int:
+        """Return the number of a new submission that takes part."""
+        number = self.hand_in(team, tracks)
+        attempt = self.take()
+        assert attempt is not None
+        following = self.built(attempt.id)
+        assert following is not None
+        assert self.validated(following.id)
+        return number
+
+    def take_matches(self, count: int, *, begun: bool = True) -> list[tuple[Attempt, Match]]:
+        """Take the next matches, and begin them."""
+        taken = self.write(
+            lambda session: steps.take_matches(session, self.season, self.holding, self.now, count)
+        )
+        for attempt, _ in taken if begun else ():
+            self.begin(attempt)
+        return taken
+
+    def begin(self, attempt: Attempt) -> None:
+        """Begin a match that was taken."""
+        self.write(lambda session: steps.begun(session, self.holding, attempt.id, self.now))
+
+    def played(self, attempt: Attempt, score: float = 1.0) -> bool:
+        """Bring the result of a match."""
+
+        def act(session: Session) -> bool:
+            match = find_match(session, attempt.match_id or 0)
+            seats = seats_of(session, [match.id])[match.id]
+            result = made_result(match, seats, [score + place for place in range(len(seats))])
+            return steps.played(session, self.holding, attempt.id, *result, self.now)
+
+        return self.write(act)

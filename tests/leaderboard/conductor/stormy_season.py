@@ -1,0 +1,421 @@
+"""A season in which everything happens that can: the rules of a state machine.
+
+Several conductors, each with a clock of its own, take the real steps on a real database. Any transaction may
+be cut off at any statement, its process may die before or after it, and results come late, twice or never.
+"""
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from sqlalchemy import event, select
+from sqlalchemy.orm import Session
+from tests.leaderboard.conductor.conducted import made_archive
+from tests.leaderboard.conductor.season_promises import check_always, check_faults, check_quiet
+from tests.leaderboard.results_made import made_result
+from tests.leaderboard.seasons_made import NOON, make_season, team_with_member
+
+from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.boards.models import LadderStep
+from wildscav_leaderboard.boards.service import refresh
+from wildscav_leaderboard.conductor import lease, steps
+from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.conductor.models import BUILD, Attempt
+from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import MatchResult
+from wildscav_leaderboard.matches.service import find_match, seats_of
+from wildscav_leaderboard.organizing import service as organizing
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import RefusalError
+from wildscav_leaderboard.seasons.state import PAUSED, read_state
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import cancel, hand_in
+from wildscav_leaderboard.teams.service import find_team
+
+MORE = """
+matches = 4
+waiting = 2
+
+[deadlines]
+building = 100
+validating = 100
+match = 300
+attempts = 2
+"""
+TEAMS = ("foxes", "owls")
+CONDUCTORS = ("first", "second")
+ACTS = ("disqualify", "run again", "run again", "pause or resume", "ban")
+NOBODY = Holding("nobody", 0)
+ROUNDS = 400  # until a season is quiet, at most; a storm leaves far less work
+NEVER = 10_000  # statements; no transaction has so many
+
+conductors = st.sampled_from(CONDUCTORS)
+whoever_conducts = st.one_of(st.none(), st.none(), conductors)
+# Most transactions are stored; some end at one of their statements, and some conductors end just afterwards.
+fates = st.one_of(st.just(NEVER), st.just(NEVER), st.integers(0, 12))
+chances = st.integers(0, 1 << 16)
+
+
+class CutOffError(Exception):
+    """The process ended in the middle of a transaction."""
+
+
+@dataclass
+class Process:
+    """A conductor's process: its clock, its lease, and the work that it has under way."""
+
+    ahead: timedelta = timedelta()  # its clock, of the right time
+    holding: Holding = NOBODY
+    work: list[int] = field(default_factory=list)  # attempts
+    past: list[int] = field(default_factory=list)  # attempts whose news it brought
+
+
+class Template:
+    """A season with two teams, made once and copied for each example."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="storm-")
+        self.path = Path(self._folder.name) / "season"
+        season = make_season(self.path, MORE)
+        database = season.database()
+        database.upgrade()
+        with database.writing() as session:
+            for name in TEAMS:
+                team_with_member(session, name)
+        database.close()
+
+
+class StormySeason(RuleBasedStateMachine):
+    """Whatever happens, nothing is lost, nothing happens twice, and nothing is stuck."""
+
+    template: Template | None = None
+
+    def __init__(self) -> None:
+        super().__init__()
+        kind = type(self)
+        kind.template = kind.template or Template()
+        self._folder = tempfile.TemporaryDirectory(prefix="storm-")
+        folder = Path(self._folder.name) / "season"
+        shutil.copytree(kind.template.path, folder)
+        self.season = Season.open(folder)
+        self.database: Database = self.season.database()
+        self.processes = {name: Process() for name in CONDUCTORS}
+        self.time, self.number, self.started = NOON, 0, 0
+        self.epoch = 0
+        self.results: dict[int, str] = {}  # digests of the records of the results that were stored
+        self.ladder: list[tuple[int, str, float]] = []
+        self.forgiven: dict[int, int] = {}
+        self._left: list[int] = [NEVER]
+        event.listen(self.database._writers, "before_cursor_execute", self._count)
+
+    def _count(self, *_: Any) -> None:
+        self._left[0] -= 1
+        if self._left[0] < 0:
+            raise CutOffError
+
+    @contextmanager
+    def transaction(self, fate: int = NEVER) -> Iterator[Session]:
+        """Yield a session that writes, and that is cut off after so many statements."""
+        try:
+            with self.database.writing() as session:
+                self._left[0] = fate
+                yield session
+        finally:
+            self._left[0] = NEVER
+
+    def step(self, process: Process, fate: int, act: Callable[[Session, datetime], Any]) -> Any:
+        """Let a conductor do something in a transaction. It dies if that is cut off, or its lease is lost."""
+        current = process.holding.epoch == self.epoch
+        try:
+            with self.transaction(fate) as session:
+                value = act(session, self.time + process.ahead)
+        except CutOffError:
+            self.die(process)
+            return None
+        except LeaseLostError:
+            assert not current, "a conductor with the current epoch holds the lease"
+            self.die(process)
+            return None
+        assert current, "a conductor with an old epoch wrote something"
+        return value
+
+    def process(self, name: str | None) -> Process:
+        """Return a process: of that name, or else the one that holds the lease, if it is alive."""
+        if name is not None:
+            return self.processes[name]
+        alive = (one for one in self.processes.values() if one.holding.epoch == self.epoch)
+        return next(alive, self.processes[CONDUCTORS[0]])
+
+    @staticmethod
+    def die(process: Process) -> None:
+        """End a process; what it had under way may still send news."""
+        process.past += process.work
+        process.work, process.holding = [], NOBODY
+
+    # Competitors and organizers.
+
+    @rule(team=st.sampled_from(TEAMS), tracks=st.sampled_from(("navigation", "battle", "both")))
+    def a_team_hands_something_in(self, team: str, tracks: str) -> None:
+        self.number += 1
+        both = ("navigation", "battle") if tracks == "both" else (tracks,)
+        archive = made_archive(self.number, both)
+        with suppress(RefusalError), self.transaction() as session:
+            found = find_team(session, team)
+            account = session.scalars(select(Account)).first()
+            assert account is not None
+            hand_in(session, self.season, found, account, archive, "", self.time)
+
+    def _submission(self, session: Session, chance: int) -> Submission | None:
+        found = session.scalars(select(Submission).order_by(Submission.id)).all()
+        return found[chance % len(found)] if found else None
+
+    @precondition(lambda self: self.number)
+    @rule(chance=chances)
+    def a_team_cancels(self, chance: int) -> None:
+        with suppress(RefusalError), self.transaction() as session:
+            if (submission := self._submission(session, chance)) is not None:
+                cancel(session, submission, self.time)
+
+    @precondition(lambda self: self.number)
+    @rule(chance=chances, act=st.sampled_from(ACTS))
+    def the_organizers_act(self, chance: int, act: str) -> None:
+        with suppress(RefusalError), self.transaction() as session:
+            submission = self._submission(session, chance)
+            if act == "pause or resume":
+                self._pause_or_resume(session)
+            elif act == "ban" and chance % 4 == 0:  # rarely, since nothing happens to a team afterwards
+                organizing.disqualify_team(session, "chief", TEAMS[chance % 3 % 2], "it cheats", self.time)
+            elif act == "disqualify" and submission is not None:
+                organizing.disqualify_submission(session, "chief", submission.id, "it cheats", self.time)
+            elif act == "run again" and submission is not None:
+                was_failed = submission.state == "failed"
+                organizing.rerun(session, "chief", submission.id, self.time)
+                if was_failed:
+                    last = session.scalars(select(Attempt.id).order_by(Attempt.id.desc())).first()
+                    self.forgiven[submission.id] = last or 0
+
+    def _pause_or_resume(self, session: Session) -> None:
+        if read_state(session, PAUSED) is None:
+            organizing.pause(session, "chief", "maintenance", self.time)
+        else:
+            organizing.resume(session, "chief", self.time)
+
+    # Time.
+
+    @rule(seconds=st.sampled_from((1, 31, 101, 400)), name=st.none() | conductors, back=st.booleans())
+    def time_passes(self, seconds: int, name: str | None = None, back: bool = False) -> None:
+        """Let time pass, or set the clock of one conductor alone."""
+        if name is None:
+            self.time += timedelta(seconds=seconds)
+        else:
+            self.processes[name].ahead = timedelta(seconds=-250 * seconds if back else seconds)
+
+    # Conductors.
+
+    @rule(name=conductors, fate=fates)
+    def a_conductor_wants_the_lease(self, name: str, fate: int) -> None:
+        process = self.processes[name]
+        try:
+            with self.transaction(fate) as session:
+                holding = lease.acquire(session, f"{name}/{self.started}", self.time + process.ahead)
+        except CutOffError:
+            return
+        if holding is not None:
+            assert holding.epoch == self.epoch + 1
+            self.die(process)
+            process.holding, self.epoch = holding, holding.epoch
+            self.started += 1
+
+    @rule(name=conductors, fate=fates, how=st.sampled_from(("renews", "ends", "is killed")))
+    def a_conductor_goes_on_or_ends(self, name: str, fate: int, how: str) -> None:
+        process = self.processes[name]
+        if how == "renews":
+            self.step(process, fate, lambda session, now: lease.renew(session, process.holding, now))
+            return
+        if how == "ends":
+            self.step(process, fate, lambda session, now: lease.release(session, process.holding, now))
+        self.die(process)
+
+    @rule(name=whoever_conducts, fate=fates)
+    def a_conductor_looks_round(self, name: str | None, fate: int) -> None:
+        process = self.process(name)
+
+        def act(session: Session, now: datetime) -> None:
+            steps.expire(session, self.season, process.holding, now)
+            steps.admit(session, now)
+
+        self.step(process, fate, act)
+
+    @rule(name=whoever_conducts, fate=fates)
+    def a_conductor_takes_a_submission(self, name: str | None, fate: int) -> None:
+        process = self.process(name)
+        attempt = self.step(
+            process,
+            fate,
+            lambda session, now: steps.take_submission(session, self.season, process.holding, now),
+        )
+        process.work += [] if attempt is None else [attempt.id]
+
+    @rule(name=whoever_conducts, fate=fates, count=st.integers(1, 5))
+    def a_conductor_takes_matches(self, name: str | None, fate: int, count: int) -> None:
+        process = self.process(name)
+
+        def act(session: Session, now: datetime) -> list[Any]:
+            plan_ladders(session, self.season, now)
+            return steps.take_matches(session, self.season, process.holding, now, count)
+
+        taken = self.step(process, fate, act)
+        process.work += [attempt.id for attempt, _ in taken or ()]
+
+    @precondition(lambda self: any(one.work for one in self.processes.values()))
+    @rule(
+        name=whoever_conducts,
+        chance=chances,
+        how=st.sampled_from(("well", "well", "well", "badly", "broken")),
+        fate=fates,
+        kept=st.booleans(),
+    )
+    def work_ends(self, name: str | None, chance: int, how: str, fate: int, kept: bool) -> None:
+        process = self.process(name)
+        if not process.work:
+            return
+        attempt = process.work[chance % len(process.work)]
+        if not kept:
+            process.work.remove(attempt)
+        process.past.append(attempt)
+        self.bring_news(process, attempt, how, fate, chance)
+
+    @precondition(lambda self: any(one.work for one in self.processes.values()))
+    @rule(name=whoever_conducts, chance=chances, fate=fates)
+    def a_match_begins(self, name: str | None, chance: int, fate: int) -> None:
+        process = self.process(name)
+        if not process.work:
+            return
+        number = process.work[chance % len(process.work)]
+        with self.database.reading() as session:
+            is_match = session.get_one(Attempt, number).match_id is not None
+        if is_match:
+            self.step(process, fate, lambda session, now: steps.begun(session, process.holding, number, now))
+
+    @precondition(lambda self: any(one.past for one in self.processes.values()))
+    @rule(
+        name=whoever_conducts,
+        chance=chances,
+        how=st.sampled_from(("well", "badly", "broken")),
+        fate=fates,
+    )
+    def old_news_comes_again(self, name: str | None, chance: int, how: str, fate: int) -> None:
+        past = [number for one in self.processes.values() for number in one.past]
+        self.bring_news(self.process(name), past[-1 - chance % min(len(past), 4)], how, fate, chance)
+
+    def bring_news(self, process: Process, number: int, how: str, fate: int, chance: int) -> None:
+        """Let a conductor store how an attempt ended."""
+        with self.database.reading() as session:
+            attempt = session.get_one(Attempt, number)
+        season, holding = self.season, process.holding
+
+        def act(session: Session, now: datetime) -> Any:
+            if how == "broken":
+                return steps.broke(session, season, holding, number, now, "the disk is full")
+            if attempt.match_id is not None:
+                return self._play(session, holding, attempt, now, chance)
+            if how == "badly":
+                return steps.rejected(session, holding, number, now, reason="it crashed")
+            if attempt.kind == BUILD:
+                return steps.built(session, season, holding, number, now)
+            return steps.validated(session, season, holding, number, now)
+
+        following = self.step(process, fate, act)
+        if isinstance(following, Attempt):
+            process.work.append(following.id)
+
+    @staticmethod
+    def _play(session: Session, holding: Holding, attempt: Attempt, now: datetime, chance: int) -> bool:
+        match = find_match(session, attempt.match_id or 0)
+        seats = seats_of(session, [match.id])[match.id]
+        scores = [float((chance >> 4 * place) % 7) for place in range(len(seats))]
+        return steps.played(session, holding, attempt.id, *made_result(match, seats, scores), now)
+
+    @rule(name=whoever_conducts, fate=fates)
+    def a_conductor_refreshes_the_boards(self, name: str | None, fate: int) -> None:
+        process = self.process(name)
+
+        def act(session: Session, now: datetime) -> None:
+            lease.check(session, process.holding)
+            refresh(session, self.season, "process", now)
+
+        self.step(process, fate, act)
+
+    # What is promised.
+
+    @initialize()
+    def begin(self) -> None:
+        """Begin with a conductor and submissions, since little happens without them."""
+        self.a_conductor_wants_the_lease(CONDUCTORS[0], NEVER)
+        for team in TEAMS:
+            self.a_team_hands_something_in(team, "both")
+        self.a_conductor_looks_round(None, NEVER)
+
+    @invariant()
+    def promises_hold(self) -> None:
+        with self.database.reading() as session:
+            check_always(session, self.season)
+            check_faults(session, self.forgiven)
+            self._check_history(session)
+
+    def _check_history(self, session: Session) -> None:
+        """What was stored once stays as it was: the first result of a match, and the history of a ladder."""
+        stored = session.execute(select(MatchResult.match_id, MatchResult.record))
+        results = {match: record for match, record in stored}  # noqa: C416 (rows are no pairs to mypy)
+        assert self.results.items() <= results.items()
+        self.results = results
+        order = (LadderStep.match_id, LadderStep.entrant)
+        steps = session.execute(select(*order, LadderStep.mu).order_by(*order))
+        ladder = [(match, entrant, mu) for match, entrant, mu in steps]
+        assert ladder[: len(self.ladder)] == self.ladder
+        self.ladder = ladder
+
+    def teardown(self) -> None:
+        """Let a last conductor finish what is left."""
+        try:
+            self._become_quiet()
+            with self.database.reading() as session:
+                check_always(session, self.season)
+                self._check_history(session)
+                check_quiet(session, self.season)
+        finally:
+            self.database.close()
+            self._folder.cleanup()
+
+    def _become_quiet(self) -> None:
+        for process in self.processes.values():
+            self.die(process)
+        with self.database.reading() as session:
+            paused = read_state(session, PAUSED) is not None
+        if paused:
+            self.the_organizers_act(0, "pause or resume")
+        name, process = CONDUCTORS[0], self.processes[CONDUCTORS[0]]
+        process.ahead = timedelta()
+        for _ in range(ROUNDS):
+            if not process.holding.epoch:
+                self.time_passes(31)
+                self.a_conductor_wants_the_lease(name, NEVER)
+                continue
+            self.a_conductor_looks_round(name, NEVER)
+            self.a_conductor_takes_a_submission(name, NEVER)
+            self.a_conductor_takes_matches(name, NEVER, 5)
+            if not process.work:
+                break
+            while process.work:
+                self.bring_news(process, process.work.pop(), "well", NEVER, 1)
+        else:
+            raise AssertionError(f"something is still under way after {ROUNDS} rounds")
+        self.a_conductor_refreshes_the_boards(name, NEVER)

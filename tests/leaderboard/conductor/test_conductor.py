@@ -1,0 +1,168 @@
+"""A real conductor builds, validates and plays real submissions in real sandboxes."""
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+from tests.evaluator.sample_agents import CRASHER
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
+
+from wildscav_engine.record import read_record
+from wildscav_evaluator.output.journal import file_digest
+from wildscav_leaderboard.conductor.conductor import Conductor, now
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, SUITE, Match, MatchResult
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.state import PAUSED, write_state
+from wildscav_leaderboard.spectating.live import LiveMatches, key_of
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import history_of
+
+SUITE_MATCHES = 2  # of navigation in the season of tests
+LONGEST = 300.0  # s, on a busy machine
+
+
+@pytest.fixture
+def season(tmp_path: Path) -> Season:
+    return make_season(tmp_path / "season", current=True)
+
+
+@pytest.fixture
+def sqlite(season: Season) -> Database:
+    database = season.database()
+    database.upgrade()
+    with database.writing() as session:
+        team_with_member(session, "foxes")
+    return database
+
+
+def hand_in(database: Database, season: Season, folder: Path) -> int:
+    with database.writing() as session:
+        return submitted(session, season, "foxes", folder, now()).id
+
+
+def conduct(database: Database, season: Season, until: Callable[[Session], bool]) -> None:
+    """Run a conductor in this thread until something is true."""
+    ended = threading.Event()
+    conductor = Conductor(season, database)
+
+    def watch() -> None:
+        for _ in range(int(LONGEST / 0.2)):
+            with database.reading() as session:
+                if until(session) or ended.wait(0.2):
+                    break
+        conductor.stop()
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    conductor.run()
+    ended.set()
+    watcher.join()
+
+
+def submission_of(session: Session, number: int) -> Submission:
+    return session.get_one(Submission, number)
+
+
+def finished(session: Session) -> list[Match]:
+    return list(session.scalars(select(Match).filter_by(state=FINISHED, kind=SUITE).order_by(Match.number)))
+
+
+def test_a_submission_becomes_active_and_its_matches_are_played(
+    sqlite: Database, season: Season, tmp_path: Path
+) -> None:
+    number = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
+
+    conduct(sqlite, season, lambda session: len(finished(session)) == SUITE_MATCHES)
+
+    with sqlite.reading() as session:
+        one = submission_of(session, number)
+        seen = [entry.state for entry in history_of(session, one)]
+        assert seen == ["submitted", "queued", "building", "validating", "active"], one.reason
+        for match in finished(session):
+            result = session.get_one(MatchResult, match.id)
+            path = season.match_folder(match.id) / result.row["record"]
+            assert file_digest(path) == result.record
+            assert read_record(path).names[0] == one.entrant
+            assert result.score is not None
+
+
+SLOW = """
+    def act(self, observation):
+        time.sleep(0.05)
+        return Action(walk_direction=90.0, walk_speed=8.0)
+"""
+
+
+@pytest.mark.slow
+def test_a_match_of_a_ladder_is_seen_while_it_is_played_and_no_other(
+    sqlite: Database, season: Season, tmp_path: Path
+) -> None:
+    hand_in(sqlite, season, write_agent(tmp_path, "slow", SLOW, '["navigation", "battle"]'))
+    live, seen = LiveMatches(season.live), dict[int, set[int]]()
+
+    def until(session: Session) -> bool:
+        for match in session.scalars(select(Match).filter_by(state=PLAYING)):
+            told = live.trails(key_of(match.id))
+            if told is not None:
+                seen.setdefault(match.id, set()).update(told.samples.frames)
+        ladder = select(Match).filter_by(kind=LADDER, state=FINISHED)
+        return len(finished(session)) == SUITE_MATCHES and len(session.scalars(ladder).all()) >= 2
+
+    conduct(sqlite, season, until)
+
+    with sqlite.reading() as session:
+        assert {session.get_one(Match, number).kind for number in seen} == {LADDER}
+    assert any(seen.values())
+    assert not [path for path in season.live.iterdir() if path.stem in map(key_of, finished_ladder(sqlite))]
+
+
+def finished_ladder(database: Database) -> list[int]:
+    with database.reading() as session:
+        return list(session.scalars(select(Match.id).filter_by(kind=LADDER, state=FINISHED)))
+
+
+def test_an_agent_that_crashes_fails_with_its_last_lines_and_a_command(
+    sqlite: Database, season: Season, tmp_path: Path
+) -> None:
+    number = hand_in(sqlite, season, write_agent(tmp_path, "crasher", CRASHER))
+
+    conduct(sqlite, season, lambda session: submission_of(session, number).state == "failed")
+
+    with sqlite.reading() as session:
+        one = submission_of(session, number)
+        assert one.fault == "agent"
+        assert one.charged
+        assert one.reason.startswith("match: navigation: crashed")
+        assert any("lost the thread" in line for line in one.last_lines)
+        assert any('File "agent.py"' in line for line in one.last_lines)
+        assert one.command == "wildscav check DIR --sandbox process"
+
+
+def test_an_archive_that_is_gone_is_the_platforms_fault_and_is_not_charged(
+    sqlite: Database, season: Season, tmp_path: Path
+) -> None:
+    number = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
+    for path in season.archives.iterdir():
+        path.unlink()
+
+    conduct(sqlite, season, lambda session: submission_of(session, number).state == "failed")
+
+    with sqlite.reading() as session:
+        one = submission_of(session, number)
+        assert (one.fault, one.charged, one.platform_faults) == ("platform", False, 3)
+
+
+def test_a_paused_season_begins_nothing(sqlite: Database, season: Season, tmp_path: Path) -> None:
+    with sqlite.writing() as session:
+        write_state(session, PAUSED, {"reason": "the machine moves"}, now())
+    number = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
+
+    conduct(sqlite, season, lambda session: submission_of(session, number).state == "queued")
+
+    with sqlite.reading() as session:
+        assert submission_of(session, number).state == "queued"

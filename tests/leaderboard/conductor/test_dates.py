@@ -1,0 +1,82 @@
+"""What the conductor does by itself when a date of the season comes."""
+
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_with_member
+
+from wildscav_leaderboard.boards.final import Final
+from wildscav_leaderboard.boards.service import decide
+from wildscav_leaderboard.conductor.conductor import Conductor
+from wildscav_leaderboard.conductor.steps import freeze_when_due
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.models import AuditEntry
+from wildscav_leaderboard.seasons.refusals import RefusalError
+from wildscav_leaderboard.seasons.state import FROZEN, read_state
+
+DUE = NOON + timedelta(days=2)
+SECOND = timedelta(seconds=1)
+
+
+@pytest.fixture
+def season(tmp_path: Path) -> Season:
+    season = make_season(tmp_path / "season")
+    return Season(season.folder, season.settings.model_copy(update={"freezes": DUE}))
+
+
+def acts(database: Database) -> list[tuple[str, str]]:
+    with database.reading() as session:
+        return [(one.actor, one.act) for one in session.scalars(select(AuditEntry))]
+
+
+def test_the_boards_freeze_at_their_date_once(database: Database, season: Season) -> None:
+    for now, comes in ((DUE - SECOND, False), (DUE, True), (DUE, False), (DUE + SECOND, False)):
+        with database.writing() as session:
+            assert freeze_when_due(session, season, now) is comes
+    assert acts(database) == [("conductor", "freeze")]
+
+
+def test_boards_without_a_date_do_not_freeze(database: Database, tmp_path: Path) -> None:
+    season = make_season(tmp_path / "endless")
+    with database.writing() as session:
+        assert not freeze_when_due(session, season, NOON + timedelta(days=365))
+    assert acts(database) == []
+
+
+def test_final_boards_do_not_freeze_again(database: Database, season: Season) -> None:
+    with database.writing() as session:
+        freeze_when_due(session, season, DUE)
+        decide(session, season, Final({"navigation": frozenset()}, {}), DUE)
+    with database.writing() as session:
+        assert not freeze_when_due(session, season, DUE + SECOND)
+        assert read_state(session, FROZEN) is None
+
+
+def test_the_conductor_does_it(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "now", current=True)
+    past = season.settings.model_copy(update={"freezes": season.settings.opens})
+    season = Season(season.folder, past)
+    database = season.database()
+    database.upgrade()
+    with database.writing() as session:
+        assert read_state(session, FROZEN) is None
+    conductor = Conductor(season, database)
+    conductor._acquire()
+    conductor._sandbox = "process"
+    conductor._refresh_boards(at_once=True)
+    assert acts(database) == [("conductor", "freeze")]
+    database.close()
+
+
+def test_nothing_is_accepted_once_the_season_is_closed(
+    database: Database, season: Season, tmp_path: Path
+) -> None:
+    with database.writing() as session:
+        team_with_member(session, "foxes")
+        submitted(session, season, "foxes", write_agent(tmp_path, "one"), season.settings.closes - SECOND)
+    with database.writing() as session, pytest.raises(RefusalError, match="closed at 2030-06-10 12:00 UTC"):
+        submitted(session, season, "foxes", write_agent(tmp_path, "two"), season.settings.closes)

@@ -1,0 +1,119 @@
+"""At any time one process at most is the conductor, whatever clocks say."""
+
+import signal
+import time
+from collections.abc import Iterator
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+from tests.leaderboard.seasons_made import NOON
+
+from wildscav_leaderboard.conductor import lease
+from wildscav_leaderboard.conductor.keeper import LeaseKeeper
+from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.database.connection import Database
+
+SECOND = timedelta(seconds=1)
+
+
+@pytest.fixture
+def sqlite(tmp_path: Path) -> Iterator[Database]:
+    database = Database(f"sqlite:///{tmp_path / 'season.db'}")
+    database.upgrade()
+    yield database
+    database.close()
+
+
+def acquire(database: Database, holder: str, after: float) -> Holding | None:
+    with database.writing() as session:
+        return lease.acquire(session, holder, NOON + after * SECOND)
+
+
+@pytest.mark.parametrize(
+    ("after", "epoch"),
+    [
+        (0, None),  # somebody holds it
+        (29, None),
+        (30, 2),  # it was not renewed for 30 s
+        (-29, None),  # a clock that is a little late
+        (-31, 2),  # nobody can have renewed it for a moment so far ahead: that clock was wrong
+    ],
+)
+def test_who_gets_the_lease(database: Database, after: float, epoch: int | None) -> None:
+    assert acquire(database, "first", 0) == Holding("first", 1)
+    held = acquire(database, "second", after)
+    assert held == (None if epoch is None else Holding("second", epoch))
+
+
+def test_a_lease_that_is_renewed_lasts_and_one_that_is_given_back_is_free(sqlite: Database) -> None:
+    first = acquire(sqlite, "first", 0)
+    assert first is not None
+    with sqlite.writing() as session:
+        lease.renew(session, first, NOON + 20 * SECOND)
+    assert acquire(sqlite, "second", 49) is None
+    with sqlite.writing() as session:
+        assert lease.holder_of(session, NOON + 49 * SECOND) == "first"
+        lease.release(session, first, NOON + 49 * SECOND)
+        assert lease.holder_of(session, NOON + 49 * SECOND) is None
+    assert acquire(sqlite, "second", 49) == Holding("second", 2)
+
+
+def test_whoever_lost_the_lease_can_change_nothing(sqlite: Database) -> None:
+    first = acquire(sqlite, "first", 0)
+    assert first is not None
+    acquire(sqlite, "second", 31)
+    for act in (lease.renew, lease.release):
+        with pytest.raises(LeaseLostError, match="another process"), sqlite.writing() as session:
+            act(session, first, NOON + 32 * SECOND)
+    # The same process again is another holder: what it began before is lost.
+    with pytest.raises(LeaseLostError), sqlite.writing() as session:
+        lease.check(session, Holding("second", 1))
+
+
+def test_nobody_conducts_a_new_season(sqlite: Database) -> None:
+    with sqlite.reading() as session:
+        assert lease.holder_of(session, NOON) is None
+    with pytest.raises(LeaseLostError), sqlite.writing() as session:
+        lease.check(session, Holding("nobody", 0))
+
+
+def test_no_two_processes_have_one_name() -> None:
+    assert lease.new_holder() != lease.new_holder()
+
+
+def work_until_it_is_lost(database: Database, holding: Holding) -> None:
+    with LeaseKeeper(database, holding, every=0.01):
+        acquire(database, "second", 86_400 * 10_000)  # by a clock that is far ahead of whatever was renewed
+        time.sleep(60)
+        pytest.fail("nothing interrupted the work")
+
+
+def test_the_keeper_interrupts_the_work_when_the_lease_is_lost(sqlite: Database) -> None:
+    first = acquire(sqlite, "first", 0)
+    assert first is not None
+    before = signal.getsignal(signal.SIGUSR1)
+    ignored = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as in the process of a season's conductor
+    try:
+        with pytest.raises(LeaseLostError):
+            work_until_it_is_lost(sqlite, first)
+    finally:
+        signal.signal(signal.SIGINT, ignored)
+    assert signal.getsignal(signal.SIGUSR1) == before
+
+
+def test_the_keeper_renews_the_lease_and_leaves_no_handler(sqlite: Database) -> None:
+    first = acquire(sqlite, "first", -86_400 * 10_000)
+    assert first is not None
+    with sqlite.reading() as session:
+        begun = lease.check(session, first).until
+    before = signal.getsignal(signal.SIGUSR1)
+    with LeaseKeeper(sqlite, first, every=0.01):
+        for _ in range(500):
+            with sqlite.reading() as session:
+                if lease.check(session, first).until != begun:
+                    break
+            time.sleep(0.01)
+        else:
+            pytest.fail("the lease was never renewed")
+    assert signal.getsignal(signal.SIGUSR1) == before

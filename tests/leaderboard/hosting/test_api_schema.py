@@ -1,0 +1,90 @@
+"""The API does what its OpenAPI description says, whatever it is asked: schemathesis asks."""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from tests.leaderboard.filled_season import FilledSeason, fill_season
+from tests.leaderboard.hosting.clients import copied_database
+from tests.leaderboard.spectating.served import served
+
+from wildscav_leaderboard.hosting.app import create_app
+
+schemathesis = pytest.importorskip("schemathesis", reason="needs schemathesis: pip install schemathesis")
+checks = pytest.importorskip("schemathesis.specs.openapi.checks")
+DAILY, SLOW = 2, 25  # examples of each operation
+CHECKS = [
+    pytest.importorskip("schemathesis.checks").not_a_server_error,
+    checks.response_schema_conformance,
+    checks.content_type_conformance,
+    checks.status_code_conformance,
+]
+
+
+class Asked(NamedTuple):
+    """A served season, and the description of its API."""
+
+    filled: FilledSeason
+    schema: Any
+
+
+@pytest.fixture(scope="module")
+def asked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Asked]:
+    folder = tmp_path_factory.mktemp("schema")
+    filled = fill_season(folder)
+    app = create_app(filled.season, filled.database)
+    with copied_database(app, filled, folder), served(app) as address:
+        yield Asked(filled, schemathesis.openapi.from_url(f"{address}/api/v1/openapi.json"))
+    app.state.renders.close()
+    filled.database.close()
+
+
+def without_token(headers: Any) -> dict[str, str]:
+    return {name: value for name, value in (headers or {}).items() if name.lower() != "authorization"}
+
+
+def ask(asked: Asked, asker: str, examples: int) -> list[str]:
+    """Send requests to every operation, valid ones and others; return what went wrong."""
+    person = asked.filled.people.get(asker)
+    headers = {} if person is None else {"Authorization": f"Bearer {person.token}"}
+    wrong: list[str] = []
+    for found in asked.schema.get_all_operations():
+        operation = found.ok()
+        if "/tokens/current" in operation.path:
+            continue  # whoever asks would be nobody afterwards
+
+        @settings(
+            max_examples=examples,
+            derandomize=True,
+            database=None,
+            deadline=None,
+            phases=[Phase.explicit, Phase.generate],
+            suppress_health_check=list(HealthCheck),
+        )
+        @given(case=operation.as_strategy())
+        def send(case: Any) -> None:
+            case.headers = {**without_token(case.headers), **headers}
+            response = case.call()
+            try:
+                case.validate_response(response, checks=CHECKS)
+            except (AssertionError, schemathesis.errors.SchemathesisError, BaseExceptionGroup) as error:
+                wrong.append(
+                    f"{case.method} {case.formatted_path} as {asker}: {response.status_code} {error}"
+                )
+
+        send()
+    return wrong
+
+
+@pytest.mark.parametrize("asker", ["visitor", "organizer"])
+def test_answers_are_as_described(asked: Asked, asker: str) -> None:
+    wrong = ask(asked, asker, DAILY)
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("asker", ["visitor", "other", "owner", "organizer"])
+def test_answers_are_as_described_whatever_is_asked(asked: Asked, asker: str) -> None:
+    wrong = ask(asked, asker, SLOW)
+    assert not wrong, "\n".join(wrong)

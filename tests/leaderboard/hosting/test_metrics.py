@@ -1,0 +1,113 @@
+"""What an organizer's Prometheus sees, and what stands in the log."""
+
+import json
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+import httpx
+import pytest
+from prometheus_client.parser import text_string_to_metric_families
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
+from tests.leaderboard.spectating.served import served
+
+from wildscav.monitoring.logs import open_log
+from wildscav.monitoring.metrics import serving_metrics
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.hosting.metrics import SeasonMetrics
+from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.seasons.folder import Season
+
+
+@pytest.fixture
+def season(tmp_path: Path) -> Season:
+    return make_season(tmp_path / "season", current=True)
+
+
+@pytest.fixture
+def database(season: Season) -> Iterator[Database]:
+    opened = season.database()
+    opened.upgrade()
+    yield opened
+    opened.close()
+
+
+def scraped(database: Database, counts: RequestCounts) -> dict[tuple[str, ...], float]:
+    """What Prometheus reads: each value by its name and its labels."""
+    with serving_metrics(SeasonMetrics(database, counts), 0) as address:
+        assert address is not None
+        text = httpx.get(address).text
+    families = text_string_to_metric_families(text)
+    return {(one.name, *one.labels.values()): one.value for family in families for one in family.samples}
+
+
+def test_submissions_and_the_missing_conductor_are_seen(
+    season: Season, database: Database, tmp_path: Path
+) -> None:
+    with database.writing() as session:
+        team_with_member(session, "foxes")
+        submitted(session, season, "foxes", write_agent(tmp_path, "fox"), datetime.now(UTC))
+    seen = scraped(database, RequestCounts())
+    assert seen["wildscav_season_submissions", "submitted"] == 1
+    assert seen["wildscav_season_conductor_up",] == 0
+    assert seen["wildscav_season_database_up",] == 1
+    assert seen["wildscav_season_paused",] == 0
+
+
+def test_a_database_that_does_not_answer_is_seen(tmp_path: Path) -> None:
+    lost = Database(f"sqlite:///{tmp_path / 'no' / 'folder' / 'season.db'}")
+    assert scraped(lost, RequestCounts()) == {("wildscav_season_database_up",): 0}
+
+
+def test_requests_are_counted_by_route_and_not_by_address(season: Season, database: Database) -> None:
+    counts = RequestCounts()
+    with served(create_app(season, database, counts)) as address:
+        for path in ("/matches/1", "/matches/2", "/api/v1/matches/3", "/static/season.css", "/no/1", "/no/2"):
+            httpx.get(f"{address}{path}")
+    seen = scraped(database, counts)
+    total = "wildscav_season_requests_total"
+    assert seen[total, "GET", "/matches/{number}", "404"] == 2
+    assert seen[total, "GET", "/api/v1/matches/{match}", "404"] == 1
+    assert seen[total, "GET", "/static", "200"] == 1
+    assert seen[total, "GET", "unknown", "404"] == 2
+    assert seen["wildscav_season_request_seconds_count", "/matches/{number}"] == 2
+
+
+def test_the_log_has_a_line_for_every_request_and_no_secrets(
+    season: Season, database: Database, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = open_log("json", process="web")
+    with served(create_app(season, database, log=log)) as address:
+        secret = {"Authorization": "Bearer top-secret"}
+        httpx.get(f"{address}/api/v1/me?token=top-secret", headers=secret)
+        httpx.post(f"{address}/api/v1/tokens", json={"name": "anna", "password": "top-secret"})
+    said = capsys.readouterr().err
+    assert "top-secret" not in said
+    lines = [json.loads(line) for line in said.splitlines()]
+    seen = [(one["event"], one["process"], one["method"], one["path"], one["status"]) for one in lines]
+    assert seen == [
+        ("request", "web", "GET", "/api/v1/me", 401),
+        ("request", "web", "POST", "/api/v1/tokens", 401),
+    ]
+    assert all(one["milliseconds"] > 0 and one["address"] == "127.0.0.1" for one in lines)
+
+
+def test_an_error_that_nobody_expected_is_logged_and_answered_by_one_line(
+    season: Season, database: Database, capsys: pytest.CaptureFixture[str]
+) -> None:
+    app = create_app(season, database, log=open_log("json"))
+
+    def breaks() -> None:
+        raise ZeroDivisionError("nobody expected this")
+
+    app.add_api_route("/api/v1/breaks", breaks)
+    with served(app) as address:
+        answer = httpx.get(f"{address}/api/v1/breaks")
+    assert answer.status_code == 500
+    assert answer.json()["error"] == "something went wrong here: the organizers can see what"
+    assert "Content-Security-Policy" in answer.headers
+    first = json.loads(capsys.readouterr().err.splitlines()[0])
+    assert first["event"] == "request_broke"
+    assert "ZeroDivisionError: nobody expected this" in first["trace"]

@@ -1,0 +1,199 @@
+"""The season's pages in a real browser: on a phone, in the dark, without scripts, and with people at work."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+from fastapi import FastAPI
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.browsers import DESK, PHONE, chromium
+from tests.leaderboard.filled_season import PASSWORD, FilledSeason, fill_season
+from tests.leaderboard.hosting.clients import copied_database
+from tests.leaderboard.spectating.served import served
+
+from wildscav_leaderboard.access.requests import COOKIE
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.submissions.packing import pack
+
+PAGES = {  # and who looks at them
+    "/": "visitor",
+    "/boards/navigation": "visitor",
+    "/boards/battle": "owner",
+    "/boards/battle/head-to-head": "visitor",
+    "/teams/owls": "owner",
+    "/teams/newts": "visitor",
+    "/submissions/{active}": "owner",
+    "/submissions/{failed}": "owner",
+    "/submissions/{queued}": "owner",
+    "/matches/{suite}": "owner",
+    "/matches/{ladder}": "visitor",
+    "/matches/{playing}": "visitor",
+    "/login": "visitor",
+    "/register": "visitor",
+    "/submit": "owner",
+    "/account": "owner",
+    "/account?without-team": "other",
+    "/organizer": "organizer",
+    "/organizer/submissions": "organizer",
+    "/organizer/teams": "organizer",
+    "/organizer/people": "organizer",
+    "/organizer/announcements": "organizer",
+    "/organizer/audit-log": "organizer",
+    "/nowhere": "visitor",
+}
+DAILY = {"light": ("/submissions/{failed}", "/account"), "dark": ("/boards/battle", "/organizer/submissions")}
+
+
+class Arena(NamedTuple):
+    """A served season."""
+
+    filled: FilledSeason
+    app: FastAPI
+    address: str
+
+
+@pytest.fixture(scope="module")
+def arena(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Arena]:
+    filled = fill_season(tmp_path_factory.mktemp("arena"))  # its matches have no records to be rendered
+    app = create_app(filled.season, filled.database)
+    with served(app) as address:
+        yield Arena(filled, app, address)
+    app.state.renders.close()
+    filled.database.close()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
+def open_as(arena: Arena, browser: Any, asker: str, **options: Any) -> Any:
+    """Return a page of somebody's browser."""
+    context = browser.new_context(base_url=arena.address, **options)
+    if asker != "visitor":
+        cookie = {"name": COOKIE, "value": arena.filled.people[asker].cookie, "url": arena.address}
+        context.add_cookies([cookie])
+    return context.new_page()
+
+
+def address_of(arena: Arena, path: str) -> str:
+    return path.format(**arena.filled.submissions, **arena.filled.matches)
+
+
+def test_no_page_is_wider_than_a_phone_or_breaks_its_policy(arena: Arena, browser: Any) -> None:
+    wide: list[str] = []
+    faults: list[str] = []
+    for asker in sorted(set(PAGES.values())):
+        page = open_as(arena, browser, asker, viewport=PHONE)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(f"{said.location['url']}: {said.text}"))
+        for path in (path for path, looks in PAGES.items() if looks == asker):
+            page.goto(address_of(arena, path))
+            if page.evaluate("document.documentElement.scrollWidth") > PHONE["width"]:
+                wide.append(path)
+        page.context.close()
+    assert wide == []
+    assert [fault for fault in faults if "Failed to load resource" not in fault] == []
+
+
+def violations(arena: Arena, browser: Any, path: str, scheme: str) -> list[str]:
+    """Return what keeps people out of a page."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    page = open_as(arena, browser, PAGES[path], viewport=DESK, color_scheme=scheme, bypass_csp=True)
+    page.goto(address_of(arena, path))
+    for details in page.locator("details").all():
+        details.evaluate("one => { one.open = true; }")
+    found = axe.Axe().run(page)
+    page.context.close()
+    return [f"{path}, {scheme}: {found.generate_report()}"] if found.violations_count else []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_keeps_people_out_of_the_pages_that_they_use_most(
+    arena: Arena, browser: Any, scheme: str
+) -> None:
+    assert [found for path in DAILY[scheme] for found in violations(arena, browser, path, scheme)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_keeps_people_out_of_any_page(arena: Arena, browser: Any, scheme: str) -> None:
+    assert [found for path in PAGES for found in violations(arena, browser, path, scheme)] == []
+
+
+def test_without_scripts_the_pages_show_everything_but_the_player(arena: Arena, browser: Any) -> None:
+    page = open_as(arena, browser, "owner", java_script_enabled=False)
+
+    page.goto("/boards/battle")
+    assert page.get_by_role("row").count() == 5
+    assert page.get_by_role("img", name="ranks of the first").is_visible()
+    page.goto(address_of(arena, "/submissions/{failed}"))
+    assert page.get_by_text("RuntimeError: lost the thread").first.is_visible()
+    assert page.get_by_text("wildscav check DIR").is_visible()
+    page.goto(address_of(arena, "/matches/{ladder}"))
+    assert page.get_by_role("row").count() == 3
+    assert "The player needs JavaScript" in page.content()
+    page.goto("/submit")
+    assert "The upload needs JavaScript" in page.content()
+    page.context.close()
+
+
+def test_a_newcomer_registers_makes_a_team_and_submits(arena: Arena, browser: Any, tmp_path: Path) -> None:
+    archive = tmp_path / "stork.tar.gz"
+    pack(write_agent(tmp_path, "stork"), archive)
+    with copied_database(arena.app, arena.filled, tmp_path):
+        page = open_as(arena, browser, "visitor", viewport=PHONE)
+        page.goto("/")
+        page.get_by_role("link", name="Take part").click()
+        page.get_by_label("Name").fill("newcomer")
+        page.get_by_label("Password").fill(PASSWORD)
+        page.get_by_role("button", name="Register").click()
+
+        page.get_by_label("Name of the new team").fill("storks")
+        page.get_by_label("Its title").fill("Storks & Co.")
+        page.get_by_role("button", name="Make a team").click()
+        assert page.get_by_text("It is shown this once").is_visible()
+        page.get_by_role("button", name="Log out").click()
+
+        page.goto("/submit")  # leads to the page to log in, and back
+        page.get_by_label("Name").fill("newcomer")
+        page.get_by_label("Password").fill(PASSWORD)
+        page.get_by_role("button", name="Log in").click()
+        page.get_by_label("Archive of the submission's folder").set_input_files(archive)
+        page.get_by_label("What is new").fill("my first one")
+        page.get_by_role("button", name="Submit").click()
+
+        page.wait_for_url("**/submissions/*")
+        assert page.get_by_role("heading", level=1).text_content().strip().startswith("stork 1.0")
+        assert page.get_by_text("my first one").is_visible()
+        assert page.get_by_text("in the queue").is_visible()
+        page.context.close()
+
+
+def test_what_an_organizer_announces_and_disqualifies_is_seen_by_visitors(
+    arena: Arena, browser: Any, tmp_path: Path
+) -> None:
+    with copied_database(arena.app, arena.filled, tmp_path):
+        page = open_as(arena, browser, "organizer", viewport=DESK)
+        page.goto("/organizer/announcements")
+        page.get_by_label("Title").fill("A new map")
+        page.get_by_label("Text").fill("It has a lake.\nBring boots.")
+        page.get_by_role("button", name="Announce").click()
+        page.goto("/organizer/teams")
+        row = page.get_by_role("row", name="Hares & Hounds")
+        row.get_by_text("Disqualify", exact=False).first.click()
+        row.get_by_label("Reason").fill("it read other agents' memory")
+        row.get_by_role("button", name="Disqualify hares").click()
+        assert page.get_by_role("row", name="Hares & Hounds").get_by_text("disqualified").is_visible()
+        page.goto("/organizer/audit-log")
+        assert page.get_by_role("row", name="disqualify team").first.get_by_text("boss").is_visible()
+        page.context.close()
+
+        visitor = open_as(arena, browser, "visitor")
+        visitor.goto("/")
+        assert visitor.get_by_role("article").filter(has_text="A new map").get_by_text("lake").is_visible()
+        visitor.goto("/teams/hares")
+        assert visitor.get_by_text("it read other agents' memory").first.is_visible()
+        visitor.context.close()

@@ -1,0 +1,292 @@
+"""How a season ends: the best play again on seeds that nobody has seen, and all becomes public at once."""
+
+from collections.abc import Callable
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_with_member
+
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
+from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON
+from wildscav_leaderboard.boards.service import freeze, refresh
+from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match
+from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of, void
+from wildscav_leaderboard.matches.visibility import hidden_why
+from wildscav_leaderboard.organizing import finalizing
+from wildscav_leaderboard.organizing.service import disqualify_team, rerun
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
+from wildscav_leaderboard.seasons.models import AuditEntry
+from wildscav_leaderboard.seasons.refusals import RefusalError
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import activate, move
+
+TEAMS = ("foxes", "owls", "hares")
+CLOSED = NOON + timedelta(days=10)
+LATER = CLOSED + timedelta(minutes=1)
+Time = Callable[[str], float]
+
+
+def season_time(entrant: str) -> float:
+    """The foxes are the best while the season lasts, then the owls."""
+    return {"f": 1.0, "o": 2.0, "h": 3.0}[entrant[0]]
+
+
+def final_time(entrant: str) -> float:
+    """The owls are the best on seeds that nobody has seen."""
+    return {"f": 2.0, "o": 1.0, "h": 0.0}[entrant[0]]
+
+
+def play(session: Session, season: Season, match: Match, time: Time, sandbox: str = "process") -> None:
+    """Let a match end, with a time for every entrant."""
+    metrics = dict.fromkeys((one.name for one in metric_infos(match.track)), 0.0)
+    score = metric_infos(match.track)[0]
+    seats = tuple(
+        SeatRow(
+            seat=one.seat,
+            submission=one.entrant,
+            status="finished",
+            metrics={**metrics, score.name: 9.0 if one.submission_id is None else time(one.entrant)},
+        )
+        for one in seats_of(session, [match.id])[match.id]
+    )
+    conditions = conditions_of(season, match.track, sandbox, final=match.kind == FINAL)
+    timing = MatchTiming(
+        submission=None, track=match.track, index=0, started=0.0, wall=1.0, steps=1, seats=()
+    )
+    record = PlayedRecord("ab" * 16, 1, digest_of(conditions))
+    deliver(session, match, None, MatchRow.of(match.number, seats, None), timing, record, score, NOON)
+
+
+def play_waiting(session: Session, season: Season, time: Time, sandbox: str = "process") -> int:
+    """Play all matches that wait, and those that follow; return how many."""
+    count = 0
+    while True:
+        plan_ladders(session, season, NOON)
+        waiting = list(session.scalars(select(Match).filter_by(state=WAITING).order_by(Match.id)))
+        if not waiting:
+            return count
+        for match in waiting:
+            play(session, season, match, time, sandbox)
+        count += len(waiting)
+
+
+def enter(session: Session, season: Season, team: str, folder: Path) -> Submission:
+    """Hand in an agent, and let it take part."""
+    one = submitted(session, season, team, write_agent(folder, team, tracks='["navigation", "battle"]'))
+    for state in (states.QUEUED, states.BUILDING, states.VALIDATING):
+        move(session, one, state, NOON)
+    activate(session, season, one, NOON)
+    plan_suites(session, season, one, NOON)
+    return one
+
+
+@pytest.fixture
+def season(tmp_path: Path) -> Season:
+    season = make_season(tmp_path / "season")
+    few = season.settings.tracks["battle"].model_copy(update={"matches": 2})
+    tracks = {**season.settings.tracks, "battle": few}
+    return Season(season.folder, season.settings.model_copy(update={"tracks": tracks}))
+
+
+@pytest.fixture
+def played(database: Database, season: Season, tmp_path: Path) -> Database:
+    """A season of three teams whose matches are played, with frozen boards."""
+    with database.writing() as session:
+        for team in TEAMS:
+            team_with_member(session, team)
+            enter(session, season, team, tmp_path)
+        play_waiting(session, season, season_time)
+        refresh(session, season, "process", NOON)
+        freeze(session, NOON)
+        season_state.write_state(session, season_state.NODES, {"sandbox": "process"}, NOON)
+    return database
+
+
+def begin(database: Database, season: Season, best: int = 2) -> None:
+    with database.writing() as session:
+        finalizing.begin(session, season, "anna", best, LATER, early=False)
+
+
+def advance(database: Database, season: Season) -> finalizing.Progress:
+    with database.writing() as session:
+        return finalizing.advance(session, season, "anna", LATER)
+
+
+def end(database: Database, season: Season) -> None:
+    """Go through all stages of the end."""
+    begin(database, season)
+    assert advance(database, season).stage == finalizing.DECIDING
+    with database.writing() as session:
+        play_waiting(session, season, final_time)
+    assert advance(database, season).stage == finalizing.DONE
+
+
+def leaders(session: Session, audience: str = PUBLIC) -> list[tuple[str, int]]:
+    board = read_board(session, "navigation", audience)
+    assert board is not None
+    return [(row.team, row.matches) for row in board.rows]
+
+
+def test_a_season_that_is_open_is_not_ended_unless_it_is_asked_for(played: Database, season: Season) -> None:
+    with played.writing() as session, pytest.raises(RefusalError, match="is open until 2030-06-10 12:00 UTC"):
+        finalizing.begin(session, season, "anna", 2, NOON, early=False)
+    with played.writing() as session:
+        finalizing.begin(session, season, "anna", 2, NOON, early=True)
+    with played.writing() as session, pytest.raises(RefusalError, match="the season is closed"):
+        submitted(session, season, "foxes", write_agent(season.folder, "late"))
+
+
+def test_the_best_of_a_suite_play_again_on_the_seeds_of_the_second_secret(
+    played: Database, season: Season
+) -> None:
+    begin(played, season, best=2)
+    assert advance(played, season) == finalizing.Progress(
+        finalizing.DECIDING,
+        played=0,
+        planned=4,
+        note="nobody plays the matches: `wildscav season serve` starts what does",
+    )
+    with played.reading() as session:
+        finals = list(session.scalars(select(Match).filter_by(kind=FINAL).order_by(Match.id)))
+        names = {one.entrant for found in seats_of(session, [m.id for m in finals]).values() for one in found}
+        assert {name.split("-")[0] for name in names} == {"foxes", "owls"}
+        specs = {MatchSpec.model_validate(match.spec) for match in finals}
+        assert specs == set(season.final_matches["navigation"])
+        assert specs.isdisjoint(season.suite_matches["navigation"])
+
+
+def test_the_final_matches_alone_decide_and_everything_is_published_at_once(
+    played: Database, season: Season
+) -> None:
+    with played.reading() as session:
+        assert leaders(session) == [("foxes", 2), ("owls", 2), ("hares", 2)]
+        a_match = session.scalars(select(Match).filter_by(kind=FINAL)).first()
+        assert season_state.read_state(session, season_state.OPENED) is None
+
+    end(played, season)
+
+    with played.reading() as session:
+        # The hares would win, but were not among the two best.
+        assert leaders(session) == leaders(session, HIDDEN) == [("owls", 2), ("foxes", 2)]
+        assert leaders(session, SEASON) == [("foxes", 2), ("owls", 2), ("hares", 2)]
+        board = read_board(session, "navigation")
+        assert board is not None
+        assert board.conditions.commitment == season.final_seed.commitment
+        opened = season_state.read_state(session, season_state.OPENED)
+        assert opened is not None
+        assert opened["secret"].encode() == (season.folder / SECRET_FILE).read_bytes()
+        assert season_state.read_state(session, season_state.FROZEN) is None
+        a_match = session.scalars(select(Match).filter_by(kind=FINAL)).first()
+        assert a_match is not None
+        assert hidden_why(session, a_match) == ""
+        acts = [(one.actor, one.act) for one in session.scalars(select(AuditEntry).order_by(AuditEntry.id))]
+        assert acts == [("anna", "finalize"), ("anna", "decide")]
+
+
+def test_a_ladder_is_decided_by_the_matches_of_the_season(played: Database, season: Season) -> None:
+    with played.reading() as session:
+        before = read_board(session, "battle", HIDDEN)
+    end(played, season)
+    with played.reading() as session:
+        after = read_board(session, "battle")
+        assert before is not None
+        assert after is not None
+        assert after.rows == before.rows
+        assert after.conditions.commitment == season.seed.commitment
+
+
+def test_the_season_waits_for_what_was_handed_in(played: Database, season: Season, tmp_path: Path) -> None:
+    with played.writing() as session:
+        late = submitted(session, season, "hares", write_agent(tmp_path, "late"))
+    begin(played, season)
+    state = advance(played, season)
+    assert (state.stage, state.pending) == (finalizing.SETTLING, 1)
+    with played.writing() as session:
+        move(session, session.get_one(Submission, late.id), states.CANCELLED, NOON)
+    assert advance(played, season).stage == finalizing.DECIDING
+
+
+def test_it_may_be_begun_and_gone_on_with_any_number_of_times(played: Database, season: Season) -> None:
+    for _ in range(3):
+        begin(played, season)
+        assert advance(played, season).planned == 4
+    end(played, season)
+    for _ in range(2):
+        begin(played, season)
+        assert advance(played, season) == finalizing.Progress(finalizing.DONE)
+    with played.reading() as session:
+        acts = [one.act for one in session.scalars(select(AuditEntry))]
+        assert acts == ["finalize", "decide"]
+        assert len(list(session.scalars(select(Match).filter_by(kind=FINAL)))) == 4
+
+
+def test_matches_that_the_platform_gave_up_are_played_again_before_anything_is_decided(
+    played: Database, season: Season
+) -> None:
+    begin(played, season)
+    advance(played, season)
+    with played.writing() as session:
+        match = session.scalars(select(Match).filter_by(kind=FINAL)).first()
+        assert match is not None
+        void(match, NOON, "given up")
+        number = match.group_id
+    with pytest.raises(RefusalError, match=f"final matches of {number} were given up"):
+        advance(played, season)
+    with played.writing() as session:
+        rerun(session, "anna", number, NOON)
+        play_waiting(session, season, final_time)
+    assert advance(played, season).stage == finalizing.DONE
+
+
+def test_who_is_disqualified_meanwhile_is_on_no_final_board(played: Database, season: Season) -> None:
+    begin(played, season)
+    advance(played, season)
+    with played.writing() as session:
+        disqualify_team(session, "anna", "foxes", "two teams, one person", NOON)
+        play_waiting(session, season, final_time)
+    assert advance(played, season).stage == finalizing.DONE
+    with played.reading() as session:
+        assert leaders(session) == [("owls", 2)]
+
+
+def test_a_team_that_is_disqualified_afterwards_leaves_the_final_board(
+    played: Database, season: Season
+) -> None:
+    end(played, season)
+    with played.writing() as session:
+        disqualify_team(session, "anna", "owls", "found out later", LATER)
+        # Whatever the sandbox is by then, the results of the end stay comparable.
+        refresh(session, season, "bubblewrap", LATER)
+    with played.reading() as session:
+        assert leaders(session) == [("foxes", 2)]
+
+
+def test_matches_in_different_sandboxes_decide_nothing(played: Database, season: Season) -> None:
+    begin(played, season)
+    advance(played, season)
+    with played.writing() as session:
+        play_waiting(session, season, final_time, "bubblewrap")
+    with pytest.raises(RefusalError, match="4 of the final matches of navigation were played with another"):
+        advance(played, season)
+    with played.reading() as session:
+        assert season_state.read_state(session, season_state.OPENED) is None
+
+
+def test_no_ladder_goes_on_once_the_field_is_chosen(played: Database, season: Season) -> None:
+    end(played, season)
+    with played.writing() as session:
+        matches = list(session.scalars(select(Match).filter_by(kind=LADDER)))
+        for match in matches:
+            void(match, LATER, "given up")
+        assert plan_ladders(session, season, LATER) == 0

@@ -1,0 +1,208 @@
+"""Files rendered from records: what they hold, that each is rendered once, and what crashes leave."""
+
+import gzip
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+from rerun.chunk import RrdReader
+
+from wildscav.errors import UserError
+from wildscav_leaderboard.spectating.overview import overview_of_file
+from wildscav_leaderboard.spectating.render_cache import PRODUCTS, Progress, RenderCache
+from wildscav_leaderboard.spectating.trails import trails_of_file
+
+NOW = datetime(2030, 1, 1, tzinfo=UTC)
+PATIENCE = 120.0  # s
+Records = Callable[[str], Path]
+
+
+@pytest.fixture
+def cache(tmp_path: Path) -> Iterator[RenderCache]:
+    with RenderCache(tmp_path / "rendered") as cache:
+        yield cache
+
+
+def wait_for(cache: RenderCache, product: str, key: str, record: Path, now: datetime = NOW) -> Progress:
+    """Ask for a file again and again, as a page does, until it is ready or has failed."""
+    end = time.monotonic() + PATIENCE
+    while (progress := cache.progress(product, key, record, now)).state in ("waiting", "rendering"):
+        if time.monotonic() > end:
+            pytest.fail(f"{product} of {key} is still {progress.state}")
+        time.sleep(0.05)
+    return progress
+
+
+def wait_until_rendering(cache: RenderCache, key: str, record: Path) -> int:
+    """Wait until a replay is being rendered, and return the renderer's process."""
+    end = time.monotonic() + PATIENCE
+    while not cache._running:
+        cache.progress("replay", key, record, NOW)
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return next(iter(cache._running)).pid
+
+
+def kept(cache: RenderCache) -> set[str]:
+    return {path.name.partition(".")[0] for path in cache.folder.iterdir() if path.is_file()}
+
+
+def left_in_slots(folder: Path) -> list[Path]:
+    return [path for path in folder.glob(".slots/*/*") if path.is_file()]
+
+
+def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_track: Records) -> None:
+    record = record_of_track("battle")
+
+    trails = wait_for(cache, "trails", "m1", record)
+    overview = cache.progress("overview", "m1", Path("gone.wsr"), NOW)
+
+    assert trails.path is not None
+    assert overview.path is not None
+    assert gzip.decompress(trails.path.read_bytes()).decode() == trails_of_file(record).model_dump_json()
+    assert overview.path.read_bytes() == overview_of_file(record)
+
+
+def test_a_replay_is_waited_for_and_then_opens(cache: RenderCache, record_of_track: Records) -> None:
+    record = record_of_track("navigation")
+
+    first = cache.progress("replay", "m1", record, NOW)
+    ready = wait_for(cache, "replay", "m1", record)
+
+    assert first.state in ("waiting", "rendering")
+    assert first.detail
+    assert ready.state == "ready"
+    assert ready.path is not None
+    assert "/agents/seat_0" in RrdReader(ready.path).store().schema().entity_paths()
+
+
+def test_servers_that_share_the_folder_render_a_file_once(tmp_path: Path, record_of_track: Records) -> None:
+    record = record_of_track("battle")
+    with RenderCache(tmp_path / "shared") as one, RenderCache(tmp_path / "shared") as other:
+        for _ in range(5):
+            one.progress("overview", "m1", record, NOW)
+            other.progress("overview", "m1", record, NOW)
+        found = wait_for(one, "overview", "m1", record)
+        assert found.path is not None
+        made = found.path.stat().st_ino
+        for cache in (one, other):
+            cache.close()  # waits for what is still queued
+
+        assert found.path.stat().st_ino == made
+
+
+@pytest.mark.slow
+def test_the_least_recently_used_goes_first(cache: RenderCache, record_of_track: Records) -> None:
+    record = record_of_track("gathering")
+    first = [wait_for(cache, product, "m1", record).path for product in ("trails", "overview")]
+    for path in first:
+        assert path is not None
+        shutil.copy(path, path.with_name(path.name.replace("m1", "m2")))
+    small, large = (path.stat().st_size for path in first if path)
+    cache.limit = 3 * small + 2 * large  # room for the trails of a third match, but not for its map
+    for product, key in (("trails", "m2"), ("overview", "m1")):  # used again
+        cache.progress(product, key, record, NOW)
+
+    wait_for(cache, "trails", "m3", record)
+
+    names = {path.name.partition("-")[0] for path in cache.folder.iterdir() if path.is_file()}
+    assert names == {"m2.trails", "m1.overview", "m3.trails", "m3.overview"}
+
+
+def test_a_file_larger_than_the_cache_is_refused(tmp_path: Path, record_of_track: Records) -> None:
+    with RenderCache(tmp_path / "tiny", limit=100) as cache:
+        progress = wait_for(cache, "trails", "m1", record_of_track("battle"))
+
+        assert progress.state == "failed"
+        assert "100 are allowed" in progress.detail
+        assert kept(cache) == set()
+
+
+@pytest.mark.slow
+def test_a_failure_says_why_and_is_tried_again_later(
+    cache: RenderCache, tmp_path: Path, record_of_track: Records
+) -> None:
+    record = tmp_path / "m1.wsr"
+    record.write_bytes(b"no record")
+    failed = wait_for(cache, "trails", "m1", record)
+    record.write_bytes(record_of_track("capture").read_bytes())
+
+    assert failed.state == "failed"
+    assert failed.detail.startswith("the record: ")
+    assert str(tmp_path) not in failed.detail
+    assert cache.progress("trails", "m1", record, NOW + timedelta(minutes=4)).state == "failed"
+    assert wait_for(cache, "trails", "m1", record, NOW + timedelta(minutes=5)).state == "ready"
+
+
+@pytest.mark.parametrize(
+    ("product", "key"), [("film", "m1"), ("trails", "../m1"), ("trails", ""), ("trails", "a" * 101)]
+)
+def test_names_that_are_none_are_refused(cache: RenderCache, product: str, key: str) -> None:
+    with pytest.raises(UserError, match="no "):
+        cache.progress(product, key, Path("any.wsr"), NOW)
+
+
+def test_a_renderer_that_is_killed_leaves_nothing(cache: RenderCache, record_of_track: Records) -> None:
+    record = record_of_track("battle")
+    os.kill(wait_until_rendering(cache, "m1", record), signal.SIGKILL)
+
+    progress = wait_for(cache, "replay", "m1", record)
+
+    assert progress.state == "failed"
+    assert "SIGKILL" in progress.detail
+    assert kept(cache) == set()
+    assert left_in_slots(cache.folder) == []
+
+
+def test_a_closed_cache_stops_its_renderer_and_renders_no_more(
+    cache: RenderCache, record_of_track: Records
+) -> None:
+    record = record_of_track("battle")
+    renderer = wait_until_rendering(cache, "m1", record)
+
+    cache.close()
+
+    with pytest.raises(ProcessLookupError):
+        os.kill(renderer, 0)
+    assert "stopping" in cache.progress("trails", "m2", record, NOW).detail
+    assert kept(cache) == set()
+
+
+SERVER = """
+import sys, time
+from datetime import UTC, datetime
+from pathlib import Path
+from wildscav_leaderboard.spectating.render_cache import RenderCache
+cache = RenderCache(Path(sys.argv[1]))
+while not cache._running:
+    cache.progress("replay", "m1", Path(sys.argv[2]), datetime(2030, 1, 1, tzinfo=UTC))
+print("rendering", flush=True)
+time.sleep(600)
+"""
+
+
+@pytest.mark.slow
+def test_after_a_server_was_killed_the_next_one_renders(tmp_path: Path, record_of_track: Records) -> None:
+    folder, record = tmp_path / "rendered", record_of_track("capture")
+    arguments = [sys.executable, "-c", SERVER, str(folder), str(record)]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        assert server.stdout.readline() == "rendering\n"
+        server.kill()
+    with RenderCache(folder) as cache:
+        assert wait_for(cache, "replay", "m1", record).state == "ready"
+        assert left_in_slots(folder) == []
+
+
+def test_a_change_of_what_is_rendered_changes_the_names_of_files() -> None:
+    endings = {product.ending for product in PRODUCTS.values()}
+
+    assert len(endings) == len(PRODUCTS)
+    assert all(any(letter.isdigit() for letter in ending) for ending in endings)

@@ -1,0 +1,81 @@
+"""The Rerun viewer as a season's server serves it."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import httpx
+import pytest
+from fastapi import FastAPI
+from tests.leaderboard.spectating.served import served
+
+from wildscav_leaderboard.spectating.rerun_viewer import PATH, VERSION, address_of, router
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
+    with serving_viewer(tmp_path_factory.mktemp("viewer")) as client:
+        yield client
+
+
+@contextmanager
+def serving_viewer(folder: Path) -> Iterator[httpx.Client]:
+    app = FastAPI()
+    app.include_router(router(folder))
+    with served(app) as address, httpx.Client(base_url=address, timeout=120.0) as client:
+        yield client
+
+
+def test_the_page_names_its_script_and_both_are_there(client: httpx.Client) -> None:
+    assert b"re_viewer.js" in client.get(PATH).content
+    assert b"wasm_bindgen" in client.get(f"{PATH}re_viewer.js").content
+
+
+def test_the_program_comes_compressed_with_its_type(client: httpx.Client) -> None:
+    answer = client.get(f"{PATH}re_viewer_bg.wasm", headers={"Accept-Encoding": "gzip"})
+
+    assert answer.headers["Content-Type"] == "application/wasm"
+    assert answer.headers["Content-Encoding"] == "gzip"
+    assert int(answer.headers["Content-Length"]) < len(answer.content) / 2
+    assert answer.content.startswith(b"\x00asm")
+    assert "immutable" in answer.headers["Cache-Control"]
+
+
+def test_who_takes_nothing_compressed_gets_the_same(client: httpx.Client) -> None:
+    plain = client.get(f"{PATH}index.html", headers={"Accept-Encoding": "identity"})
+
+    assert "Content-Encoding" not in plain.headers
+    assert plain.content == client.get(PATH).content
+
+
+def test_the_viewer_may_ask_this_host_alone(client: httpx.Client) -> None:
+    policy = client.get(PATH).headers["Content-Security-Policy"]
+
+    assert "connect-src 'self';" in policy
+    assert "frame-ancestors 'self'" in policy
+    assert re.search(r"https?:", policy) is None
+
+
+@pytest.mark.parametrize(
+    "path", ["/viewer/0.0.1/", f"{PATH}none.js", f"{PATH}../../etc/passwd", f"{PATH}.lock"]
+)
+def test_there_is_nothing_else(client: httpx.Client, path: str) -> None:
+    assert client.get(path).status_code == 404
+
+
+def test_the_files_are_kept_for_the_next_server(tmp_path: Path) -> None:
+    for _ in range(2):
+        with serving_viewer(tmp_path) as client:
+            assert client.get(PATH).status_code == 200
+            made = (tmp_path / VERSION).stat().st_mtime_ns
+    assert (tmp_path / VERSION).stat().st_mtime_ns == made
+    assert [path.name for path in tmp_path.iterdir() if path.name.endswith(".part")] == []
+
+
+def test_the_address_carries_the_recording() -> None:
+    address = address_of("https://season.example/matches/7/replay.rrd?a=b&c=d")
+
+    assert urlsplit(address).path == PATH
+    assert parse_qs(urlsplit(address).query)["url"] == ["https://season.example/matches/7/replay.rrd?a=b&c=d"]

@@ -1,0 +1,171 @@
+"""The trails of real matches, compared with the matches played again."""
+
+import gzip
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wildscav.errors import UserError
+from wildscav_engine.record import read_record, record_of, resimulate
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.systems.zone import zone_at
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_leaderboard.spectating.document import Circle, Trails, ZonePhase
+from wildscav_leaderboard.spectating.trails import trails_of, trails_of_file
+
+TRACKS = ("navigation", "gathering", "battle", "capture", "royale")
+Records = Callable[[str], Path]
+
+
+@pytest.fixture(params=TRACKS)
+def path(request: pytest.FixtureRequest, record_of_track: Records) -> Path:
+    return record_of_track(request.param)
+
+
+def circle_at(phases: list[ZonePhase], frame: int) -> tuple[float, float, float]:
+    """The safe zone in dm, as a page works it out."""
+    phase = next((each for each in phases if frame < each.end), phases[-1])
+    part = min(1.0, max(0.0, (frame - phase.start) / (phase.end - phase.start)))
+
+    def between(name: str, before: Circle = phase.before, after: Circle = phase.after) -> float:
+        return float(getattr(before, name) + (getattr(after, name) - getattr(before, name)) * part)
+
+    return between("x"), between("z"), between("radius")
+
+
+def test_every_sample_is_where_the_agents_stood(path: Path) -> None:
+    record, trails = read_record(path), trails_of_file(path)
+    samples = {frame: place for place, frame in enumerate(trails.samples.frames)}
+    compared = 0
+
+    for match in resimulate(record):
+        if match.frame not in samples:
+            continue
+        place, agents = samples[match.frame], match.state.agents
+        for seat, shown in enumerate(trails.samples.seats):
+            there = [shown.x[place], shown.height[place], shown.z[place]]
+            np.testing.assert_allclose(np.array(there) / 10, agents.position[0, seat], atol=0.0501)
+            assert shown.yaw[place] == pytest.approx(agents.yaw[0, seat], abs=0.501)
+            assert shown.health[place] == agents.health[0, seat]
+            assert shown.supplies[place] == agents.supplies[0, seat]
+        compared += 1
+
+    assert compared == len(samples)
+
+
+def test_there_are_five_samples_a_second_and_the_last_moment(path: Path) -> None:
+    trails = trails_of_file(path)
+    frames = np.array(trails.samples.frames)
+
+    assert frames[0] == 0
+    assert frames[-1] == trails.frames
+    assert set(np.diff(frames)[:-1].tolist()) == {10}
+    assert 0 < frames[-1] - frames[-2] <= 10
+
+
+def test_names_kinds_teams_and_results_are_those_of_the_record(path: Path) -> None:
+    record, trails = read_record(path), trails_of_file(path)
+
+    for seat, shown in enumerate(trails.seats):
+        result = record.result.seats[seat]
+        assert (shown.name, shown.kind) == (record.names[seat], record.spec.seats[seat])
+        assert shown.team == result.team
+        assert shown.result is not None
+        assert shown.result.metrics == result.metrics
+        assert (shown.result.kills, shown.result.deaths) == (result.kills, result.deaths)
+    assert trails.over
+    assert trails.ending == record.result.ending
+
+
+def test_the_document_survives_its_own_json(path: Path) -> None:
+    trails = trails_of_file(path)
+
+    assert Trails.model_validate_json(trails.model_dump_json()) == trails
+
+
+def test_events_add_up_to_the_results_of_a_battle(record_of_track: Records) -> None:
+    trails = trails_of_file(record_of_track("battle"))
+    results = [seat.result for seat in trails.seats if seat.result]
+    kinds = Counter(event.kind for event in trails.events)
+
+    assert kinds["death"] == sum(result.deaths for result in results) > 0
+    assert kinds["hit"] > 0
+    assert kinds["pick_up"] > 0
+    deaths = Counter(event.other for event in trails.events if event.kind == "death")
+    assert [deaths[seat.seat] for seat in trails.seats] == [result.kills for result in results]
+    frames = [event.frame for event in trails.events]
+    assert frames == sorted(frames)
+
+
+def test_who_is_out_of_a_royale_is_said_once(record_of_track: Records) -> None:
+    trails = trails_of_file(record_of_track("royale"))
+    out = [event.seat for event in trails.events if event.kind == "out"]
+
+    assert sorted(out) == sorted(
+        seat.seat for seat in trails.seats if trails.samples.seats[seat.seat].health[-1] == 0
+    )
+    assert out
+
+
+def test_the_safe_zone_of_a_page_is_that_of_the_rules(record_of_track: Records) -> None:
+    path = record_of_track("royale")
+    trails = trails_of_file(path)
+    *_, match = resimulate(read_record(path))
+
+    for frame in range(0, trails.frames, 50):
+        now = zone_at(match.state.matches, 0, frame)
+        shown = circle_at(trails.zone, frame)
+        np.testing.assert_allclose(np.array(shown) / 10, (now.x, now.z, now.radius), atol=0.06)
+    assert any(event.kind == "zone" for event in trails.events)
+
+
+@pytest.mark.parametrize(("track", "has"), [("navigation", True), ("capture", True), ("battle", False)])
+def test_only_tracks_with_a_target_show_one(record_of_track: Records, track: str, has: bool) -> None:
+    assert (trails_of_file(record_of_track(track)).target is not None) is has
+
+
+def test_reaching_the_target_is_an_event(record_of_track: Records) -> None:
+    trails = trails_of_file(record_of_track("navigation"))
+
+    reached = [event for event in trails.events if event.kind == "target"]
+    success = [seat.result and seat.result.metrics["success"] for seat in trails.seats]
+    assert len(reached) == min(1, success.count(1.0))
+
+
+def test_boxes_lie_there_until_somebody_takes_them(record_of_track: Records) -> None:
+    trails = trails_of_file(record_of_track("gathering"))
+    taken = [box for box in trails.boxes if box.taken is not None]
+
+    assert 0 < len(taken) < len(trails.boxes)
+    assert sum(box.quantity for box in taken) == sum(
+        event.amount for event in trails.events if event.kind == "pick_up"
+    )
+
+
+def test_a_file_that_is_no_record_is_one_clear_error(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.wsr"
+    broken.write_bytes(b"nothing")
+
+    with pytest.raises(UserError, match=r"broken\.wsr"):
+        trails_of_file(broken)
+
+
+@pytest.mark.slow
+def test_a_battle_of_fifteen_minutes_fits_in_a_page() -> None:
+    spec = MatchSpec(
+        track="battle",
+        map=MapSpec(config=MapConfig(size=200, houses=6), seed=2),
+        seats=("fighter",) * 10,
+        time_limit=900.0,
+        seed=1,
+    )
+    match = Match(spec)
+    match.play_out()
+
+    whole = trails_of(record_of(match, spec.seats)).model_dump_json().encode()
+
+    assert len(gzip.compress(whole, 6)) < 1_500_000

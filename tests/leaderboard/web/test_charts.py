@@ -1,0 +1,89 @@
+"""Charts of ranks: where the lines are, and when there is nothing to draw."""
+
+from datetime import datetime, timedelta
+from itertools import pairwise
+
+import pytest
+from tests.leaderboard.seasons_made import NOON
+
+from wildscav_leaderboard.boards.models import BoardPoint
+from wildscav_leaderboard.web.charts import LEFT, MOST_POINTS, NEAREST, Chart, rank_chart
+
+HOUR = timedelta(hours=1)
+END = NOON + 10 * HOUR
+
+
+def point(hours: float, rank: int, last_rank: int | None = None) -> BoardPoint:
+    return BoardPoint(
+        track="battle",
+        submission_id=1,
+        at=NOON + hours * HOUR,
+        rank=rank,
+        last_rank=last_rank or rank,
+        score=1.0,
+        low=0.0,
+        high=2.0,
+        matches=3,
+    )
+
+
+def drawn(
+    histories: list[tuple[str, list[BoardPoint]]], until: datetime = END, *, bands: bool = False
+) -> Chart:
+    chart = rank_chart(histories, until, bands=bands)
+    assert chart is not None
+    return chart
+
+
+def corners(path: str) -> list[tuple[float, float]]:
+    pairs = (corner.split(",") for corner in path.removeprefix("M").removesuffix("Z").split())
+    return [(float(x), float(y)) for x, y in pairs]
+
+
+def test_a_line_keeps_each_rank_until_the_next_one_and_goes_on_to_the_end() -> None:
+    chart = drawn([("owls", [point(0, 2), point(5, 1)])], bands=True)
+    (line,) = chart.lines
+    y = {rank: at for at, rank in chart.ranks}
+    half = (LEFT + chart.right) / 2
+
+    assert corners(line.path) == [(LEFT, y[2]), (half, y[2]), (half, y[1]), (chart.right, y[1])]
+    assert y[1] < y[2], "the first is at the top"
+    assert line.end == (chart.right, y[1])
+
+
+def test_who_could_not_be_told_apart_has_a_band_around_the_middle() -> None:
+    chart = drawn([("owls", [point(0, 1, 3), point(5, 2)])], bands=True)
+    y = {rank: at for at, rank in chart.ranks}
+    heights = {height for _, height in corners(chart.lines[0].band)}
+
+    assert corners(chart.lines[0].path)[0] == (LEFT, y[2])
+    assert min(heights) < y[1]
+    assert max(heights) > y[3]
+
+
+def test_labels_do_not_cover_each_other_where_ranks_are_shared() -> None:
+    teams = [(f"team {number}", [point(0, 1, 6), point(1, 1, 6)]) for number in range(6)]
+    ys = sorted(line.label_y for line in drawn(teams).lines)
+
+    assert min(after - before for before, after in pairwise(ys)) >= NEAREST
+
+
+@pytest.mark.parametrize(
+    ("points", "until"),
+    [
+        ([], END),  # nobody was ranked
+        ([point(0, 1)], END),  # one point is no line
+        ([point(0, 1), point(1, 1)], NOON),  # all of it came later
+    ],
+)
+def test_without_a_course_there_is_no_chart(points: list[BoardPoint], until: datetime) -> None:
+    assert rank_chart([("owls", points)], until) is None
+
+
+def test_a_long_history_is_thinned_and_keeps_its_last_point() -> None:
+    points = [point(number / 1000, 1 + number % 5) for number in range(9000)] + [point(9.5, 7)]
+    line = drawn([("owls", points)], bands=True).lines[0]
+    y = {rank: at for at, rank in drawn([("owls", points)], bands=True).ranks}
+
+    assert len(corners(line.path)) <= 2 * MOST_POINTS + 2
+    assert line.end[1] == y[7]
