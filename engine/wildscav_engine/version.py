@@ -5,4 +5,4 @@ from importlib.metadata import version
 ENGINE_VERSION = version("wildscav")
 
 # Rises whenever the same spec and actions give another match: a record can be played again by its own only.
-SIMULATION_VERSION = 4
+SIMULATION_VERSION = 5

@@ -24,7 +24,8 @@ def apply_damage(
 ) -> None:
     """Subtract damage from health. Agents without health left die and drop a share of their supplies.
 
-    Dead agents wait to respawn, or are eliminated in tracks without respawns.
+    Dead agents wait to respawn, or are eliminated in tracks without respawns. Agents that die in the same
+    frame do so in its order, because there may not be a free slot for the supplies of each.
 
     Args:
         world: The static world.
@@ -34,7 +35,8 @@ def apply_damage(
         match: The index of the match.
         rules: The rules.
     """
-    for seat in range(agents.health.shape[0]):
+    for turn in range(agents.turns.shape[0]):
+        seat = agents.turns[turn]
         if agents.damage[seat] != 0:
             _damage_agent(world, agents, supplies, matches, match, seat, rules)
 
@@ -70,8 +72,12 @@ def _damage_agent(
 
 @inlined_kernel
 def respawn_agents(world: World, agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
-    """Count down the timers of respawn and invincibility, and respawn agents whose time is up."""
-    for seat in range(agents.health.shape[0]):
+    """Count down the timers of respawn and invincibility, and respawn agents whose time is up.
+
+    They do so in the order of the frame, because the place of one may not be free after another's return.
+    """
+    for turn in range(agents.turns.shape[0]):
+        seat = agents.turns[turn]
         agents.invincible_left[seat] = max(0, agents.invincible_left[seat] - 1)
         if agents.respawn_left[seat] > 0:
             agents.respawn_left[seat] -= 1
