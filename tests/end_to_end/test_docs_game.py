@@ -15,7 +15,7 @@ from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, ASPECT, S
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules
-from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
+from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_engine.tracks.royale import DAMAGES, SHARES, SHRINK, WAIT
@@ -24,6 +24,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "rules.md").read_text("utf-8").part
 ROW = re.compile(r"^\| (?P<rule>[^|]+) \| (?P<value>[^|]+) \| (?P<unit>[^|]*)\| (?P<where>[^|]+) \|$", re.M)
 ROWS = {row["rule"]: row for row in ROW.finditer(PAGE) if row["rule"] != "rule"}
 HOLDERS = {
+    "HotSpot": HotSpot(),
     "MatchSpec": MatchSpec(track="battle"),
     "Rules": Rules(),
     "SupplyConfig": SupplyConfig(),

@@ -43,6 +43,7 @@ class Stream(IntEnum):
     CATALOGUE = 21
     ZONE = 22
     MAP_POOL = 23
+    HOT_SPOT = 24
 
 
 @kernel

@@ -15,7 +15,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.simulation.batch_kernels import find_seen_in_batch, play_batch
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match
-from wildscav_engine.simulation.snapshot import History, check_size, decode, encode, map_for, write
+from wildscav_engine.simulation.snapshot import Counts, History, check_size, decode, encode, map_for, write
 from wildscav_engine.simulation.state import State, allocate_state, with_room
 from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
 from wildscav_engine.simulation.track import TRACKS
@@ -56,9 +56,10 @@ class Batch:
         seats = max(len(spec.seats) for spec in self.specs)
         slots = max(setup.slots for setup in self.setups)
         phases = max(len(setup.zone) for setup in self.setups)
+        places = max(len(setup.hot_spots) for setup in self.setups)
         self._seen = allocate_seen(len(self.specs), seats)
         self._is_seen = False
-        self._set_arrays(allocate_state(len(self.specs), seats, slots, phases))
+        self._set_arrays(allocate_state(len(self.specs), seats, slots, phases, places))
         self._rule_numbers = np.array(self.rules, np.float64)
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
@@ -114,8 +115,9 @@ class Batch:
     ) -> None:
         """Start new matches in some rows, as in a new batch, without changing the other rows.
 
-        If a match has more boxes or zone phases than any before it, the batch allocates larger arrays for
-        them. References to ``state`` are then outdated: read it from the batch again after this call.
+        If a match has more boxes, zone phases or hot spots than any before it, the batch allocates larger
+        arrays for them. References to ``state`` are then outdated: read it from the batch again after this
+        call.
 
         Args:
             rows: The rows, without duplicates.
@@ -136,8 +138,11 @@ class Batch:
         setups = [plan_match(*pair) for pair in zip(specs, given, strict=True)]
         for row, spec, game_map, setup in zip(rows, specs, given, setups, strict=True):
             self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
-        slots, phases = max(setup.slots for setup in setups), max(len(setup.zone) for setup in setups)
-        self._grow(slots, phases)
+        self._grow(
+            max(setup.slots for setup in setups),
+            max(len(setup.zone) for setup in setups),
+            max(len(setup.hot_spots) for setup in setups),
+        )
         self._clear(rows)
         if self._bank.add(given, in_use=self.maps):
             self._number_maps(self._rows)  # also in the other rows: their maps may have moved in the bank
@@ -168,13 +173,13 @@ class Batch:
         """
         _check_rows([row], len(self.specs))
         snapshot = decode(data)
-        spec, (_, slots, phases) = snapshot.spec, snapshot.counts
+        spec, (_, *room) = snapshot.spec, snapshot.counts
         _shared([self.specs[0], spec])
         _check_seats([spec], self.state.agents.present.shape[1])
         game_map = map_for(snapshot, self.maps)
         setup = plan_match(spec, game_map)
         check_size(snapshot, self._tables)
-        self._grow(slots, phases)
+        self._grow(*room)
         self._clear([row])
         self._is_seen = False
         write(snapshot, self._tables, row)
@@ -196,10 +201,10 @@ class Batch:
         self._seen = _copies(self._seen)
         self._set_arrays(State(*map(_copies, self.state)))
 
-    def _counts(self, row: int) -> tuple[int, int, int]:
-        """Return the numbers of seats, box slots and zone phases of a match."""
-        matches = self.state.matches
-        return int(matches.seats[row]), int(matches.slots[row]), int(matches.phases[row])
+    def _counts(self, row: int) -> Counts:
+        """Return the numbers of seats, box slots, zone phases and places of the hot spot of a match."""
+        every = self.state.matches
+        return int(every.seats[row]), int(every.slots[row]), int(every.phases[row]), int(every.places[row])
 
     def _clear(self, rows: Sequence[int]) -> None:
         for table, fills in zip(self._tables, _FILLS, strict=True):
@@ -231,8 +236,8 @@ class Batch:
         )
         return True
 
-    def _grow(self, slots: int, phases: int) -> None:
-        state = with_room(self.state, slots, phases)
+    def _grow(self, slots: int, phases: int, places: int) -> None:
+        state = with_room(self.state, slots, phases, places)
         if state is not self.state:
             self._set_arrays(state)
 
@@ -337,5 +342,5 @@ def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
     return first
 
 
-_EXAMPLE = allocate_state(1, 1, 1, 1)
+_EXAMPLE = allocate_state(1, 1, 1, 1, 1)
 _FILLS = [fills_of(part) for part in (*_EXAMPLE, allocate_seen(1, 1))]

@@ -40,12 +40,16 @@ class History(NamedTuple):
     digests: NDArray[np.uint64]  # (T,)
 
 
+# The numbers of seats, of slots for boxes, of phases of the safe zone, and of places of the hot spot.
+Counts = tuple[int, int, int, int]
+
+
 class Snapshot(NamedTuple):
     """The decoded bytes of a state."""
 
     spec: MatchSpec
     map_digest: str
-    counts: tuple[int, int, int]  # seats, slots for boxes, and phases of the safe zone
+    counts: Counts
     content: NDArray[np.uint8]  # (N,) the parts of all arrays that the match uses
     history: History | None
 
@@ -56,12 +60,18 @@ class Extent(IntEnum):
     SEATS = 0
     SLOTS = 1
     PHASES = 2
-    WHOLE = 3
-    NOTHING = 4  # derived data, which is computed anew
+    PLACES = 3
+    WHOLE = 4
+    NOTHING = 5  # derived data, which is computed anew
 
 
 # The arrays of ``Matches`` that are not used as a whole.
-_OF_MATCHES = {"members_left": Extent.SEATS, "zone": Extent.PHASES, "agent_squares": Extent.NOTHING}
+_OF_MATCHES = {
+    "members_left": Extent.SEATS,
+    "zone": Extent.PHASES,
+    "hot_spots": Extent.PLACES,
+    "agent_squares": Extent.NOTHING,
+}
 # (F,) the Extent of each array, for each part of a batch. What agents see is computed anew.
 EXTENTS = (
     np.full(len(Agents._fields), Extent.SEATS),
@@ -71,7 +81,7 @@ EXTENTS = (
 )
 
 
-def sizes_of(tables: Sequence[Addresses], counts: tuple[int, int, int]) -> list[NDArray[np.int64]]:
+def sizes_of(tables: Sequence[Addresses], counts: Counts) -> list[NDArray[np.int64]]:
     """Return (F,) the bytes in a row of each array that belong to a match, for each part of a batch."""
     sizes = []
     for table, kinds in zip(tables, EXTENTS, strict=True):
@@ -85,7 +95,7 @@ def encode(
     game_map: GameMap,
     tables: Sequence[Addresses],
     row: int,
-    counts: tuple[int, int, int],
+    counts: Counts,
     history: History | None,
 ) -> bytes:
     """Return a match of a batch as bytes.
@@ -95,7 +105,7 @@ def encode(
         game_map: Its map.
         tables: The address tables of the parts of the batch.
         row: The row of the match.
-        counts: The numbers of its seats, slots and phases.
+        counts: The numbers of its seats, slots, phases and places.
         history: The actions and digests so far, if they are known.
     """
     sizes = sizes_of(tables, counts)
@@ -137,12 +147,12 @@ def decode(data: bytes) -> Snapshot:
     try:
         content = np.frombuffer(payload, np.uint8, size).copy()
         history = None if steps is None else _history(payload[size:], steps, len(spec.seats))
-        seats, slots, phases = counts
+        seats, slots, phases, places = counts
     except (TypeError, ValueError) as error:
         raise StateError(f"the state's payload does not fit its header: {error}") from None
     if seats != len(spec.seats):
         raise StateError(f"the state is of {seats} seats, but its spec has {len(spec.seats)}")
-    return Snapshot(spec, header["map_digest"], (seats, slots, phases), content, history)
+    return Snapshot(spec, header["map_digest"], (seats, slots, phases, places), content, history)
 
 
 def _history(payload: memoryview, steps: int, seats: int) -> History:

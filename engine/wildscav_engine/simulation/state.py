@@ -114,6 +114,10 @@ class Matches(NamedTuple):
     zone: NDArray[np.float64]  # (B, Z, 9) phases of the safe zone: the frames in which shrinking starts and
     # ends, x, z and radius in m before it, x, z and radius after it, and hp per second outside
     phases: NDArray[np.int64]  # (B,) number of phases; the rest of the Z are padding
+    hot_spots: NDArray[
+        np.float64
+    ]  # (B, H, 3) the frame in which the hot spot comes to a place, x, z in m
+    places: NDArray[np.int64]  # (B,) number of places of the hot spot; the rest of the H are padding
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
     agent_squares: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
     box_squares: NDArray[np.int32]  # (B, 256) slot + 1 of the first box in each square, 0 = none
@@ -132,7 +136,7 @@ def squares_for(seats: int) -> int:
     return min(MAX_SQUARES, max(1, int(math.sqrt(seats * 0.5))))
 
 
-def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> State:
+def allocate_state(matches: int, seats: int, slots: int, phases: int = 0, places: int = 0) -> State:
     """Return a state of zeros, without agents and boxes."""
     b, a, s = matches, seats, slots
     agents = Agents(
@@ -171,7 +175,7 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0) -> Sta
         serial=np.zeros((b, s), np.int32),
         next_in_square=np.zeros((b, s), np.int32),
     )
-    return State(agents, supplies, _allocate_matches(b, a, phases))
+    return State(agents, supplies, _allocate_matches(b, a, phases, places))
 
 
 _COUNTS = (
@@ -181,7 +185,7 @@ _COUNTS = (
 )
 
 
-def _allocate_matches(b: int, a: int, phases: int) -> Matches:
+def _allocate_matches(b: int, a: int, phases: int, places: int) -> Matches:
     return Matches(
         map_index=np.zeros(b, np.int64),
         seats=np.zeros(b, np.int64),
@@ -204,13 +208,15 @@ def _allocate_matches(b: int, a: int, phases: int) -> Matches:
         next_serial=np.zeros(b, np.int64),
         zone=np.zeros((b, phases, 9)),
         phases=np.zeros(b, np.int64),
+        hot_spots=np.zeros((b, places, 3)),
+        places=np.zeros(b, np.int64),
         digest=np.zeros(b, np.uint64),
         agent_squares=np.zeros((b, squares_for(a) ** 2), np.int32),
         box_squares=np.zeros((b, BOX_SQUARES * BOX_SQUARES), np.int32),
     )
 
 
-def with_room(state: State, slots: int, phases: int) -> State:
+def with_room(state: State, slots: int, phases: int, places: int) -> State:
     """Return a state with at least the given capacity: the same state if it is large enough.
 
     Only arrays that are too small are replaced. Those of boxes grow by a quarter more than needed, so that
@@ -219,15 +225,18 @@ def with_room(state: State, slots: int, phases: int) -> State:
     Args:
         state: The state.
         slots: The number of boxes in each match.
-        phases: The number of phases in each match.
+        phases: The number of phases of the safe zone in each match.
+        places: The number of places of the hot spot in each match.
     """
     supplies, matches = state.supplies, state.matches
-    if slots <= supplies.quantity.shape[1] and phases <= matches.zone.shape[1]:
-        return state
     if slots > supplies.quantity.shape[1]:
         supplies = Supplies(*(_widened(array, slots + slots // 4) for array in supplies))
     if phases > matches.zone.shape[1]:
         matches = matches._replace(zone=_widened(matches.zone, phases))
+    if places > matches.hot_spots.shape[1]:
+        matches = matches._replace(hot_spots=_widened(matches.hot_spots, places))
+    if supplies is state.supplies and matches is state.matches:
+        return state
     return State(state.agents, supplies, matches)
 
 

@@ -1,12 +1,13 @@
 """Where and when supply boxes appear, and what they hold."""
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from wildscav_engine.specs.base import Spec
 
 Percent = Annotated[float, Field(ge=0, le=100)]
+Quantities = tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(le=1000)]]  # least and greatest
 
 
 class SupplyWave(Spec):
@@ -19,18 +20,47 @@ class SupplyWave(Spec):
     indoor_richness: Percent = 70.0  # % of the indoor points, which are 5 m apart
 
 
+class HotSpot(Spec):
+    """A rich place that moves: at regular times, the same number of boxes appears around another place."""
+
+    start: Annotated[float, Field(ge=0, le=86_400)] = 0.0  # s, when the first boxes appear
+    interval: Annotated[float, Field(ge=1, le=86_400)] = 60.0  # s, after which it moves
+    places: Annotated[int, Field(ge=1, le=200)] = 10  # that it visits one after another
+    radius: Annotated[float, Field(ge=1, le=100)] = 8.0  # m, standard deviation of the heat map
+    boxes: Annotated[int, Field(ge=1, le=200)] = 12  # at each place, as far as there is open ground for them
+    quantity: Quantities = (10, 30)  # supplies in a box
+
+    @model_validator(mode="after")
+    def _quantities_ascend(self) -> Self:
+        _check_ascending("quantity", self.quantity)
+        return self
+
+
 class SupplyConfig(Spec):
     """Where supply boxes are and how many supplies they hold."""
 
     waves: tuple[SupplyWave, ...] = (SupplyWave(center=(0.0, 0.0)),)
     spacing: Annotated[float, Field(ge=1, le=100)] = 10.0  # m, between the points of the outdoor grid
-    outdoor_quantity: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(le=1000)]] = (1, 5)
-    indoor_quantity: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(le=1000)]] = (10, 50)
+    outdoor_quantity: Quantities = (1, 5)
+    indoor_quantity: Quantities = (10, 50)
+    hot_spot: HotSpot | None = None  # in addition to the waves; None: there is none
+
+    @model_serializer(mode="wrap")
+    def _omit_no_hot_spot(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Omit ``hot_spot`` if there is none, so that records and digests of other specs do not change."""
+        fields: dict[str, Any] = serialize(self)
+        if self.hot_spot is None:
+            fields.pop("hot_spot", None)
+        return fields
 
     @model_validator(mode="after")
     def _quantities_ascend(self) -> Self:
         for name in ("outdoor_quantity", "indoor_quantity"):
-            low, high = getattr(self, name)
-            if low > high:
-                raise ValueError(f"{name} is {(low, high)}: the first number must not be above the second")
+            _check_ascending(name, getattr(self, name))
         return self
+
+
+def _check_ascending(name: str, quantities: tuple[int, int]) -> None:
+    """Raise ValueError unless the least quantity is at most the greatest."""
+    if quantities[0] > quantities[1]:
+        raise ValueError(f"{name} is {quantities}: the first number must not be above the second")

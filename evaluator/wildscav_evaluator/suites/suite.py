@@ -32,6 +32,7 @@ class TrackSettings(NamedTuple):
     episodes: int  # on each map
     draw: Callable[[Dice], MatchSpec]  # draws everything of a match except its map and seed
     known_maps: tuple[MapSpec, ...] = ()  # as many as ``maps``; played instead of drawn maps
+    map_config: Callable[[Dice], MapConfig] | None = None  # draws the config of a map; None: the suite's
 
 
 @dataclass(frozen=True)
@@ -66,13 +67,13 @@ class Suite:
             UserError: The matches do not all ask for the same metrics, so that they have no mean.
         """
         settings = self.tracks[track]
-        dice = _dice(track, self.name, seed)
+        dice, map_config = _dice(track, self.name, seed), settings.map_config or self.map_config
         specs = []
         for number in range(settings.maps):
             if settings.known_maps:
                 game_map = settings.known_maps[number]
             else:
-                game_map = MapSpec(config=self.map_config(dice), seed=EVALUATION_MAPS | dice.word())
+                game_map = MapSpec(config=map_config(dice), seed=EVALUATION_MAPS | dice.word())
             for _ in range(settings.episodes):
                 match = settings.draw(dice)
                 specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()}))
@@ -100,6 +101,7 @@ SUITES: Registry[Suite] = Registry(
     {
         "quick": "wildscav_evaluator.suites.quick:QUICK",
         "official": "wildscav_evaluator.suites.official:OFFICIAL",
+        "wild": "wildscav_evaluator.suites.wild:WILD",
     },
     check_suite,
 )

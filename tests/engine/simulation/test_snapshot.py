@@ -183,8 +183,13 @@ def test_a_state_on_a_map_that_is_not_made_here_is_refused() -> None:
 
 
 def test_what_a_state_keeps_of_each_array_is_what_grows_with_the_match() -> None:
-    sizes = {(50, 200): Extent.SEATS, (60, 210): Extent.SLOTS, (70, 220): Extent.PHASES}
-    small, large = allocate_state(1, 50, 60, 70), allocate_state(1, 200, 210, 220)
+    sizes = {
+        (50, 200): Extent.SEATS,
+        (60, 210): Extent.SLOTS,
+        (70, 220): Extent.PHASES,
+        (80, 230): Extent.PLACES,
+    }
+    small, large = allocate_state(1, 50, 60, 70, 80), allocate_state(1, 200, 210, 220, 230)
     for parts in zip(small, large, EXTENTS, strict=False):
         for one, other, length in zip(*parts, strict=True):
             before, after = one.shape[1:2], other.shape[1:2]

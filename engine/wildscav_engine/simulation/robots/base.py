@@ -20,6 +20,7 @@ from wildscav_engine.arithmetic.random_numbers import Stream, uniform_in
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.simulation.robots.skill import LEVELS, Skill
 from wildscav_engine.simulation.state import Agents, Matches, Supplies
+from wildscav_engine.simulation.systems.hot_spot import hot_spot_at
 from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.actions import Field
@@ -29,6 +30,8 @@ STUCK_SPEED = 0.3  # of the wanted speed; a slower robot is stuck
 PATIENCE = 3.0  # steps for which it is stuck before it tries a detour
 DETOUR = 6.0  # m, length of a detour
 FIRST_ADDED, ADDED_KINDS = 100, 100_000_000  # the numbers of kinds that other packages add
+HOT_SPOT_LEAD = 500  # frames before the hot spot moves at which a robot sets off for its next place
+HOT_SPOT_NEAR = 8.0  # m from the place of the hot spot within which a robot looks around
 SAFE_MARGIN = 5.0  # m inside the edge of the safe zone that a robot keeps
 
 
@@ -167,6 +170,20 @@ def gather(now: Situation, action: NDArray[np.float32]) -> bool:
         return False
     box = now.supplies.position[now.seen.supplies[now.seat, 0]]
     _go(now, box[0], box[2], action)
+    return True
+
+
+@kernel
+def visit_hot_spot(now: Situation, action: NDArray[np.float32]) -> bool:
+    """Walk to where the hot spot is or will soon be; return False if there is none or the robot is there."""
+    place = hot_spot_at(now.matches, now.match, now.frame + HOT_SPOT_LEAD)
+    if place.number < 0:
+        return False
+    here = now.agents.position[now.seat]
+    dx, dz = place.x - here[0], place.z - here[2]
+    if np.sqrt(dx * dx + dz * dz) < HOT_SPOT_NEAR:
+        return False
+    _go(now, place.x, place.z, action)
     return True
 
 

@@ -12,6 +12,7 @@ from wildscav_engine.simulation.robots.base import (
     levels_of,
     random_in,
     turn_toward,
+    visit_hot_spot,
     walk_toward,
     wander,
 )
@@ -26,13 +27,14 @@ LOW_CLIP = 5  # rounds; with fewer and no enemy in sight, it reloads
 
 @kernel
 def fight(now: Situation, action: NDArray[np.float32]) -> None:
-    """Fight the nearest enemy in sight; otherwise reload, keep to the safe zone, gather or wander."""
+    """Fight the nearest enemy in sight; else reload, and keep safe, gather, visit the hot spot or wander."""
     enemy = nearest_enemy(now)
     if enemy == NOBODY:
         if now.agents.clip[now.seat] < LOW_CLIP:
             action[Field.RELOAD] = 1.0
-        if not keep_safe(now, action) and not gather(now, action):
-            wander(now, action)
+        if keep_safe(now, action) or gather(now, action) or visit_hot_spot(now, action):
+            return
+        wander(now, action)
         return
     _aim_and_fire(now, enemy, action)
     action[Field.PICK_UP] = 1.0

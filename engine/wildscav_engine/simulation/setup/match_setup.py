@@ -13,13 +13,15 @@ from wildscav_engine.maps.locations import OUTDOOR_SPACING
 from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.simulation.setup.starts import MatchSetupError, choose_starts
 from wildscav_engine.simulation.state import State
+from wildscav_engine.simulation.systems.hot_spot import NONE as NO_HOT_SPOT
+from wildscav_engine.simulation.systems.hot_spot import choose_around, plan_hot_spot
 from wildscav_engine.simulation.systems.supplies import choose_indoor, choose_outdoor, fill_boxes
 from wildscav_engine.simulation.systems.zone import COLUMNS as ZONE_COLUMNS
 from wildscav_engine.simulation.systems.zone import plan_zone
 from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
+from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 
 __all__ = ["Boxes", "MatchSetupError", "Setup", "WaveInfo", "place_match", "plan_match", "seed_of_seat"]
 
@@ -52,6 +54,7 @@ class Setup(NamedTuple):
     boxes: tuple[Boxes, ...]
     waves: tuple[WaveInfo, ...]
     zone: NDArray[np.float64]  # (Z, 9) as in Matches.zone
+    hot_spots: NDArray[np.float64]  # (H, 3) as in Matches.hot_spots
 
     @property
     def slots(self) -> int:
@@ -72,7 +75,12 @@ def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
     config = track.supplies(spec)
     boxes, waves = _choose_boxes(spec, game_map, config) if config else ((), ())
     zone = plan_zone(track.zone(spec), game_map.config.size, spec.seed) if track.has_zone else NO_ZONE
-    return Setup(spec, starts, target, boxes, waves, zone)
+    if config is None or config.hot_spot is None:
+        return Setup(spec, starts, target, boxes, waves, zone, NO_HOT_SPOT)
+    places = plan_hot_spot(config.hot_spot, game_map.world.spawns, zone, spec.seed)
+    more_boxes, announced = _boxes_around(places, config.hot_spot, game_map, spec.seed)
+    all_waves = tuple(sorted(waves + announced, key=lambda wave: wave.time))
+    return Setup(spec, starts, target, boxes + more_boxes, all_waves, zone, places)
 
 
 def _choose_boxes(
@@ -94,6 +102,18 @@ def _choose_boxes(
         indoor = choose_indoor(len(indoor_points), wave.indoor_richness, seed, number)
         boxes.append(Boxes(outdoor_points[outdoor], config.outdoor_quantity, appears))
         boxes.append(Boxes(indoor_points[indoor], config.indoor_quantity, appears))
+    return tuple(boxes), tuple(waves)
+
+
+def _boxes_around(
+    places: NDArray[np.float64], config: HotSpot, game_map: GameMap, seed: int
+) -> tuple[tuple[Boxes, ...], tuple[WaveInfo, ...]]:
+    """Return the boxes at all places of a hot spot, and what is announced about them."""
+    boxes, waves = [], []
+    for number, (frame, x, z) in enumerate(places.tolist()):
+        chosen = choose_around(game_map.outdoor, x, z, config.radius, config.boxes, np.uint64(seed), number)
+        boxes.append(Boxes(game_map.outdoor[chosen], config.quantity, round(frame)))
+        waves.append(WaveInfo(config.start + config.interval * number, (x, z), config.radius))
     return tuple(boxes), tuple(waves)
 
 
@@ -125,6 +145,9 @@ def place_match(state: State, match: int, setup: Setup) -> None:
     if len(setup.zone):
         matches.phases[match] = len(setup.zone)
         matches.zone[match, : len(setup.zone)] = setup.zone
+    if len(setup.hot_spots):
+        matches.places[match] = len(setup.hot_spots)
+        matches.hot_spots[match, : len(setup.hot_spots)] = setup.hot_spots
     lineup = _line_up(spec.track, spec.seats, spec.teams)
     matches.teams[match] = matches.teams_left[match] = lineup.teams
     matches.members_left[match, :seats] = lineup.members

@@ -81,7 +81,24 @@ def zone_at(matches: Matches, match: int, frame: int) -> Zone:
     phase = phase_at(matches, match, frame)
     if phase < 0:
         return Zone(0.0, 0.0, np.inf, 0.0)
-    row = matches.zone[match, phase]
+    return zone_of_phase(matches.zone[match, phase], frame)
+
+
+@kernel
+def zone_planned(rows: NDArray[np.float64], frame: int) -> Zone:
+    """Return the safe zone in a frame, given (Z, 9) its phases as ``plan_zone`` returns them."""
+    last = rows.shape[0] - 1
+    if last < 0:
+        return Zone(0.0, 0.0, np.inf, 0.0)
+    for phase in range(last):
+        if frame < rows[phase, 1]:
+            return zone_of_phase(rows[phase], frame)
+    return zone_of_phase(rows[last], frame)
+
+
+@kernel
+def zone_of_phase(row: NDArray[np.float64], frame: int) -> Zone:
+    """Return the safe zone in a frame of a phase, given (9,) the phase's row of ``Matches.zone``."""
     part = min(1.0, max(0.0, (frame - row[0]) / (row[1] - row[0])))
     return Zone(
         row[2] + (row[5] - row[2]) * part,
