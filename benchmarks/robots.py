@@ -25,7 +25,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.seats import shuffled
 from wildscav_evaluator.suites.wild_battles import battle, gathering, meeting_ground, royale
 
-MAPS = 40  # of each kind
+MAPS = 20  # of each kind
 TOGETHER = 40  # matches in a batch
 Z = 1.959964  # of a 95 % interval
 

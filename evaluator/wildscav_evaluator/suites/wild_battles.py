@@ -8,7 +8,7 @@ from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWav
 from wildscav_evaluator.seats import battle_seats, shuffled
 from wildscav_evaluator.suites.match_drawing import choose
 
-TIME_LIMIT = 300.0  # s
+TIME_LIMIT = 180.0  # s
 ROBOTS = 9
 # Rounds for a whole match, short absences, and more to win from a death than by default.
 RULES = Rules(spare_ammo=300, respawn_time=5.0, invincible_time=3.0, supply_loss=0.8)
@@ -32,7 +32,7 @@ def meeting_ground(dice: Dice) -> MapConfig:
 
 def moving_supplies(dice: Dice, time_limit: float = TIME_LIMIT) -> SupplyConfig:
     """Return few boxes all over the map, and a hot spot that moves to the end of a match."""
-    interval = choose(dice, (30.0, 40.0, 50.0))
+    interval = choose(dice, (20.0, 25.0, 30.0))
     hot_spot = HotSpot(
         interval=interval,
         places=int(time_limit // interval),

@@ -157,8 +157,8 @@ def test_what_is_no_state_of_this_engine_is_refused_in_one_line(monkeypatch: pyt
 @pytest.mark.parametrize(
     ("field", "value", "fault"),
     [
-        ("counts", [3, 1000, 0], "of another build of this engine: its arrays have other sizes"),
-        ("counts", [2, 60, 0], "of 2 seats, but its spec has 3"),
+        ("counts", [3, 1000, 0, 0], "of another build of this engine: its arrays have other sizes"),
+        ("counts", [2, 60, 0, 0], "of 2 seats, but its spec has 3"),
         ("counts", 3, "payload does not fit its header"),
         ("size", 10**9, "payload does not fit its header"),
         ("steps", 10**6, "payload does not fit its header"),

@@ -21,7 +21,7 @@ from wildscav_engine.specs.supply_config import HotSpot
 
 COLUMNS = 3  # of a place in Matches.hot_spots
 NONE = np.zeros((0, COLUMNS))
-PLACE_TRIES = 64  # places to try until one is in the safe zone
+PLACE_TRIES = 1000  # places to try until one is in the safe zone
 INSIDE = 10.0  # m between a place and the edge of the safe zone
 REACH = 3.0  # radii of the heat map within which boxes lie
 BOX_TRIES = 200  # per box
