@@ -114,9 +114,7 @@ class Matches(NamedTuple):
     zone: NDArray[np.float64]  # (B, Z, 9) phases of the safe zone: the frames in which shrinking starts and
     # ends, x, z and radius in m before it, x, z and radius after it, and hp per second outside
     phases: NDArray[np.int64]  # (B,) number of phases; the rest of the Z are padding
-    hot_spots: NDArray[
-        np.float64
-    ]  # (B, H, 3) the frame in which the hot spot comes to a place, x, z in m
+    hot_spots: NDArray[np.float64]  # (B, H, 3) the frame in which the hot spot comes to a place, x, z in m
     places: NDArray[np.int64]  # (B,) number of places of the hot spot; the rest of the H are padding
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
     agent_squares: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
