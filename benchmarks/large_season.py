@@ -16,7 +16,8 @@ from tests.leaderboard.results_made import made_result
 
 from wildscav_evaluator.suites.seeds import new_secret
 from wildscav_leaderboard.accounts.service import add_account, new_token, open_web_session
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
+from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.matchmaking import ladder_match
 from wildscav_leaderboard.conductor.models import PLAY, Attempt
 from wildscav_leaderboard.database.connection import Database

@@ -18,7 +18,8 @@ from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, Se
 from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, find_account, new_token, open_web_session
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
+from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor import lease, steps
 from wildscav_leaderboard.conductor.models import Attempt

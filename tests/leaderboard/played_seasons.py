@@ -16,7 +16,8 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_evaluator.seats import display_names
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
+from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.service import after_boards, refresh
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database

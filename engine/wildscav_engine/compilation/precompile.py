@@ -2,7 +2,7 @@
 
 Numba compiles each kernel when it is first called, one after another, on one processor core. With nothing
 compiled, that takes two minutes, and a second core can do half of the work. A kernel is locked while it is
-being compiled (see ``kernel.py``). A second process waits and then loads it from the cache on disk, so no
+being compiled (see ``compiler.py``). A second process waits and then loads it from the cache on disk, so no
 kernel is compiled twice.
 """
 
@@ -14,7 +14,7 @@ import sys
 from contextlib import suppress
 
 from wildscav_engine.compilation.cache_folders import cache_folder
-from wildscav_engine.compilation.kernel import config
+from wildscav_engine.compilation.kernel import PLAIN
 from wildscav_engine.compilation.sources import PACKAGE
 from wildscav_engine.parallel.threads import cores
 
@@ -33,7 +33,7 @@ def compile_ahead() -> None:
     It ends with this process at the latest. If it cannot be started, kernels are compiled on first use.
     """
     is_done = any(cache_folder(LAST).rglob("*.nbi"))
-    if is_done or config.DISABLE_JIT or cores() < 2:
+    if is_done or PLAIN or cores() < 2:
         return
     nothing = subprocess.DEVNULL
     with suppress(OSError):

@@ -13,28 +13,28 @@ import functools
 import sys
 from collections.abc import Iterator
 from hashlib import blake2b
+from importlib.metadata import version
 from pathlib import Path
-
-import llvmlite
-import numba
-import numpy as np
 
 from wildscav_engine.extensions import added_sources
 
 PACKAGE = Path(__file__).parent.parent
-COMPILER = (
-    f"numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {np.__version__} "
-    f"{sys.implementation.cache_tag}"
-)
 BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # fields of a statement that contain statements
 KERNELS_OF = "KERNELS_OF"  # the name of the constant
 TYPE_CHECKING = ("TYPE_CHECKING", "typing.TYPE_CHECKING")
 
 
 @functools.cache
+def compiler_versions() -> str:
+    """Return the versions of everything that compiles kernels, in one line."""
+    packages = " ".join(f"{name} {version(name)}" for name in ("numba", "llvmlite", "numpy"))
+    return f"{packages} {sys.implementation.cache_tag}"
+
+
+@functools.cache
 def sources_digest(file: Path) -> str:
     """Return a digest of a file, all files on which it depends, and the version of the compiler."""
-    digest = blake2b(COMPILER.encode(), digest_size=8)
+    digest = blake2b(compiler_versions().encode(), digest_size=8)
     for name, content in sorted((name_of(path), content_digest(path)) for path in closure(file)):
         digest.update(name.encode() + b"\0" + content)
     return digest.hexdigest()

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numba.extending import typeof_impl
 from numpy.typing import NDArray
 
 from wildscav_engine.rendering.tracing.solids import Solids
@@ -28,11 +27,8 @@ class DynamicObjects(Solids):
 
     @property
     def solids(self) -> Solids:
-        """The solids without instances and colours."""
+        """The solids without instances and colours, as kernels read them.
+
+        A kernel that read these objects themselves would be compiled once more, for another type.
+        """
         return Solids(*self)
-
-
-@typeof_impl.register(DynamicObjects)
-def _type_for_kernels(objects: DynamicObjects, context: Any) -> Any:
-    """Make kernels treat them as ``Solids``, so that no kernel is compiled for two types."""
-    return typeof_impl(objects.solids, context)

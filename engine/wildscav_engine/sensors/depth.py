@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numba.core.errors import NumbaError
 from numpy.typing import ArrayLike, NDArray
 
+from wildscav_engine.compilation.kernel import refusal
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.trace import (
     depths_tracer,
@@ -78,7 +78,7 @@ class DepthCamera(MovingOption, PinholeCamera):
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
                 if trace(positions, yaws, pitches, lens[0], lens[1], workspace.tables, depths):
                     return depths
-            except (TypeError, ValueError, NumbaError):
+            except (TypeError, ValueError, refusal()):
                 if are_ready(positions, yaws, pitches):
                     raise  # the arguments are valid, so the error is ours
         return super().render(

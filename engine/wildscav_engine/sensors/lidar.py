@@ -92,7 +92,7 @@ class Lidar(MovingOption):
         reach = np.empty((self.azimuths, self.channels))
         fans = RayFans(slopes, reach, np.empty(len(world.solid_kind), np.int64))
         _aim(self.elevations, levels, slopes)
-        _scan(world, moving, cameras, levels, fans, images)
+        _scan(world, Solids(*moving), cameras, levels, fans, images)
         return True
 
 

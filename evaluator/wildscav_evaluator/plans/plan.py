@@ -14,13 +14,12 @@ from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.numbered_folders import own_folder
 from wildscav_evaluator.output.results import KeptLimits, MatchTiming, Results, Timings
 from wildscav_evaluator.sandbox import SANDBOXES
-from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, KEPT_ANYWHERE, Limits
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import Suite
 
 REPLAY_CHOICES = ("none", "first", "all")
-KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox without isolation enforces
 
 
 @dataclass(frozen=True, kw_only=True)

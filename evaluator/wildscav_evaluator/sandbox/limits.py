@@ -26,3 +26,4 @@ class Limits(BaseModel):
 
 # The limits of a track's matches unless their suite sets others.
 DEFAULT_LIMITS = Limits()
+KEPT_ANYWHERE = {"output", "wall_clock"}  # limits that even a sandbox without isolation enforces

@@ -1,11 +1,9 @@
 """The conditions under which a season's matches are played."""
 
-from hashlib import blake2b
-
 from wildscav_evaluator.output.results import KeptLimits
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
-from wildscav_evaluator.plans.plan import KEPT_ANYWHERE
 from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.sandbox.limits import KEPT_ANYWHERE
 from wildscav_leaderboard.boards.documents import Conditions
 from wildscav_leaderboard.seasons.folder import Season
 
@@ -28,8 +26,3 @@ def conditions_of(season: Season, track: str, sandbox: str, *, final: bool = Fal
         sandbox=sandbox,
         limits=KeptLimits(**season.limits(track).model_dump(include=kept)),
     )
-
-
-def digest_of(conditions: Conditions) -> str:
-    """Return a digest of conditions, 32 hexadecimal digits; equal conditions have equal ones."""
-    return blake2b(conditions.model_dump_json().encode(), digest_size=16).hexdigest()

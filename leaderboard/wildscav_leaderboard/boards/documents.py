@@ -1,7 +1,8 @@
 """The documents of boards, which pages, the API and the audit share."""
 
 from datetime import datetime
-from typing import Annotated, Literal
+from hashlib import blake2b
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -94,3 +95,17 @@ class LadderBoard(_Part):
 
 
 BoardDocument = Annotated[SuiteBoard | LadderBoard, Field(discriminator="mode")]
+
+
+def digest_of(conditions: Conditions) -> str:
+    """Return a digest of conditions, 32 hexadecimal digits; equal conditions have equal ones."""
+    return blake2b(conditions.model_dump_json().encode(), digest_size=16).hexdigest()
+
+
+def place_of(board: SuiteBoard | LadderBoard, row: Row) -> tuple[float, float, float]:
+    """Return what a row is ranked by, with its 95 % interval: its mean score, or its rating."""
+    if isinstance(row, SuiteRow):
+        score = row.metrics[board.metrics[0].name]
+        return score.mean, score.low, score.high
+    rating: Any = row
+    return rating.rating, rating.low, rating.high

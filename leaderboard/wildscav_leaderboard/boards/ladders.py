@@ -4,20 +4,17 @@ Matches that were played under different conditions are not compared: after an u
 track's ladder begins anew.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import Select, case, func, select
+from sqlalchemy import case, func, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import MatchRow, metric_infos
-from wildscav_evaluator.ratings.head_to_head import PairRecord
-from wildscav_evaluator.ratings.head_to_head import head_to_head as records_of
 from wildscav_evaluator.ratings.ladder import Ladder, Skill
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.tournaments.rated_matches import placing_metric
 from wildscav_leaderboard.boards.models import LadderStep
-from wildscav_leaderboard.database.connection import KEPT
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, VOID, Match, MatchResult
 
 
@@ -159,83 +156,3 @@ def applied_matches(session: Session, track: str, conditions: str) -> int:
     """Return how many matches were applied on a track."""
     wanted = select(func.count(LadderStep.match_id.distinct()))
     return session.scalar(wanted.where(LadderStep.track == track, LadderStep.conditions == conditions)) or 0
-
-
-def head_to_head(
-    session: Session, track: str, conditions: str, entrants: Collection[str], applied: int | None = None
-) -> dict[tuple[str, str], PairRecord]:
-    """Return the record of every two entrants that met on a ladder, in both orders.
-
-    Args:
-        session: A session.
-        track: The track.
-        conditions: Digest of the conditions of the ladder.
-        entrants: Among whom.
-        applied: How many matches of the ladder count, from its first one on; None for all.
-    """
-    wanted = _steps(session, track, conditions, applied).where(LadderStep.entrant.in_(list(entrants)))
-    return _records(session, wanted)
-
-
-def records_against(
-    session: Session, track: str, conditions: str, entrant: str, applied: int | None = None
-) -> dict[str, PairRecord]:
-    """Return an entrant's record against everyone whom it met, by their names.
-
-    Args:
-        session: A session.
-        track: The track.
-        conditions: Digest of the conditions of the ladder.
-        entrant: Whose record it is.
-        applied: How many matches of the ladder count, from its first one on; None for all.
-    """
-    # All of this is decided by its own steps, which an index finds.
-    own = select(LadderStep.match_id).where(
-        LadderStep.track == track, LadderStep.conditions == conditions, LadderStep.entrant == entrant
-    )
-    if applied is not None:
-        own = own.where(LadderStep.match_id <= _last_match(session, track, conditions, applied))
-    wanted = select(LadderStep.match_id, LadderStep.entrant, LadderStep.place)
-    met = wanted.where(LadderStep.match_id.in_(own)).order_by(LadderStep.match_id)
-    found = _records(session, met)
-    return {other: record for (one, other), record in found.items() if one == entrant}
-
-
-def _steps(session: Session, track: str, conditions: str, applied: int | None) -> Select[int, str, int]:
-    """Select the steps of a ladder, or those of its first matches."""
-    chosen = (LadderStep.track == track, LadderStep.conditions == conditions)
-    wanted = select(LadderStep.match_id, LadderStep.entrant, LadderStep.place).where(*chosen)
-    if applied is not None:
-        wanted = wanted.where(LadderStep.match_id <= _last_match(session, track, conditions, applied))
-    return wanted.order_by(LadderStep.match_id)
-
-
-def _last_match(session: Session, track: str, conditions: str, applied: int) -> int:
-    """Return the last one of the first matches of a ladder. It is kept, since their history never moves."""
-    kept, key = session.info.get(KEPT, {}), (LadderStep, track, conditions, applied)
-    last: int | None = kept.get(key)
-    if last is None:
-        steps = select(LadderStep.match_id).where(
-            LadderStep.track == track, LadderStep.conditions == conditions
-        )
-        first = steps.distinct().order_by(LadderStep.match_id).limit(applied).subquery()
-        last = session.scalar(select(func.max(first.c.match_id))) or 0
-        for old in [one for one in list(kept) if isinstance(one, tuple) and one[:3] == key[:3]]:
-            kept.pop(old, None)
-        kept[key] = last
-    return last
-
-
-def _records(session: Session, wanted: Select[int, str, int]) -> dict[tuple[str, str], PairRecord]:
-    return records_of(_matches((match, entrant, place) for match, entrant, place in session.execute(wanted)))
-
-
-def _matches(steps: Iterable[tuple[int, str, int]]) -> Iterator[RatedMatch]:
-    """Yield the matches of some steps in which at least two met."""
-    found: dict[int, list[tuple[str, int]]] = {}
-    for match, entrant, place in steps:
-        found.setdefault(match, []).append((entrant, place))
-    for match, seats in found.items():
-        if len(seats) < 2:
-            continue  # nobody else of those who were asked about played in it
-        yield RatedMatch(match, tuple((name,) for name, _ in seats), tuple(place for _, place in seats))

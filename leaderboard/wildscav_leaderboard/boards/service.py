@@ -1,4 +1,4 @@
-"""What can be done with boards: bring them up to date, read them, freeze them.
+"""What can be done with boards: bring them up to date, and decide them.
 
 A board is computed when results arrive, and stored as a document, so that showing it reads one row. Before
 the freeze the public and the hidden board are equal; after it the public one stays as it is.
@@ -14,13 +14,13 @@ from wildscav_evaluator.output.results import metric_infos
 from wildscav_evaluator.ratings.ladder import Skill
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import ladders
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
 from wildscav_leaderboard.boards.documents import (
     Conditions,
     LadderBoard,
-    Row,
     SuiteBoard,
-    SuiteRow,
+    digest_of,
+    place_of,
 )
 from wildscav_leaderboard.boards.final import Final, read_final, write_final
 from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
@@ -159,25 +159,10 @@ def _add_points(session: Session, board: SuiteBoard | LadderBoard, now: datetime
         )
 
 
-def place_of(board: SuiteBoard | LadderBoard, row: Row) -> tuple[float, float, float]:
-    """Return what a row is ranked by, with its 95 % interval: its mean score, or its rating."""
-    if isinstance(row, SuiteRow):
-        score = row.metrics[board.metrics[0].name]
-        return score.mean, score.low, score.high
-    rating: Any = row
-    return rating.rating, rating.low, rating.high
-
-
 def _last_points(session: Session, track: str) -> dict[int, BoardPoint]:
     last = select(func.max(BoardPoint.id)).where(BoardPoint.track == track).group_by(BoardPoint.submission_id)
     found = session.scalars(select(BoardPoint).where(BoardPoint.id.in_(last)))
     return {point.submission_id: point for point in found}
-
-
-def freeze(session: Session, now: datetime) -> None:
-    """Keep the public boards as they are."""
-    if season_state.read_state(session, season_state.FROZEN) is None:
-        season_state.write_state(session, season_state.FROZEN, {"at": now.isoformat()}, now)
 
 
 def decide(session: Session, season: Season, final: Final, now: datetime) -> None:

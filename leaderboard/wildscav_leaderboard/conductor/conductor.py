@@ -13,7 +13,8 @@ from wildscav.errors import WildscavError, describe
 from wildscav.monitoring.logs import Log, open_log
 from wildscav_evaluator.executors import EXECUTORS, Executor
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
+from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps, work

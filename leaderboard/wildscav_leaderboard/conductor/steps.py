@@ -11,7 +11,6 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, metric_infos
-from wildscav_leaderboard.boards import service as boards
 from wildscav_leaderboard.boards.service import after_boards
 from wildscav_leaderboard.conductor import attempts
 from wildscav_leaderboard.conductor.lease import Holding, check
@@ -46,7 +45,7 @@ def freeze_when_due(session: Session, season: Season, now: datetime) -> bool:
     names = (season_state.FROZEN, season_state.FINALIZED)
     if due is None or now < due or any(season_state.read_state(session, name) for name in names):
         return False
-    boards.freeze(session, now)
+    season_state.freeze(session, now)
     season_state.log_act(session, CONDUCTOR, "freeze", "boards", now, f"due at {due:%Y-%m-%d %H:%M} UTC")
     return True
 

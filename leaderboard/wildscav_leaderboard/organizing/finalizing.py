@@ -17,7 +17,8 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards import service as boards
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
+from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.final import Final
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import HIDDEN

@@ -8,7 +8,6 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER, Account
 from wildscav_leaderboard.accounts.service import add_account
 from wildscav_leaderboard.accounts.service import invite as new_invitation
-from wildscav_leaderboard.boards import service as boards
 from wildscav_leaderboard.conductor import attempts
 from wildscav_leaderboard.matches import service as matches
 from wildscav_leaderboard.matches.models import VOID, Match
@@ -149,7 +148,7 @@ def freeze(session: Session, actor: str, now: datetime) -> None:
     """
     if season_state.read_state(session, season_state.FROZEN) is not None:
         raise RefusalError("the public boards are frozen already")
-    boards.freeze(session, now)
+    season_state.freeze(session, now)
     log_act(session, actor, "freeze", "boards", now)
 
 

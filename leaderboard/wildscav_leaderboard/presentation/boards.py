@@ -6,9 +6,8 @@ from dataclasses import asdict
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.seats import robot_entrant
-from wildscav_leaderboard.boards import ladders
-from wildscav_leaderboard.boards.conditions import digest_of
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow
+from wildscav_leaderboard.boards import meetings
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow, digest_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.presentation.documents import (
@@ -40,7 +39,7 @@ def head_to_head_view(session: Session, board: LadderBoard) -> HeadToHeadView:
     """Return how the first entrants of a ladder did against each other, as far as its board counts."""
     rows = [row for row in board.rows if row.rank is not None][:MOST]
     names = [entrant_name(row) for row in rows]
-    records = ladders.head_to_head(
+    records = meetings.head_to_head(
         session, board.track, digest_of(board.conditions), names, applied=board.applied
     )
     return HeadToHeadView(
@@ -69,7 +68,7 @@ def opponent_views(session: Session, track: str, submission: Submission) -> list
     board = read_board(session, track)
     if not isinstance(board, LadderBoard):
         return []
-    records = ladders.records_against(
+    records = meetings.records_against(
         session, track, digest_of(board.conditions), submission.entrant, applied=board.applied
     )
     known = {entrant_name(row): _entrant(entrant_name(row), row) for row in board.rows}

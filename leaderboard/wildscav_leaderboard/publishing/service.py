@@ -15,8 +15,7 @@ from sqlalchemy.orm import Session, defer
 from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.suites.rounds import match_count
 from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
-from wildscav_leaderboard.boards.conditions import digest_of
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, digest_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import PUBLIC, Board, LadderStep
 from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, VOID, Match, MatchResult, MatchSeat

@@ -42,6 +42,12 @@ def frozen_since(session: Session) -> datetime | None:
     return datetime.fromisoformat(str(frozen["at"]))
 
 
+def freeze(session: Session, now: datetime) -> None:
+    """Keep the public boards as they are."""
+    if read_state(session, FROZEN) is None:
+        write_state(session, FROZEN, {"at": now.isoformat()}, now)
+
+
 def log_act(session: Session, actor: str, act: str, subject: str, now: datetime, detail: str = "") -> None:
     """Add a privileged act to the log.
 

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from wildscav_leaderboard.boards.documents import BoardDocument, Row
-from wildscav_leaderboard.boards.service import place_of
+from wildscav_leaderboard.boards.documents import BoardDocument, Row, place_of
 
 MARGIN = 0.04  # of the width, on each side
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from wildscav_engine.compilation.kernel import config
+from wildscav_engine.compilation.kernel import PLAIN
 from wildscav_engine.compilation.sources import PACKAGE
 
-pytestmark = pytest.mark.skipif(config.DISABLE_JIT, reason="nothing is compiled")
+pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 
 # Prints where the engine lies, which kernels were compiled, and what they returned: one that calls others,
 # and one that takes a named tuple and reads a constant of another file.

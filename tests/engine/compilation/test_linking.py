@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numba import types
 
-from wildscav_engine.compilation import kernel as kernels
-from wildscav_engine.compilation.kernel import array_kernel, kernel
+from wildscav_engine.compilation import compiler
+from wildscav_engine.compilation.kernel import PLAIN, array_kernel, kernel
 from wildscav_engine.compilation.linking import Part
 
-pytestmark = pytest.mark.skipif(kernels.config.DISABLE_JIT, reason="nothing is compiled")
+pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 
 
 def half(x):
@@ -37,7 +37,7 @@ def sum_of_quarters(numbers):
 
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kernels, "cache_folder", lambda file: tmp_path)
+    monkeypatch.setattr(compiler, "cache_folder", lambda file: tmp_path)
     define(monkeypatch)
 
 

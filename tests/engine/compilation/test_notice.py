@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.compilation.kernel import config
+from wildscav_engine.compilation.kernel import PLAIN
 from wildscav_engine.compilation.notice import Progress
 
-pytestmark = pytest.mark.skipif(config.DISABLE_JIT, reason="nothing is compiled")
+pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 
 # Without patience, so that a few small kernels are worth a word.
 USE = """

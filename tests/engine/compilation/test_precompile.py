@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.compilation import kernel as kernels
 from wildscav_engine.compilation import precompile as ahead
+from wildscav_engine.compilation.kernel import PLAIN
 
-pytestmark = pytest.mark.skipif(kernels.config.DISABLE_JIT, reason="nothing is compiled")
+pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 
 
 def run(code: str) -> str:

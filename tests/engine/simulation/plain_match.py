@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parents[3]))
 import numpy as np
 from tests.builders import box, flat_world, map_from
 
-from wildscav_engine.compilation.kernel import config
+from wildscav_engine.compilation.kernel import PLAIN
 from wildscav_engine.envs import SingleEnv
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.walk.paths import find_path
@@ -75,6 +75,6 @@ def _episode(game_map: GameMap) -> list[float]:
 
 
 if __name__ == "__main__":
-    assert config.DISABLE_JIT
+    assert PLAIN
     warnings.simplefilter("ignore", RuntimeWarning)  # NumPy's own numbers complain where words overflow
     sys.stdout.write(json.dumps(report()))

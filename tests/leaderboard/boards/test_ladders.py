@@ -14,12 +14,11 @@ from wildscav_leaderboard.boards.ladders import (
     Standing,
     applied_matches,
     apply_matches,
-    head_to_head,
     rated_match,
-    records_against,
     skills_of,
     standings_of,
 )
+from wildscav_leaderboard.boards.meetings import head_to_head, records_against
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, add_ladder_match, deliver, void

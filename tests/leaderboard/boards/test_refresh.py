@@ -9,7 +9,8 @@ from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
+from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores

@@ -12,10 +12,11 @@ from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_wi
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
-from wildscav_leaderboard.boards.conditions import conditions_of, digest_of
+from wildscav_leaderboard.boards.conditions import conditions_of
+from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON
-from wildscav_leaderboard.boards.service import freeze, refresh
+from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match
@@ -108,7 +109,7 @@ def played(database: Database, season: Season, tmp_path: Path) -> Database:
             enter(session, season, team, tmp_path)
         play_waiting(session, season, season_time)
         refresh(session, season, "process", NOON)
-        freeze(session, NOON)
+        season_state.freeze(session, NOON)
         season_state.write_state(session, season_state.NODES, {"sandbox": "process"}, NOON)
     return database
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.compilation.kernel import config
+from wildscav_engine.compilation.kernel import PLAIN
 
-pytestmark = pytest.mark.skipif(config.DISABLE_JIT, reason="nothing is compiled")
+pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 
 # Compiles a few small kernels, without patience, so that they are worth a word. Prints what was shown on the
 # console, and whether processes that are started meanwhile, and afterwards, are told to be quiet.

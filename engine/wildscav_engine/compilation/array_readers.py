@@ -1,0 +1,128 @@
+"""The code in kernels that unpacks arrays from tables of addresses; see ``array_tables.py``."""
+
+from typing import Any
+
+import numba
+import numba.np.arrayobj
+from numba.core import types
+from numba.core.typing.templates import make_intrinsic_template
+
+from wildscav_engine.compilation.table_columns import COLUMNS
+
+# Annotated as Any, because Numba's stubs do not contain them.
+typeof: Any = numba.typeof
+make_array: Any = numba.np.arrayobj.make_array
+populate_array: Any = numba.np.arrayobj.populate_array
+named_tuple: Any = types.NamedTuple
+make_template: Any = make_intrinsic_template
+function_type: Any = types.Function
+
+Arrays = Any  # a NamedTuple of arrays
+Definition = Any  # a function from Numba types to a signature and a generator of code
+
+
+def type_of(value: Any, definition: Definition) -> Any:
+    """Return the type of a value that kernels call, whose code a definition generates.
+
+    It is what Numba's ``intrinsic`` makes of a definition.
+    """
+    return function_type(make_template(value, definition, definition.__qualname__))
+
+
+def whole_reader(like: Arrays) -> Definition:
+    """Return the definition of a kernel that reads all arrays of a table."""
+    kind = typeof(like)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        table = _Table(context, builder, signature.args[0], arguments[0])
+        arrays = []
+        for field, array in enumerate(kind):
+            shape = [table.number(field, 2 + axis) for axis in range(array.ndim)]
+            arrays.append(_pack(context, builder, array, table.number(field, 0), shape))
+        return context.make_tuple(builder, kind, arrays)
+
+    def read(typing_context: Any, table: Any) -> Any:  # noqa: ARG001
+        return kind(table), generate
+
+    return read
+
+
+def row_reader(like: Arrays) -> Definition:
+    """Return the definition of a kernel that reads one row of every array of a table."""
+    arrays = [types.Array(array.dtype, array.ndim - 1, "C") for array in typeof(like)]
+    kind = named_tuple(arrays, type(like))
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        table = _Table(context, builder, signature.args[0], arguments[0])
+        _, row, count = arguments
+        found = []
+        for field, array in enumerate(arrays):
+            inner = [table.number(field, 4 + axis) for axis in range(array.ndim - 1)]
+            offset = builder.mul(row, table.number(field, 1))
+            for extent in [table.number(field, 3), *inner]:
+                offset = builder.mul(offset, extent)
+            address = builder.add(table.number(field, 0), offset)
+            found.append(_pack(context, builder, array, address, [count, *inner]))
+        return context.make_tuple(builder, kind, found)
+
+    def read(typing_context: Any, table: Any, row: Any, count: Any) -> Any:  # noqa: ARG001
+        return kind(table, types.int64, types.int64), generate
+
+    return read
+
+
+def number_reader(like: Any) -> Definition:
+    """Return the definition of a kernel that converts (N,) float64 to a NamedTuple of numbers."""
+    kind = typeof(like)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        table = _Table(context, builder, signature.args[0], arguments[0])
+        found = []
+        for field, number in enumerate(kind):
+            value = table.number(0, field)
+            whole = isinstance(number, types.Integer)
+            found.append(builder.fptosi(value, context.get_value_type(number)) if whole else value)
+        return context.make_tuple(builder, kind, found)
+
+    def read(typing_context: Any, values: Any) -> Any:  # noqa: ARG001
+        return kind(values), generate
+
+    return read
+
+
+def byte_reader() -> Definition:
+    """Return the definition of a kernel that views memory as bytes."""
+    return _read_bytes
+
+
+def _generate_bytes(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return _pack(context, builder, signature.return_type, arguments[0], [arguments[1]])
+
+
+def _read_bytes(typing_context: Any, address: Any, size: Any) -> Any:  # noqa: ARG001
+    return types.Array(types.uint8, 1, "C")(types.int64, types.int64), _generate_bytes
+
+
+class _Table:
+    """An array table in a kernel that is being compiled."""
+
+    def __init__(self, context: Any, builder: Any, kind: Any, value: Any) -> None:
+        self._context, self._builder = context, builder
+        self._data = make_array(kind)(context, builder, value).data
+
+    def number(self, row: int, column: int) -> Any:
+        """Return code that reads one number of the table."""
+        place = self._context.get_constant(types.intp, row * COLUMNS + column)
+        return self._builder.load(self._builder.gep(self._data, [place]))
+
+
+def _pack(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any]) -> Any:
+    """Return code for an array with a given address and shape, without reference counting."""
+    array = make_array(kind)(context, builder)
+    itemsize = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+    strides = [itemsize]
+    for extent in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], extent))
+    data = builder.inttoptr(address, array.data.type)
+    populate_array(array, data=data, shape=shape, strides=strides, itemsize=itemsize, meminfo=None)
+    return array._getvalue()

@@ -1,0 +1,98 @@
+"""The compiler behind the decorators of ``kernel.py``.
+
+Numba compiles kernels for exactness first: no ``fastmath`` (replays must match bit for bit) and divisions as
+in IEEE 754. Kernels release the GIL, because the server and batches run them in threads.
+
+Compiled code is cached on disk for every process that runs the same sources, whatever their location
+(see ``kernel_cache.py``). The traceback of an error in a kernel names the files that were compiled.
+"""
+
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.compiler_lock import global_compiler_lock
+
+from wildscav_engine.compilation.cache_folders import cache_folder
+from wildscav_engine.compilation.kernel_cache import KernelCache
+from wildscav_engine.compilation.linking import PartCache, PartCompiler, WholeCompiler, for_all_numbers
+from wildscav_engine.compilation.locks import locked
+from wildscav_engine.compilation.notice import notice
+
+__all__ = ["compile_part", "compile_whole", "global_compiler_lock", "typeof"]
+
+# Annotated as Any, because Numba has options that its type stubs do not contain.
+njit: Any = numba.njit
+typeof: Any = numba.typeof
+
+GC_THRESHOLDS = (100_000, 50, 1000)  # as in ``gc.set_threshold``
+EXACT_OPTIONS = {"fastmath": False, "nogil": True, "error_model": "numpy"}
+
+
+def compile_whole(function: Callable[..., Any], **options: Any) -> Any:
+    """Return a function that compiles itself when it is first called from Python."""
+    options = {"no_cfunc_wrapper": True, **options}
+    folder = _folder_of(function, "-".join(sorted(options)))
+    # Without reference counting, no second pass is needed to find references that can be removed.
+    whole = {} if options.get("_nrt", True) else {"pipeline_class": WholeCompiler}
+    return _with_cache(njit(**EXACT_OPTIONS, **options, **whole)(function), KernelCache(function, folder))
+
+
+def compile_part(function: Callable[..., Any], **options: bool) -> Any:
+    """Return a function that compiles itself when it is first called from a kernel."""
+    folder = _folder_of(function, "-".join(["part", *sorted(options)]))
+    part = njit(
+        pipeline_class=PartCompiler,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        **EXACT_OPTIONS,
+        **options,
+    )(function)
+    return _with_cache(for_all_numbers(part), PartCache(function, folder))
+
+
+def _folder_of(function: Callable[..., Any], options: str) -> Path:
+    # Numba does not distinguish code compiled with different options, so each set has a folder of its own.
+    return cache_folder(Path(function.__code__.co_filename)) / options
+
+
+def _with_cache(dispatcher: Any, cache: KernelCache) -> Any:
+    """Cache the compiled code of a function on disk and compile it in one process at a time; return it.
+
+    Two processes that compiled the same function at once would both compile everything that it calls, and
+    could mix up their cached files, because Numba numbers the files of a function's signatures
+    consecutively. There are no deadlocks: a process that waits for a kernel holds locks only on callers of
+    that kernel.
+    """
+    compile_unlocked = dispatcher.compile
+    lock = Path(cache.cache_path) / f"{dispatcher.py_func.__qualname__}.lock"
+
+    def compile_locked(signature: Any) -> Any:
+        with (
+            global_compiler_lock,
+            notice.waiting(),
+            locked(lock, lambda: notice.begin(0)),
+            _rare_garbage_collection(),
+        ):
+            return compile_unlocked(signature)
+
+    dispatcher._cache = cache
+    dispatcher.compile = compile_locked
+    return dispatcher
+
+
+@contextmanager
+def _rare_garbage_collection() -> Iterator[None]:
+    """Run Python's garbage collector less often.
+
+    A compiler creates very many long-lived objects; scanning all of them takes a fifth of its time.
+    """
+    before = gc.get_threshold()
+    gc.set_threshold(*GC_THRESHOLDS)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
