@@ -188,11 +188,12 @@ def caller_of_token(session: Session, token: str) -> tuple[Caller, Token]:
         UnknownCallerError: It is nobody's.
         ForbiddenError: The account is disabled.
     """
-    found = session.scalars(select(Token).filter_by(digest=digest_of(token), revoked=None)).one_or_none()
-    if found is None:
+    wanted = select(Token, Account).join(Account, Account.id == Token.account_id)
+    found = session.execute(wanted.filter(Token.digest == digest_of(token), Token.revoked.is_(None)))
+    pair = found.one_or_none()
+    if pair is None:
         raise UnknownCallerError("this token is unknown or revoked: `wildscav login` gets a new one")
-    account = session.get_one(Account, found.account_id)
-    return Caller(check_usable(account)), found
+    return Caller(check_usable(pair[1])), pair[0]
 
 
 def is_use_to_be_noted(token: Token, now: datetime) -> bool:
@@ -218,11 +219,13 @@ def open_web_session(session: Session, account: Account, now: datetime) -> tuple
 
 def caller_of_cookie(session: Session, cookie: str, now: datetime) -> Caller | None:
     """Return who is logged in with a cookie; None if nobody is."""
-    found = session.get(WebSession, digest_of(cookie))
-    if found is None or found.expires <= now:
-        return None
-    account = session.get_one(Account, found.account_id)
-    return None if account.disabled is not None else Caller(account, found.csrf)
+    wanted = (
+        select(WebSession, Account)
+        .join(Account, Account.id == WebSession.account_id)
+        .where(WebSession.digest == digest_of(cookie), WebSession.expires > now, Account.disabled.is_(None))
+    )
+    found = session.execute(wanted).one_or_none()
+    return None if found is None else Caller(found[1], found[0].csrf)
 
 
 def close_web_session(session: Session, cookie: str) -> None:

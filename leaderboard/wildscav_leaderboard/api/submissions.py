@@ -110,7 +110,8 @@ def cancel(submission: int, caller: KnownProgram, database: CurrentDatabase, now
 def opponents(submission: int, track: str, current: CurrentSeason, session: Reading) -> list[OpponentView]:
     """Return how a submission did against everyone whom it met on a ladder."""
     current.track(track)
-    return opponent_views(session, track, service.find_submission(session, submission))
+    found = service.find_submission(session, submission)
+    return opponent_views(session, [track], found).get(track, [])
 
 
 @router.get("/submissions/{submission}/logs", response_class=PlainTextResponse, responses=REFUSALS)

@@ -24,7 +24,27 @@ def history(
         until: What came later is left out; None for everything.
     """
     wanted = select(BoardPoint).where(BoardPoint.submission_id.in_(list(submissions)))
-    return list(session.scalars(_in_order(wanted, track, until)))
+    return list(session.scalars(_in_order(wanted.where(BoardPoint.track == track), until)))
+
+
+def histories_of(
+    session: Session, submission: int, until: datetime | None = None
+) -> dict[str, list[BoardPoint]]:
+    """Return how a submission's places changed on each track, in the order of time."""
+    found: dict[str, list[BoardPoint]] = {}
+    wanted = select(BoardPoint).where(BoardPoint.submission_id == submission)
+    for point in session.scalars(_in_order(wanted, until)):
+        found.setdefault(point.track, []).append(point)
+    return found
+
+
+def histories_of_team(session: Session, team: int) -> dict[str, list[BoardPoint]]:
+    """Return how a team's places changed on each track, in the order of time."""
+    found: dict[str, list[BoardPoint]] = {}
+    wanted = select(BoardPoint).join(Submission, Submission.id == BoardPoint.submission_id)
+    for point in session.scalars(_in_order(wanted.where(Submission.team_id == team), None)):
+        found.setdefault(point.track, []).append(point)
+    return found
 
 
 def team_histories(
@@ -45,7 +65,7 @@ def team_histories(
         .where(Team.name.in_(list(teams)))
     )
     found: dict[str, list[BoardPoint]] = {name: [] for name in teams}
-    for point, name in session.execute(_in_order(wanted, track, until)):
+    for point, name in session.execute(_in_order(wanted.where(BoardPoint.track == track), until)):
         found[name].append(point)
     return found
 
@@ -65,8 +85,8 @@ def latest_points(
     return [(point, submission, team) for point, submission, team in session.execute(wanted)]
 
 
-def _in_order(wanted: Any, track: str, until: datetime | None) -> Any:  # of one type: a Select
-    chosen = wanted.where(BoardPoint.track == track, *_before(until))
+def _in_order(wanted: Any, until: datetime | None) -> Any:  # of one type: a Select
+    chosen = wanted.where(*_before(until))
     return chosen.order_by(BoardPoint.at, BoardPoint.id)
 
 

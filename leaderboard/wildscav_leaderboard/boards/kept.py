@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.models import PUBLIC, Board
-from wildscav_leaderboard.database.connection import KEPT
+from wildscav_leaderboard.database.connection import KEPT, once
 
 DOCUMENT: TypeAdapter[BoardDocument] = TypeAdapter(BoardDocument)
 
@@ -33,8 +33,13 @@ class KeptBoard:
 
 def board_updated(session: Session, track: str, audience: str = PUBLIC) -> datetime | None:
     """Return when the board of a track changed last; None if there are no results yet."""
-    wanted = select(Board.updated).where(Board.track == track, Board.audience == audience)
-    return session.scalars(wanted).one_or_none()
+    return once(session, Board, lambda: _times(session)).get((track, audience))
+
+
+def _times(session: Session) -> dict[tuple[str, str], datetime]:
+    """Return when each board changed last, by track and audience."""
+    found = session.execute(select(Board.track, Board.audience, Board.updated))
+    return {(track, audience): updated for track, audience, updated in found}
 
 
 def kept_board(session: Session, track: str, audience: str = PUBLIC) -> KeptBoard | None:

@@ -1,8 +1,9 @@
 """Who met whom on a ladder, and how it went: read from the steps of the ladder alone."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from typing import NamedTuple
 
-from sqlalchemy import Select, func, select
+from sqlalchemy import ColumnElement, Select, func, or_, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.ratings.head_to_head import PairRecord
@@ -10,6 +11,14 @@ from wildscav_evaluator.ratings.head_to_head import head_to_head as records_of
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_leaderboard.boards.models import LadderStep
 from wildscav_leaderboard.database.connection import KEPT
+
+
+class Ladder(NamedTuple):
+    """A ladder, or its first matches."""
+
+    track: str
+    conditions: str  # their digest
+    applied: int | None = None  # how many matches count, from the first one on; None for all
 
 
 def head_to_head(
@@ -31,34 +40,45 @@ def head_to_head(
 def records_against(
     session: Session, track: str, conditions: str, entrant: str, applied: int | None = None
 ) -> dict[str, PairRecord]:
-    """Return an entrant's record against everyone whom it met, by their names.
+    """Return an entrant's record against everyone whom it met, by their names; see ``Ladder``."""
+    return records_on(session, [Ladder(track, conditions, applied)], entrant)[track]
+
+
+def records_on(session: Session, ladders: Sequence[Ladder], entrant: str) -> dict[str, dict[str, PairRecord]]:
+    """Return an entrant's record on some ladders, at least one: by track, and by whom it met.
 
     Args:
         session: A session.
-        track: The track.
-        conditions: Digest of the conditions of the ladder.
+        ladders: The ladders, each of another track.
         entrant: Whose record it is.
-        applied: How many matches of the ladder count, from its first one on; None for all.
     """
     # All of this is decided by its own steps, which an index finds.
     own = select(LadderStep.match_id).where(
-        LadderStep.track == track, LadderStep.conditions == conditions, LadderStep.entrant == entrant
+        LadderStep.entrant == entrant, or_(*(_counts(session, *ladder) for ladder in ladders))
     )
-    if applied is not None:
-        own = own.where(LadderStep.match_id <= _last_match(session, track, conditions, applied))
-    wanted = select(LadderStep.match_id, LadderStep.entrant, LadderStep.place)
+    wanted = select(LadderStep.track, LadderStep.match_id, LadderStep.entrant, LadderStep.place)
+    steps: dict[str, list[tuple[int, str, int]]] = {ladder.track: [] for ladder in ladders}
     met = wanted.where(LadderStep.match_id.in_(own)).order_by(LadderStep.match_id)
-    found = _records(session, met)
-    return {other: record for (one, other), record in found.items() if one == entrant}
+    for track, match, name, place in session.execute(met):
+        steps[track].append((match, name, place))
+    return {
+        track: {other: record for (one, other), record in records_of(_matches(own)).items() if one == entrant}
+        for track, own in steps.items()
+    }
+
+
+def _counts(session: Session, track: str, conditions: str, applied: int | None) -> ColumnElement[bool]:
+    """Return whether a step is one of a ladder, or of its first matches."""
+    chosen = (LadderStep.track == track) & (LadderStep.conditions == conditions)
+    if applied is None:
+        return chosen
+    return chosen & (LadderStep.match_id <= _last_match(session, track, conditions, applied))
 
 
 def _steps(session: Session, track: str, conditions: str, applied: int | None) -> Select[int, str, int]:
     """Select the steps of a ladder, or those of its first matches."""
-    chosen = (LadderStep.track == track, LadderStep.conditions == conditions)
-    wanted = select(LadderStep.match_id, LadderStep.entrant, LadderStep.place).where(*chosen)
-    if applied is not None:
-        wanted = wanted.where(LadderStep.match_id <= _last_match(session, track, conditions, applied))
-    return wanted.order_by(LadderStep.match_id)
+    wanted = select(LadderStep.match_id, LadderStep.entrant, LadderStep.place)
+    return wanted.where(_counts(session, track, conditions, applied)).order_by(LadderStep.match_id)
 
 
 def _last_match(session: Session, track: str, conditions: str, applied: int) -> int:

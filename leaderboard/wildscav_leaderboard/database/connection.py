@@ -6,9 +6,9 @@ follows from it are never separated by another process's change, and nobody need
 Readers never wait.
 """
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
 from sqlalchemy.exc import ArgumentError, DBAPIError
@@ -20,6 +20,9 @@ BUSY_TIMEOUT = 30.0  # s that a writer waits for another one
 WRITERS = 0x57494C44  # number of the advisory lock that writers take in PostgreSQL
 KINDS = ("sqlite", "postgresql")
 KEPT = "kept"  # in the info of sessions that read: what follows from what was read, kept for the next ones
+READ = "read"  # there as well: what the session has read, and need not read again
+
+Found = TypeVar("Found")
 
 
 class DatabaseError(UserError):
@@ -116,6 +119,22 @@ class Database:
                 raise
             reason = str(error.orig).strip().splitlines()[0]
             raise DatabaseError(f"the database {self} cannot be used: {reason}") from error
+
+
+def once(session: Session, key: Hashable, read: Callable[[], Found]) -> Found:
+    """Read something once in a session that reads, since such a session sees one state of the database.
+
+    Args:
+        session: A session; one that writes reads anew.
+        key: What is read.
+        read: Reads it.
+    """
+    if KEPT not in session.info:
+        return read()
+    found: dict[Hashable, Found] = session.info.setdefault(READ, {})
+    if key not in found:
+        found[key] = read()
+    return found[key]
 
 
 def parse_url(url: str) -> URL:

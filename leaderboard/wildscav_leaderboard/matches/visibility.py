@@ -8,10 +8,11 @@ seen when both are over.
 Once the public boards are frozen, what is played shows nothing before the season is finalized.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from datetime import datetime
+from typing import NamedTuple
 
-from sqlalchemy import select
+from sqlalchemy import and_, or_, select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult
@@ -20,16 +21,31 @@ from wildscav_leaderboard.seasons.state import OPENED, frozen_since, read_state
 REPEATS = 2  # matches of a game on a ladder
 
 
+class Twin(NamedTuple):
+    """The other match of a game on a ladder."""
+
+    id: int
+    state: str
+
+
 def hidden_why(session: Session, match: Match) -> str:
     """Return why a match's record, trails and logs are hidden; an empty text if they are not."""
     return hidden_whys(session, [match])[match.id]
 
 
-def hidden_whys(session: Session, matches: Sequence[Match]) -> dict[int, str]:
-    """Return why the records, trails and logs of some matches are hidden, by match."""
-    late = after_freeze(session, matches)
+def hidden_whys(
+    session: Session, matches: Sequence[Match], late: Collection[int] | None = None
+) -> dict[int, str]:
+    """Return why the records, trails and logs of some matches are hidden, by match.
+
+    Args:
+        session: A session.
+        matches: The matches.
+        late: Those whose results arrived after the freeze, if they are known.
+    """
+    late = _after_freeze(session, matches) if late is None else late
     opened = read_state(session, OPENED) is not None
-    waiting = {} if opened else _twins_to_be_played(session, matches)
+    twins = {} if opened else twins_of(session, [match for match in matches if match.state == FINISHED])
 
     def why(match: Match) -> str:
         if match.state != FINISHED:
@@ -43,40 +59,22 @@ def hidden_whys(session: Session, matches: Sequence[Match]) -> dict[int, str]:
                 "everyone plays this match of the suite, so it is hidden until the season's secret is opened "
                 "at its end"
             )
-        twin = waiting.get((match.track, match.number ^ 1))
-        return (
-            ""
-            if twin is None
-            else f"the same game is still to be played again, in other seats, as match {twin}"
-        )
+        twin = twins.get(match.id)
+        if twin is None or twin.state in (FINISHED, VOID):
+            return ""
+        return f"the same game is still to be played again, in other seats, as match {twin.id}"
 
     return {match.id: why(match) for match in matches}
 
 
-def after_freeze(session: Session, matches: Sequence[Match]) -> set[int]:
+def _after_freeze(session: Session, matches: Sequence[Match]) -> set[int]:
     """Return the matches whose results are hidden, since they arrived after the public boards were frozen."""
     since: datetime | None = frozen_since(session)
     if since is None:
         return set()
-    results = select(MatchResult.match_id).where(
-        MatchResult.match_id.in_([match.id for match in matches]), MatchResult.at > since
-    )
+    numbers = [match.id for match in matches]
+    results = select(MatchResult.match_id).where(MatchResult.match_id.in_(numbers), MatchResult.at > since)
     return {*session.scalars(results)}
-
-
-def _twins_to_be_played(session: Session, matches: Sequence[Match]) -> dict[tuple[str, int], int]:
-    """Return those other matches of the same games that are not over, by track and number."""
-    found: dict[tuple[str, int], int] = {}
-    for track in {match.track for match in matches if match.kind == LADDER}:
-        numbers = [match.number ^ 1 for match in matches if match.kind == LADDER and match.track == track]
-        wanted = select(Match.number, Match.id).where(
-            Match.kind == LADDER,
-            Match.track == track,
-            Match.number.in_(numbers),
-            Match.state.not_in((FINISHED, VOID)),
-        )
-        found |= {(track, number): twin for number, twin in session.execute(wanted)}
-    return found
 
 
 def live_hidden_why(session: Session, match: Match) -> str:
@@ -91,9 +89,20 @@ def live_hidden_why(session: Session, match: Match) -> str:
     return ""
 
 
-def twin_of(session: Session, match: Match) -> Match | None:
+def twin_of(session: Session, match: Match) -> Twin | None:
     """Return the match of a ladder in which the same game is played in other seats, if it is on one."""
-    if match.kind != LADDER:
-        return None
-    wanted = select(Match).filter_by(kind=LADDER, track=match.track, number=match.number ^ 1)
-    return session.scalars(wanted).one_or_none()
+    return twins_of(session, [match]).get(match.id)
+
+
+def twins_of(session: Session, matches: Sequence[Match]) -> dict[int, Twin]:
+    """Return the matches of ladders in which the same games are played in other seats, by match."""
+    asked = {(match.track, match.number ^ 1): match.id for match in matches if match.kind == LADDER}
+    if not asked:
+        return {}
+    of_tracks = [
+        and_(Match.track == track, Match.number.in_([number for one, number in asked if one == track]))
+        for track in dict.fromkeys(track for track, _ in asked)
+    ]
+    wanted = select(Match.track, Match.number, Match.id, Match.state)
+    found = session.execute(wanted.where(Match.kind == LADDER, or_(*of_tracks)))
+    return {asked[track, number]: Twin(twin, state) for track, number, twin, state in found}

@@ -1,10 +1,11 @@
 """What is shown beside a board: who beat whom, how the places changed, and what is new."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 
 from sqlalchemy.orm import Session
 
+from wildscav_evaluator.ratings.head_to_head import PairRecord
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import meetings
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow, digest_of
@@ -63,14 +64,20 @@ def _entrant(name: str, row: LadderRow) -> EntrantView:
     )
 
 
-def opponent_views(session: Session, track: str, submission: Submission) -> list[OpponentView]:
-    """Return a submission's record against everyone whom it met on a ladder, the most frequent first."""
-    board = read_board(session, track)
-    if not isinstance(board, LadderBoard):
-        return []
-    records = meetings.records_against(
-        session, track, digest_of(board.conditions), submission.entrant, applied=board.applied
-    )
+def opponent_views(
+    session: Session, tracks: Iterable[str], submission: Submission
+) -> dict[str, list[OpponentView]]:
+    """Return a submission's record against everyone whom it met, the most frequent first, on each ladder."""
+    boards = {track: read_board(session, track) for track in tracks}
+    ladders = [board for board in boards.values() if isinstance(board, LadderBoard)]
+    if not ladders:
+        return {}
+    asked = [meetings.Ladder(one.track, digest_of(one.conditions), one.applied) for one in ladders]
+    records = meetings.records_on(session, asked, submission.entrant)
+    return {board.track: _opponents(board, records[board.track]) for board in ladders}
+
+
+def _opponents(board: LadderBoard, records: Mapping[str, PairRecord]) -> list[OpponentView]:
     known = {entrant_name(row): _entrant(entrant_name(row), row) for row in board.rows}
     ordered = sorted(records.items(), key=lambda one: (-one[1].count, one[0]))
     return [

@@ -9,9 +9,9 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.listing import results_of
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
-from wildscav_leaderboard.matches.service import seats_of
-from wildscav_leaderboard.matches.visibility import after_freeze, hidden_whys
+from wildscav_leaderboard.matches.visibility import hidden_whys
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
+from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
@@ -22,12 +22,15 @@ ANSWERS = ("latency_p50", "latency_p99", "latency_max", "late_steps")  # how lon
 
 def match_views(session: Session, matches: Sequence[Match], caller: Caller | None) -> list[MatchView]:
     """Return matches with the results that a caller may see."""
-    seats = seats_of(session, [match.id for match in matches])
+    if not matches:
+        return []
+    seats, teams = _seats(session, [match.id for match in matches])
     results = results_of(session, list(matches))
-    teams = _teams(session, [seat for found in seats.values() for seat in found])
     own = None if caller is None else team_of(session, caller.account)
     everything = caller is not None and caller.is_organizer
-    hidden, late = hidden_whys(session, matches), after_freeze(session, matches)
+    since = frozen_since(session)
+    late = {number for number, result in results.items() if since is not None and result.at > since}
+    hidden = hidden_whys(session, matches, late)
     return [
         _view(
             match,
@@ -44,12 +47,22 @@ def match_views(session: Session, matches: Sequence[Match], caller: Caller | Non
     ]
 
 
-def _teams(session: Session, seats: Sequence[MatchSeat]) -> dict[int, str]:
-    """Return the teams' names of the submissions in some seats."""
-    numbers = {seat.submission_id for seat in seats if seat.submission_id is not None}
-    wanted = select(Submission.id, Team.name).join(Team, Team.id == Submission.team_id)
-    found = session.execute(wanted.where(Submission.id.in_(numbers)))
-    return {number: name for number, name in found}  # noqa: C416 (rows are no pairs to mypy)
+def _seats(session: Session, matches: Sequence[int]) -> tuple[dict[int, list[MatchSeat]], dict[int, str]]:
+    """Return the seats of some matches, by match, and the names of the teams of the submissions in them."""
+    seats: dict[int, list[MatchSeat]] = {}
+    teams: dict[int, str] = {}
+    wanted = (
+        select(MatchSeat, Team.name)
+        .outerjoin(Submission, Submission.id == MatchSeat.submission_id)
+        .outerjoin(Team, Team.id == Submission.team_id)
+        .where(MatchSeat.match_id.in_(matches))
+        .order_by(MatchSeat.match_id, MatchSeat.seat)
+    )
+    for seat, team in session.execute(wanted):
+        seats.setdefault(seat.match_id, []).append(seat)
+        if seat.submission_id is not None:
+            teams[seat.submission_id] = team
+    return seats, teams
 
 
 def _view(

@@ -1,7 +1,6 @@
 """The season as it is shown."""
 
 from datetime import datetime
-from typing import Any
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
@@ -18,14 +17,14 @@ from wildscav_leaderboard.presentation.documents import (
 )
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.models import Announcement, StateValue
+from wildscav_leaderboard.seasons.models import Announcement
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.service import count_teams
 
 
 def season_view(session: Session, season: Season) -> SeasonView:
     """Return the season and what the organizers announced."""
-    settings, state = season.settings, _state(session)
+    settings, state = season.settings, season_state.state_of(session)
     return SeasonView(
         name=settings.name,
         title=settings.title,
@@ -76,7 +75,3 @@ def _count_played(session: Session) -> int:
         count = session.scalar(select(func.count()).select_from(Match).filter_by(state=FINISHED)) or 0
         known = kept[MatchResult] = last, count
     return known[1]
-
-
-def _state(session: Session) -> dict[str, dict[str, Any]]:
-    return {one.name: one.value for one in session.scalars(select(StateValue))}

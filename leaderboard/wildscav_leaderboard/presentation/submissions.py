@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.presentation.documents import SubmissionView, TransitionView
+from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.listing import is_own, team_names
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue
@@ -18,8 +19,9 @@ def submission_views(
 ) -> list[SubmissionView]:
     """Return submissions for a list, without their history."""
     teams = team_names(session, submissions)
-    positions = {one.id: number for number, one in enumerate(queue(session), 1)}
-    each = mean_time(session)
+    waits = any(one.state in states.ON_THE_WAY for one in submissions)
+    positions = {one.id: number for number, one in enumerate(queue(session), 1)} if waits else {}
+    each = mean_time(session) if waits else 0.0
     return [
         _view(session, one, teams[one.team_id].name, caller, now, positions.get(one.id), each)
         for one in submissions

@@ -3,8 +3,10 @@
 from datetime import datetime
 from typing import Any
 
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.database.connection import KEPT, once
 from wildscav_leaderboard.seasons.models import AuditEntry, StateValue
 
 PAUSED = "paused"  # {"reason"}: the conductor starts nothing
@@ -19,8 +21,17 @@ NODES = "nodes"  # {"nodes": […], "sandbox"}: where the conductor plays, for p
 
 def read_state(session: Session, name: str) -> dict[str, Any] | None:
     """Return a value of the season's state; None if it is not set."""
+    if KEPT in session.info:  # all of it at once, since a page asks for several
+        return state_of(session).get(name)
     found = session.get(StateValue, name)
     return None if found is None else found.value
+
+
+def state_of(session: Session) -> dict[str, dict[str, Any]]:
+    """Return all values of the season's state, by name."""
+    return once(
+        session, StateValue, lambda: {one.name: one.value for one in session.scalars(select(StateValue))}
+    )
 
 
 def write_state(session: Session, name: str, value: dict[str, Any] | None, now: datetime) -> None:

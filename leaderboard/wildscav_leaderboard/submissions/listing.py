@@ -6,6 +6,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.database.connection import once
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
@@ -34,8 +35,11 @@ def list_submissions(
 
 def team_names(session: Session, submissions: Sequence[Submission]) -> dict[int, Team]:
     """Return the teams of some submissions, by number."""
-    numbers = {one.team_id for one in submissions}
-    return {team.id: team for team in session.scalars(select(Team).where(Team.id.in_(numbers)))}
+    found = once(session, Team, dict[int, Team])
+    missing = {one.team_id for one in submissions} - found.keys()
+    if missing:
+        found |= {team.id: team for team in session.scalars(select(Team).where(Team.id.in_(missing)))}
+    return found
 
 
 def is_own(session: Session, caller: Caller | None, submission: Submission) -> bool:

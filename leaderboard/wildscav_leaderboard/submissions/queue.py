@@ -46,24 +46,19 @@ def expected_wait(submission: Submission, position: int | None, each: float, now
 
 def mean_time(session: Session) -> float:
     """Return how long recent submissions took from the start of their building to their end, s."""
-    ends = session.scalars(
-        select(Transition)
+    ends = (
+        select(Transition.id, Transition.submission_id, Transition.at)
         .where(Transition.state.in_((states.ACTIVE, states.FAILED)))
         .order_by(Transition.id.desc())
         .limit(RECENT)
-    ).all()
-    begun = session.scalars(
-        select(Transition)
-        .where(
-            Transition.state == states.BUILDING,
-            Transition.submission_id.in_([end.submission_id for end in ends]),
-        )
+        .subquery()
+    )
+    wanted = (
+        select(ends.c.id, Transition.at, ends.c.at)
+        .join(Transition, Transition.submission_id == ends.c.submission_id)
+        .where(Transition.state == states.BUILDING)
         .order_by(Transition.id)
-    ).all()
-    start = {one.submission_id: one.at for one in begun}  # of the last attempt
-    times = [
-        (end.at - start[end.submission_id]).total_seconds()
-        for end in ends
-        if end.submission_id in start and end.at >= start[end.submission_id]
-    ]
+    )
+    spans = {end: (begun, ended) for end, begun, ended in session.execute(wanted)}  # of the last attempts
+    times = [(ended - begun).total_seconds() for begun, ended in spans.values() if ended >= begun]
     return fmean(times) if times else FIRST_GUESS

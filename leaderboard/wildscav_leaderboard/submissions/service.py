@@ -7,6 +7,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.database.connection import once
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.names import checked_line
@@ -98,10 +99,13 @@ def find_submission(session: Session, number: int) -> Submission:
     Raises:
         NotFoundError: There is none of this number.
     """
-    found = session.get(Submission, number)
+    wanted = select(Submission, Team).join(Team, Team.id == Submission.team_id)
+    found = session.execute(wanted.where(Submission.id == number)).one_or_none()
     if found is None:
         raise NotFoundError(f"there is no submission {number}")
-    return found
+    submission, team = found
+    once(session, Team, dict[int, Team])[team.id] = team  # for its page, which names it
+    return submission
 
 
 def move(

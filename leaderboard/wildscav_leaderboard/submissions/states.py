@@ -17,6 +17,7 @@ CANCELLED = "cancelled"  # withdrawn by its team
 DISABLED = "disabled"  # took part; replaced by newer ones of its team, or disqualified
 
 STATES = (SUBMITTED, QUEUED, BUILDING, VALIDATING, ACTIVE, FAILED, CANCELLED, DISABLED)
+ON_THE_WAY = frozenset({SUBMITTED, QUEUED, BUILDING, VALIDATING})
 FINAL = frozenset({FAILED, CANCELLED, DISABLED})
 FOLLOWING: dict[str, frozenset[str]] = {
     SUBMITTED: frozenset({QUEUED, FAILED, CANCELLED}),

@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.keys import TEAM_KEY, digest_of, new_key
 from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.database.connection import once
 from wildscav_leaderboard.seasons.names import checked_line, checked_name
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, RefusalError
 from wildscav_leaderboard.seasons.settings import SeasonSettings
@@ -76,7 +77,8 @@ def new_team_key(team: Team) -> str:
 
 def team_of(session: Session, account: Account) -> Team | None:
     """Return the team of an account, if it has one."""
-    return session.scalars(select(Team).join(Member).where(Member.account_id == account.id)).one_or_none()
+    wanted = select(Team).join(Member).where(Member.account_id == account.id)
+    return once(session, (Member, account.id), lambda: session.scalars(wanted).one_or_none())
 
 
 def own_team(session: Session, account: Account) -> Team:

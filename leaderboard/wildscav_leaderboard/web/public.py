@@ -1,5 +1,6 @@
 """The pages for everyone about the season, its teams and their submissions."""
 
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import Annotated, Any
 
@@ -11,7 +12,7 @@ from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.boards.history import history, team_histories
+from wildscav_leaderboard.boards.history import histories_of, histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.matches.listing import list_matches
 from wildscav_leaderboard.presentation.boards import opponent_views
@@ -70,22 +71,25 @@ def team(
         caller,
         team=team_view(session, found),
         own=own is not None and own.id == found.id,
-        places=[
-            place
-            for track, board in boards.items()
-            if board is not None
-            for place in _team_places(session, track, board, found)
-        ],
+        places=_team_places(session, boards, found),
         submissions=submission_views(session, submissions, caller, now),
     )
 
 
-def _team_places(session: Session, track: str, board: BoardDocument, team: Team) -> list[tuple[Any, ...]]:
-    """Return a team's row on a board, if it has one, with the chart of its ranks."""
-    until = min(board.updated, frozen_since(session) or board.updated)
-    points = team_histories(session, track, [team.name], until)[team.name]
-    chart = rank_chart([(team.title, points)], until, bands=True)
-    return [(track, row, chart) for row in board.rows if row.team == team.name]
+def _team_places(
+    session: Session, boards: Mapping[str, BoardDocument | None], team: Team
+) -> list[tuple[Any, ...]]:
+    """Return a team's row on each board on which it has one, with the chart of its ranks."""
+    points, frozen = histories_of_team(session, team.id), frozen_since(session)
+    found = []
+    for track, board in boards.items():
+        if board is None:
+            continue
+        until = min(board.updated, frozen or board.updated)
+        own = [point for point in points.get(track, []) if point.at <= until]
+        chart = rank_chart([(team.title, own)], until, bands=True)
+        found += [(track, row, chart) for row in board.rows if row.team == team.name]
+    return found
 
 
 @router.get("/submissions/{number}", response_class=HTMLResponse)
@@ -102,7 +106,7 @@ def submission(
     found = find_submission(session, number)
     matches = list_matches(session, submission=number, before=before, limit=MATCHES)
     tracks = [track for track in found.tracks if track in season.settings.tracks]
-    places = [_places(session, track, found, caller, now) for track in tracks]
+    places = _places(session, tracks, found, caller, now)
     return page(
         request,
         "submission.html",
@@ -120,11 +124,15 @@ def submission(
 
 
 def _places(
-    session: Session, track: str, one: Submission, caller: Caller | None, now: datetime
-) -> tuple[Any, ...]:
-    """Return the history of a submission's places on a track, its chart, and the record against opponents."""
+    session: Session, tracks: Sequence[str], one: Submission, caller: Caller | None, now: datetime
+) -> list[tuple[Any, ...]]:
+    """Return for each track how a submission's places changed, a chart of that, and its opponents."""
     until = None if caller is not None and caller.is_organizer else frozen_since(session)
-    points = history(session, track, [one.id], until)
+    points, met = histories_of(session, one.id, until), opponent_views(session, tracks, one)
     ends = min(now, until or now) if one.state == "active" else one.since
-    chart = rank_chart([(one.name, points)], ends, bands=True)
-    return track, points, chart, opponent_views(session, track, one)
+    found = []
+    for track in tracks:
+        own = points.get(track, [])
+        chart = rank_chart([(one.name, own)], ends, bands=True)
+        found.append((track, own, chart, met.get(track, [])))
+    return found
