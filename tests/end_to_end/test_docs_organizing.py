@@ -21,7 +21,7 @@ BLOCKS = re.findall(r"```(\w+)\n(.*?)```", TEXT, re.DOTALL)
 LINES = [line for kind, block in BLOCKS if kind == "console" for line in block.splitlines()]
 INLINE = re.findall(r"`(wildscav season [^`]+)`", TEXT)
 ENDLESS = ("serve", "demo")
-OF_SOMEBODY = ("rerun", "disqualify")  # need a submission or a team
+OF_SOMEBODY = ("rerun", "disqualify", "disable", "enable")  # need a submission, a team or an account
 AT_THE_END = {"finalize": ("--now", "--yes")}  # or it would wait for the date
 
 

@@ -1,5 +1,6 @@
 """Passwords: stored as argon2 hashes. Checking one takes a while on purpose, so never in a transaction."""
 
+import secrets
 from functools import cache
 
 from pwdlib import PasswordHash
@@ -31,6 +32,11 @@ def hashed(password: str) -> str:
     if not SHORTEST <= len(password) <= LONGEST:
         raise InvalidError(f"a password must have {SHORTEST} to {LONGEST} characters, not {len(password)}")
     return _hasher().hash(password)
+
+
+def new_password() -> str:
+    """Return a new password that nobody can guess."""
+    return secrets.token_urlsafe(15)
 
 
 def matches(password: str, stored: str | None) -> bool:

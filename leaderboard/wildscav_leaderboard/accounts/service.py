@@ -127,6 +127,18 @@ def find_account(session: Session, name: str) -> Account | None:
     return session.scalars(select(Account).filter_by(name=name)).one_or_none()
 
 
+def known_account(session: Session, name: str) -> Account:
+    """Return the account with a name.
+
+    Raises:
+        NotFoundError: There is none.
+    """
+    found = find_account(session, name)
+    if found is None:
+        raise NotFoundError(f"there is no account {name!r}")
+    return found
+
+
 def check_usable(account: Account) -> Account:
     """Return an account that may be used.
 

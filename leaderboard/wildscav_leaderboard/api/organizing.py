@@ -13,12 +13,16 @@ from wildscav_leaderboard.access.requests import (
     Reading,
     organizing_program,
 )
+from wildscav_leaderboard.accounts.passwords import hashed, new_password
 from wildscav_leaderboard.organizing import service
 from wildscav_leaderboard.presentation.documents import AuditEntryView, KeyView, Reason, SubmissionView
 from wildscav_leaderboard.presentation.organizing import (
+    AccountRow,
     NewAnnouncement,
     NewInvitation,
+    NewPasswordView,
     StatusView,
+    account_rows,
     status_view,
 )
 from wildscav_leaderboard.presentation.submissions import submission_view
@@ -84,6 +88,40 @@ def invite(new: NewInvitation, caller: OrganizingProgram, database: CurrentDatab
     with database.writing() as session:
         key = service.invite(session, caller.account.name, new.label, now, role=new.role, uses=new.uses)
         return KeyView(key=key)
+
+
+@router.get("/accounts")
+def accounts(session: Reading) -> list[AccountRow]:
+    """List all accounts, by their names."""
+    return account_rows(session)
+
+
+@router.post("/accounts/{name}/disable", status_code=204)
+def disable_account(
+    name: str, why: Reason, caller: OrganizingProgram, database: CurrentDatabase, now: Now
+) -> None:
+    """Let an account no longer be used; its owner is told the reason."""
+    with database.writing() as session:
+        service.disable_account(session, caller.account.name, name, why.reason, now)
+
+
+@router.post("/accounts/{name}/enable", status_code=204)
+def enable_account(name: str, caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> None:
+    """Let a disabled account be used again."""
+    with database.writing() as session:
+        service.enable_account(session, caller.account.name, name, now)
+
+
+@router.post("/accounts/{name}/password")
+def reset_password(
+    name: str, caller: OrganizingProgram, database: CurrentDatabase, now: Now
+) -> NewPasswordView:
+    """Give an account a new password, which is shown once; it is logged out everywhere."""
+    password = new_password()
+    secret = hashed(password)  # takes a while, so before the transaction
+    with database.writing() as session:
+        service.reset_password(session, caller.account.name, name, secret, now)
+    return NewPasswordView(name=name, password=password)
 
 
 @router.post("/submissions/{number}/rerun")

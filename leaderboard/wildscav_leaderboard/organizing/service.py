@@ -6,7 +6,7 @@ from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER, Account
-from wildscav_leaderboard.accounts.service import add_account
+from wildscav_leaderboard.accounts.service import add_account, known_account, set_password
 from wildscav_leaderboard.accounts.service import invite as new_invitation
 from wildscav_leaderboard.conductor import attempts
 from wildscav_leaderboard.matches import service as matches
@@ -72,10 +72,42 @@ def add_organizer(session: Session, actor: str, name: str, password_hash: str, n
     return account
 
 
-def disable_account(session: Session, actor: str, account: Account, reason: str, now: datetime) -> None:
-    """Let an account no longer be used."""
+def disable_account(session: Session, actor: str, name: str, reason: str, now: datetime) -> None:
+    """Let an account no longer be used; its owner is told the reason.
+
+    Raises:
+        NotFoundError: There is no such account.
+        RefusalError: It is the actor's own.
+    """
+    account = known_account(session, name)
+    if name == actor:
+        raise RefusalError("this is your own account: another organizer, or the command line, can disable it")
     account.disabled = _reason(reason)
-    log_act(session, actor, "disable account", f"account {account.name}", now, account.disabled)
+    log_act(session, actor, "disable account", f"account {name}", now, account.disabled)
+
+
+def enable_account(session: Session, actor: str, name: str, now: datetime) -> None:
+    """Let a disabled account be used again.
+
+    Raises:
+        NotFoundError: There is no such account.
+        RefusalError: It is not disabled.
+    """
+    account = known_account(session, name)
+    if account.disabled is None:
+        raise RefusalError(f"the account {name} is not disabled")
+    account.disabled = None
+    log_act(session, actor, "enable account", f"account {name}", now)
+
+
+def reset_password(session: Session, actor: str, name: str, password_hash: str, now: datetime) -> None:
+    """Give an account another password. Its tokens and its sessions in browsers end.
+
+    Raises:
+        NotFoundError: There is no such account.
+    """
+    set_password(session, known_account(session, name), password_hash, now)
+    log_act(session, actor, "reset password", f"account {name}", now)
 
 
 def disqualify_team(session: Session, actor: str, name: str, reason: str, now: datetime) -> None:

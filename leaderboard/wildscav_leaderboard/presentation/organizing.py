@@ -4,10 +4,13 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, Field
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.presentation.documents import View
+from wildscav_leaderboard.teams.models import Member, Team
 
 
 class AttemptView(View):
@@ -53,6 +56,37 @@ class NewInvitation(BaseModel):
     label: str = ""  # for whom it is
     role: Literal["competitor", "organizer"] = "competitor"
     uses: Annotated[int | None, Field(ge=1, le=1_000_000)] = 1  # registrations; None: any number
+
+
+class NewPasswordView(View):
+    """A password that was made for an account; it is shown once."""
+
+    name: str
+    password: str
+
+
+class AccountRow(View):
+    """An account, as organizers see it."""
+
+    name: str
+    role: str
+    team: str | None
+    created: datetime
+    disabled: str | None  # why it may not be used
+
+
+def account_rows(session: Session) -> list[AccountRow]:
+    """Return all accounts, by their names."""
+    wanted = (
+        select(Account, Team.name)
+        .outerjoin(Member, Member.account_id == Account.id)
+        .outerjoin(Team, Team.id == Member.team_id)
+        .order_by(Account.name)
+    )
+    return [
+        AccountRow(name=one.name, role=one.role, team=team, created=one.created, disabled=one.disabled)
+        for one, team in session.execute(wanted)
+    ]
 
 
 def status_view(session: Session, now: datetime) -> StatusView:

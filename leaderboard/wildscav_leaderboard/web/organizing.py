@@ -9,10 +9,12 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import CurrentDatabase, Now, OrganizingBrowser, check_form
 from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER
+from wildscav_leaderboard.accounts.passwords import hashed, new_password
 from wildscav_leaderboard.accounts.service import Caller, invitations
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.organizing import service
 from wildscav_leaderboard.organizing.status import audit_entries, nodes, status
+from wildscav_leaderboard.presentation.organizing import account_rows
 from wildscav_leaderboard.presentation.people import team_rows
 from wildscav_leaderboard.presentation.season import announcement_views
 from wildscav_leaderboard.presentation.submissions import submission_views
@@ -66,7 +68,7 @@ def teams(request: Request, caller: OrganizingBrowser, database: CurrentDatabase
 
 @router.get("/organizer/people", response_class=HTMLResponse)
 def people(request: Request, caller: OrganizingBrowser, database: CurrentDatabase, now: Now) -> HTMLResponse:
-    """Show the invitations, and the form for a new one."""
+    """Show the invitations and the accounts, and the forms for them."""
     return _show(request, caller, database, now, "/organizer/people")
 
 
@@ -125,7 +127,8 @@ def _content(
         case "teams":
             return {"teams": team_rows(session)}
         case "people":
-            return {"invitations": invitations(session), "roles": (COMPETITOR, ORGANIZER)}
+            roles = (COMPETITOR, ORGANIZER)
+            return {"invitations": invitations(session), "roles": roles, "accounts": account_rows(session)}
         case "announcements":
             return {"announcements": announcement_views(session)}
         case "audit-log":
@@ -152,18 +155,28 @@ def act(
     here = here if OWN_PAGE.fullmatch(here) else "/organizer"
     actor = caller.account.name
     try:
-        with database.writing() as session:
-            if act == "invite":
-                times = None if uses == "any" else _number(uses)
+        if act == "invite":
+            times = None if uses == "any" else _number(uses)
+            with database.writing() as session:
                 key = service.invite(session, actor, value.strip(), now, role=_role(role), uses=times)
-            else:
-                key = None
-                _do(session, actor, act, value.strip(), text.strip(), now)
+            return _show(request, caller, database, now, here, Notice("", ("Key of the invitation", key)))
+        if act == "reset-password":
+            shown = _new_password(database, actor, value.strip(), now)
+            return _show(request, caller, database, now, here, Notice("", shown))
+        with database.writing() as session:
+            _do(session, actor, act, value.strip(), text.strip(), now)
     except RefusalError as error:
         return _show(request, caller, database, now, here, Notice(str(error), status=error.status))
-    if key is not None:
-        return _show(request, caller, database, now, here, Notice("", ("Key of the invitation", key)))
     return RedirectResponse(here, 303)
+
+
+def _new_password(database: Database, actor: str, name: str, now: Now) -> tuple[str, str]:
+    """Give an account a new password, and return what is shown of it once."""
+    password = new_password()
+    secret = hashed(password)  # takes a while, so before the transaction
+    with database.writing() as session:
+        service.reset_password(session, actor, name, secret, now)
+    return f"New password of {name}", password
 
 
 def _do(session: Session, actor: str, act: str, value: str, text: str, now: Now) -> None:
@@ -181,6 +194,10 @@ def _do(session: Session, actor: str, act: str, value: str, text: str, now: Now)
             service.disqualify_submission(session, actor, _number(value), text, now)
         case "disqualify-team":
             service.disqualify_team(session, actor, value, text, now)
+        case "disable-account":
+            service.disable_account(session, actor, value, text, now)
+        case "enable-account":
+            service.enable_account(session, actor, value, now)
         case "freeze":
             service.freeze(session, actor, now)
         case _:

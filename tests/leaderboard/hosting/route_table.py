@@ -88,6 +88,19 @@ TABLE = (
         204,
         {"reason": "it reads the map"},
     ),
+    organizers("GET /api/v1/organizer/accounts"),
+    organizers(
+        "POST /api/v1/organizer/accounts/{name}/disable",
+        "/api/v1/organizer/accounts/owls/disable",
+        204,
+        {"reason": "a second account"},
+    ),
+    organizers(
+        "POST /api/v1/organizer/accounts/{name}/enable", "/api/v1/organizer/accounts/owls/enable", 409
+    ),
+    organizers(
+        "POST /api/v1/organizer/accounts/{name}/password", "/api/v1/organizer/accounts/owls/password", 200
+    ),
     everyone("GET /api/v1/audit/season.json"),
     everyone("GET /api/v1/audit/tracks/{track}.ndjson", "/api/v1/audit/tracks/battle.ndjson"),
     everyone("GET /api/v1/boards/{track}/history", "/api/v1/boards/battle/history?team=owls&team=foxes"),

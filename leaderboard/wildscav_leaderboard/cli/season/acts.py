@@ -1,6 +1,5 @@
 """The commands of `wildscav season` that change something: each is entered in the audit log."""
 
-import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -16,6 +15,12 @@ if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
 Why = Annotated[str, typer.Option("--reason", "-r", help="Why; everyone sees it.", show_default=False)]
+
+AccountName = Annotated[str, typer.Argument(help="The name of the account.", show_default=False)]
+Password = Annotated[
+    str | None,
+    typer.Option(help="Its password; a new one is made if it is not given.", envvar="WILDSCAV_PASSWORD"),
+]
 
 
 @contextmanager
@@ -60,22 +65,60 @@ def invite(
 
 def organizer(
     folder: SeasonFolder,
-    name: Annotated[str, typer.Argument(help="The name of the account.", show_default=False)],
-    password: Annotated[
-        str | None,
-        typer.Option(help="Its password; a new one is made if it is not given.", envvar="WILDSCAV_PASSWORD"),
-    ] = None,
+    name: AccountName,
+    password: Password = None,
 ) -> None:
     """Make an account of an organizer, who sees the organizer's pages."""
-    from wildscav_leaderboard.accounts.passwords import hashed
+    from wildscav_leaderboard.accounts.passwords import hashed, new_password
     from wildscav_leaderboard.organizing import service
 
-    chosen = password or secrets.token_urlsafe(15)
+    chosen = new_password() if password is None else password
+    secret = hashed(chosen)
     with writing(folder) as session:
-        service.add_organizer(session, service.COMMAND_LINE, name, hashed(chosen), _now())
+        service.add_organizer(session, service.COMMAND_LINE, name, secret, _now())
+    _say_password(name, chosen, is_new=password is None)
+
+
+def password(folder: SeasonFolder, name: AccountName, password: Password = None) -> None:
+    """Give an account another password; it is logged out everywhere, and its tokens are revoked."""
+    from wildscav_leaderboard.accounts.passwords import hashed, new_password
+    from wildscav_leaderboard.organizing import service
+
+    chosen = new_password() if password is None else password
+    secret = hashed(chosen)
+    with writing(folder) as session:
+        service.reset_password(session, service.COMMAND_LINE, name, secret, _now())
+    _say_password(name, chosen, is_new=password is None)
+
+
+def _say_password(name: str, password: str, *, is_new: bool) -> None:
     _say(f"account  {name}")
-    if password is None:
-        _say(f"password {chosen}   (shown this once)")
+    if is_new:
+        _say(f"password {password}   (shown this once)")
+
+
+def disable(
+    folder: SeasonFolder,
+    name: AccountName,
+    reason: Annotated[
+        str, typer.Option("--reason", "-r", help="Why; its owner is told.", show_default=False)
+    ],
+) -> None:
+    """Let an account no longer be used. What its team handed in goes on."""
+    from wildscav_leaderboard.organizing import service
+
+    with writing(folder) as session:
+        service.disable_account(session, service.COMMAND_LINE, name, reason, _now())
+    _say(f"the account {name} is disabled")
+
+
+def enable(folder: SeasonFolder, name: AccountName) -> None:
+    """Let a disabled account be used again."""
+    from wildscav_leaderboard.organizing import service
+
+    with writing(folder) as session:
+        service.enable_account(session, service.COMMAND_LINE, name, _now())
+    _say(f"the account {name} may be used again")
 
 
 def pause(folder: SeasonFolder, reason: Why = "maintenance") -> None:

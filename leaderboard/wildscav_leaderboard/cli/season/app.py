@@ -19,6 +19,7 @@ app = typer.Typer(
 )
 COMMANDS = (
     *(demo, init, serve, status, acts.invite, acts.organizer, acts.announce),
+    *(acts.password, acts.disable, acts.enable),
     *(acts.pause, acts.resume, acts.rerun, acts.disqualify, acts.freeze),
     *(finalize, export, backup, restore, check),
 )
