@@ -25,7 +25,7 @@ from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
-from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 from wildscav_leaderboard.matches.models import FINAL, Match
 from wildscav_leaderboard.matches.service import seats_of
 from wildscav_leaderboard.seasons import state as season_state
@@ -90,7 +90,7 @@ class Conductor:
 
     def _acquire(self) -> bool:
         with self.database.writing() as session:
-            holding = lease.acquire(session, lease.new_holder(), now())
+            holding = lease.acquire(session, lease.new_holder(), clock(session))
         if holding is None:
             return False
         self._holding = holding
@@ -117,7 +117,7 @@ class Conductor:
 
     def _release(self) -> None:
         with suppress(LeaseLostError, DatabaseError), self.database.writing() as session:
-            lease.release(session, self._holding, now())
+            lease.release(session, self._holding, clock(session))
 
     def round(self, executor: Executor, child: Child) -> bool:
         """Do everything once that there is to do; return whether there was anything."""

@@ -2,13 +2,12 @@
 
 import signal
 import threading
-from datetime import UTC, datetime
 from types import FrameType
 from typing import Any, Self
 
 from wildscav_leaderboard.conductor import lease
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
-from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 
 # Interrupts the main thread. It is none that a terminal sends, which the conductor's process ignores.
 INTERRUPT = signal.SIGUSR1
@@ -55,7 +54,7 @@ class LeaseKeeper:
         while not self._ended.wait(self._every):
             try:
                 with self._database.writing() as session:
-                    lease.renew(session, self._holding, datetime.now(UTC))
+                    lease.renew(session, self._holding, clock(session))
             except LeaseLostError:
                 self._lost = True
                 if self._is_main:

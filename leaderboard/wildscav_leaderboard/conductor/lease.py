@@ -3,6 +3,9 @@
 A lease has an epoch, which rises with every new holder. Whatever a conductor writes, it writes in a
 transaction that first checks that its epoch is still the current one. There is one writer at a time, so a
 conductor that lost its lease, however late it notices, can change nothing any more.
+
+The times of a lease are those of the database's clock (``clock``): hosts whose own clocks differ by more than
+a lease lasts would otherwise take it from each other in turn.
 """
 
 import os

@@ -8,6 +8,7 @@ Readers never wait.
 
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from typing import Any, TypeVar
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
@@ -119,6 +120,18 @@ class Database:
                 raise
             reason = str(error.orig).strip().splitlines()[0]
             raise DatabaseError(f"the database {self} cannot be used: {reason}") from error
+
+
+def clock(session: Session) -> datetime:
+    """Return the time of the database, on which all hosts agree whatever their own clocks say.
+
+    It is that of PostgreSQL's server. A file of SQLite is used by one host, whose clock it is then.
+    """
+    if session.get_bind().dialect.name != "postgresql":
+        return datetime.now(UTC)
+    # Not now(), which stands still while a writer waits for its turn.
+    moment: datetime = session.execute(text("SELECT clock_timestamp()")).scalar_one()
+    return moment.astimezone(UTC)
 
 
 def once(session: Session, key: Hashable, read: Callable[[], Found]) -> Found:

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.models import Attempt
-from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 from wildscav_leaderboard.hosting.request_log import RequestCounts
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
@@ -49,7 +49,7 @@ class SeasonMetrics(Collector):
 
 def _of_database(session: Session, now: datetime) -> Iterable[Metric]:
     conductor = GaugeMetricFamily(f"{PREFIX}_conductor_up", "1 while a conductor holds the lease, else 0.")
-    conductor.add_metric((), float(holder_of(session, now) is not None))
+    conductor.add_metric((), float(holder_of(session, clock(session)) is not None))
     yield conductor
     paused = GaugeMetricFamily(f"{PREFIX}_paused", "1 while the season is paused, else 0.")
     paused.add_metric((), float(season_state.read_state(session, season_state.PAUSED) is not None))

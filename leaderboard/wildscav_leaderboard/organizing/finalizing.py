@@ -24,6 +24,7 @@ from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import HIDDEN
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.plans import ladders_want_matches
+from wildscav_leaderboard.database.connection import clock
 from wildscav_leaderboard.matches.models import FINAL, FINISHED, PLAYING, VOID, WAITING, Match, MatchResult
 from wildscav_leaderboard.matches.service import add_suite_matches
 from wildscav_leaderboard.seasons import state as season_state
@@ -90,25 +91,25 @@ def advance(session: Session, season: Season, actor: str, now: datetime) -> Prog
     if state is None:
         raise RefusalError("the season is not being decided")
     if state["field"] is None:
-        settling = _settling(session, season, now)
+        settling = _settling(session, season)
         if settling is not None:
             return settling
         state = _choose_field(session, season, state, now)
-    deciding = _deciding(session, state["field"], now)
+    deciding = _deciding(session, state["field"])
     if deciding is not None:
         return deciding
     _decide(session, season, state["field"], actor, now)
     return Progress(DONE)
 
 
-def _settling(session: Session, season: Season, now: datetime) -> Progress | None:
+def _settling(session: Session, season: Season) -> Progress | None:
     """Return how far what was handed in is played; None if it is."""
     pending = _count(session, select(func.count()).where(Submission.state.in_(PENDING)))
     left = _count(session, select(func.count()).where(Match.state.in_((WAITING, PLAYING))))
     if not pending and not left and not ladders_want_matches(session, season):
         return None
     planned = _count(session, select(func.count()).where(Match.state != VOID))
-    return Progress(SETTLING, planned - left, planned, pending, _why_it_stands(session, now))
+    return Progress(SETTLING, planned - left, planned, pending, _why_it_stands(session))
 
 
 def _choose_field(session: Session, season: Season, state: dict[str, Any], now: datetime) -> dict[str, Any]:
@@ -127,7 +128,7 @@ def _choose_field(session: Session, season: Season, state: dict[str, Any], now: 
     return chosen
 
 
-def _deciding(session: Session, field: dict[str, list[int]], now: datetime) -> Progress | None:
+def _deciding(session: Session, field: dict[str, list[int]]) -> Progress | None:
     """Return how far the matches that decide the season are; None if they are played.
 
     Raises:
@@ -148,7 +149,7 @@ def _deciding(session: Session, field: dict[str, list[int]], now: datetime) -> P
         )
     planned = _count(session, own)
     played = _count(session, own.where(Match.state == FINISHED))
-    return None if played == planned else Progress(DECIDING, played, planned, 0, _why_it_stands(session, now))
+    return None if played == planned else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
 
 
 def _active(session: Session, field: dict[str, list[int]]) -> list[int]:
@@ -196,12 +197,12 @@ def _check_conditions(session: Session, track: str, digest: str) -> None:
         )
 
 
-def _why_it_stands(session: Session, now: datetime) -> str:
+def _why_it_stands(session: Session) -> str:
     """Return why nothing is being played; an empty text if something is."""
     paused = season_state.read_state(session, season_state.PAUSED)
     if paused is not None:
         return f"the season is paused: {paused['reason']}"
-    if holder_of(session, now) is None:
+    if holder_of(session, clock(session)) is None:
         return "nobody plays the matches: `wildscav season serve` starts what does"
     return ""
 

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.conductor.attempts import running
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.database.connection import clock
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.models import AuditEntry
@@ -43,7 +44,7 @@ def status(session: Session, now: datetime) -> Status:
         Attempt.outcome.in_(("platform", "lost")), Attempt.started > now - timedelta(days=1)
     )
     return Status(
-        conductor=holder_of(session, now),
+        conductor=holder_of(session, clock(session)),
         sandbox=nodes.get("sandbox"),
         executor=nodes.get("executor"),
         at_once=nodes.get("at_once"),

@@ -3,13 +3,14 @@
 import signal
 import time
 from collections.abc import Iterator
-from datetime import timedelta
+from datetime import datetime, timedelta, tzinfo
 from pathlib import Path
 
 import pytest
-from tests.leaderboard.seasons_made import NOON
+from tests.leaderboard.seasons_made import NOON, make_season
 
 from wildscav_leaderboard.conductor import lease
+from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.keeper import LeaseKeeper
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.database.connection import Database
@@ -44,6 +45,30 @@ def test_who_gets_the_lease(database: Database, after: float, epoch: int | None)
     assert acquire(database, "first", 0) == Holding("first", 1)
     held = acquire(database, "second", after)
     assert held == (None if epoch is None else Holding("second", epoch))
+
+
+class FastClock(datetime):
+    """The clock of a host that is a minute ahead."""
+
+    @classmethod
+    def now(cls, tz: tzinfo | None = None) -> datetime:
+        return datetime.now(tz) + timedelta(minutes=1)
+
+
+def test_a_host_whose_clock_is_ahead_takes_no_lease_that_is_held(
+    database: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if database.kind == "sqlite":
+        pytest.skip("a file of SQLite is used by one host")
+    season = make_season(tmp_path / "season", current=True)
+    first, second = Conductor(season, database), Conductor(season, database)
+    assert first._acquire()
+
+    for module in ("conductor.conductor", "conductor.keeper", "database.connection"):
+        monkeypatch.setattr(f"wildscav_leaderboard.{module}.datetime", FastClock, raising=False)
+    assert not second._acquire()
+    first._release()
+    assert second._acquire()
 
 
 def test_a_lease_that_is_renewed_lasts_and_one_that_is_given_back_is_free(sqlite: Database) -> None:

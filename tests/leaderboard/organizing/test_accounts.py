@@ -1,4 +1,4 @@
-"""What organizers do with accounts: disable them, enable them, give them new passwords. All of it is logged."""
+"""What organizers do with accounts: disable and enable them, give them new passwords. All acts are logged."""
 
 import pytest
 from sqlalchemy import select
