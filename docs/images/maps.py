@@ -1,16 +1,26 @@
 # ruff: noqa: INP001 - a script, not part of a package
-"""Make the gallery of docs/maps.md: twelve maps from above, and one house cut open at each storey.
+"""Make the pictures of docs/maps.md: maps from above, a house cut open at each storey, views at eye height.
 
     python docs/images/maps.py
 
 needs ``pip install 'wildscav[maps]'``. Run it again whenever the version of the map generator rises.
 """
 
+import math
 import sys
 from pathlib import Path
 
+from PIL import Image
+
 from wildscav_engine.maps import GameMap, generate_map
+from wildscav_engine.maps.country import plan_country
+from wildscav_engine.maps.country.wards import Barrier
+from wildscav_engine.maps.ground.terrain import make_terrain
 from wildscav_engine.maps.picture import draw_map
+from wildscav_engine.maps.pools import LEVELS
+from wildscav_engine.maps.viewpoints import standing_height
+from wildscav_engine.sensors import parse_sensors
+from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.map_spec import MapConfig
 
 FOLDER = Path(__file__).parent / "maps"
@@ -34,6 +44,8 @@ VARIETY = {
 }
 CUT_HOUSE, CUT_STOREYS = (MapConfig(size=80, houses=3, storeys=(3, 3), relief=0.4, water=0.0), 6), 3
 SPAN = 20.0  # m, the width of the picture of that house
+EXPERT_SEED, EYES = 4, {"width": 480, "height": 270}
+APPROACH = -9.0  # m beside the border from which a gate is seen
 
 
 def main() -> None:
@@ -54,6 +66,7 @@ def main() -> None:
             title=f"Storey {storey}",
         )
         picture.save(FOLDER / f"storey-{storey}.jpg", quality=QUALITY, optimize=True)
+    _draw_expert()
     weight = sum(path.stat().st_size for path in FOLDER.glob("*.jpg"))
     sys.stdout.write(f"{FOLDER}: {weight / 1e6:.2f} MB\n")
 
@@ -61,6 +74,29 @@ def main() -> None:
 def _draw(name: str, game_map: GameMap, title: str) -> None:
     picture = draw_map(game_map, width=WIDTH, title=title)
     picture.save(FOLDER / f"{name}.jpg", quality=QUALITY, optimize=True)
+
+
+def _draw_expert() -> None:
+    """Draw a map of level expert from above, and one way through each of its kinds of barriers."""
+    config = LEVELS["expert"]
+    game_map = generate_map(config, EXPERT_SEED)
+    _draw("expert", game_map, "Level expert")
+    plan = plan_country(config, EXPERT_SEED, make_terrain(config, EXPERT_SEED))
+    assert plan is not None  # noqa: S101 - the level has country
+    ways = {border.barrier: border for border in plan.wards.borders if border.gate is not None}
+    eyes, yaws = [], []
+    for barrier in (Barrier.WALL, Barrier.THICKET, Barrier.RIDGE, Barrier.CLIFF):
+        gate = ways[barrier].gate or 0.0
+        (x, z), (to_x, to_z) = ways[barrier].at(gate - 3.0, APPROACH), ways[barrier].at(gate)
+        eyes.append((x, standing_height(game_map.world, x, z) + EYE_HEIGHT, z))
+        yaws.append(math.degrees(math.atan2(to_x - x, to_z - z)))
+    camera = parse_sensors({"camera": EYES})["camera"]
+    views = camera.render(game_map, eyes, yaws, [3.0] * len(eyes))
+    sheet = Image.new("RGB", (2 * EYES["width"], 2 * EYES["height"]))
+    for number, view in enumerate(views):
+        corner = (number % 2 * EYES["width"], number // 2 * EYES["height"])
+        sheet.paste(Image.fromarray(view[..., :3]), corner)
+    sheet.save(FOLDER / "expert-eyes.jpg", quality=QUALITY, optimize=True)
 
 
 def _load(number: int) -> GameMap:

@@ -48,6 +48,9 @@ def test_the_suites_have_the_maps_matches_and_limits_told() -> None:
     for name, *told in rows("| suite | navigation |"):
         suite = SUITES[name.strip("`")]
         for track, cell in zip(("navigation", "gathering", "capture", "battle", "royale"), told, strict=True):
+            if track not in suite.tracks:
+                assert not cell
+                continue
             course = suite.tracks[track]
             (seconds,) = {spec.time_limit for spec in suite.matches(track, 0)}
             assert cell == f"{course.maps} × {course.episodes}, {seconds:g} s"

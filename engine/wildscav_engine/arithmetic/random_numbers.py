@@ -44,6 +44,8 @@ class Stream(IntEnum):
     ZONE = 22
     MAP_POOL = 23
     HOT_SPOT = 24
+    COUNTRY = 30
+    HIDING = 31
 
 
 @kernel

@@ -1,6 +1,6 @@
 """The map that matches are played on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import blake2b
 from typing import TYPE_CHECKING
@@ -36,6 +36,10 @@ class GameMap:
     outdoor: NDArray[np.float64]  # (O, 3) m, standing places on open ground, then on roofs and rocks
     solid_house: NDArray[np.int16]  # (S,) the house that a solid belongs to, -1 for none
     reachable_share: float = 1.0  # of the ground, 0–1, that is mutually reachable
+    # (T, 3) m, where the targets of matches are hidden; none where they may be anywhere
+    targets: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    # (T, S) how many times as long as the straight line the way is to each of them from each spawn, at least
+    detours: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 0), np.float32))
 
     @property
     def config(self) -> MapConfig:
@@ -86,4 +90,6 @@ class GameMap:
         del world["ceiling"]
         for array in (*world.values(), self.indoor, self.outdoor, self.solid_house):
             digest.update(f"{array.dtype.str}{array.shape}".encode() + array.tobytes())
+        if len(self.targets):
+            digest.update(self.targets.tobytes() + self.detours.tobytes())
         return digest.hexdigest()

@@ -4,6 +4,7 @@ import numpy as np
 
 from wildscav_engine.compilation.precompile import compile_ahead
 from wildscav_engine.geometry.world import World, build_world
+from wildscav_engine.maps.country.hiding import Hidden, hide_targets
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.ground.terrain import water_of_cells
@@ -40,6 +41,7 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
             f"seed {seed} leaves no open, dry ground to stand on in a map of {config.size} m with water "
             f"{config.water}, relief {config.relief} and vegetation {config.vegetation}; try less of them"
         )
+    hidden = _hidden_targets(layout, graph, places, seed)
     return GameMap(
         spec=spec,
         world=world._replace(spawns=places.ground),
@@ -48,7 +50,17 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
         outdoor=np.concatenate([places.ground, places.high]),
         solid_house=owners,
         reachable_share=graph.ground_share,
+        targets=hidden.places,
+        detours=hidden.detours,
     )
+
+
+def _hidden_targets(layout: Layout, graph: WalkGraph, places: Places, seed: int) -> Hidden:
+    """Return where targets are hidden; nowhere in open country."""
+    plan = layout.country
+    if plan is None or not plan.country.hidden_targets:
+        return Hidden(np.zeros((0, 3)), np.zeros((0, 0), np.float32))
+    return hide_targets(graph, plan, layout.terrain, layout.houses, places.indoor, places.ground, seed)
 
 
 def _with_open_houses(config: MapConfig, seed: int) -> tuple[Layout, World, WalkGraph, Places]:
@@ -59,7 +71,6 @@ def _with_open_houses(config: MapConfig, seed: int) -> tuple[Layout, World, Walk
     Raises:
         MapError: A house is cut off in every layout.
     """
-    by_hand = sum(placed.kind == "house" for placed in config.placements)
     avoided: list[Site] = []
     for _ in range(LAYOUTS):
         layout = lay_out(config, seed, avoided)
@@ -68,7 +79,10 @@ def _with_open_houses(config: MapConfig, seed: int) -> tuple[Layout, World, Walk
         world = build_world(terrain.corner, terrain.heights, water, layout.solids, np.zeros((0, 3)))
         graph = build_graph(world)
         places = choose_places(graph, layout.houses, np.array(layout.solid_house, np.int16), seed)
-        cut_off = [number for number in houses_cut_off(layout.houses, places.indoor) if number >= by_hand]
+        first_random = len(layout.sites) - config.houses
+        cut_off = [
+            number for number in houses_cut_off(layout.houses, places.indoor) if number >= first_random
+        ]
         if not cut_off or len(places.ground) == 0:
             return layout, world, graph, places
         avoided += [layout.sites[number] for number in cut_off]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL, Solid
 from wildscav_engine.maps.base import Base, load_base
+from wildscav_engine.maps.country import CountryPlan, barriers_of, plan_country, shape_country
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.ground.terrain import Terrain, level_ground, make_terrain
 from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_plan, house_of
@@ -18,6 +19,7 @@ from wildscav_engine.maps.vegetation.planting import plant
 from wildscav_engine.specs.map_spec import MapConfig
 
 NO_HOUSE = -1
+NOTHING = np.zeros((0, 2))
 DOORSTEP = 1.5  # m in front of an outer doorway
 
 
@@ -29,6 +31,7 @@ class Layout(NamedTuple):
     solid_house: list[int]  # the house that each solid belongs to, NO_HOUSE for none
     houses: tuple[House, ...]
     sites: tuple[Site, ...]  # of the houses
+    country: CountryPlan | None
 
 
 def lay_out(config: MapConfig, seed: int, avoided: Sequence[Site] = ()) -> Layout:
@@ -44,23 +47,32 @@ def lay_out(config: MapConfig, seed: int, avoided: Sequence[Site] = ()) -> Layou
     """
     base = load_base(config.base) if config.base else None
     terrain = _ground(config, seed, base)
-    plans, settlement = settle_houses(config, seed, terrain, avoided)
+    country = plan_country(config, seed, terrain)
+    plans, settlement = settle_houses(config, seed, terrain, avoided, country)
     sites = settlement.sites
-    levels = np.array([site.ground for site in sites], np.float64)
-    level_ground(terrain.corner, footprints_of(sites), levels, terrain.heights)
+    level_sites = sites + [town.site for town in country.towns] if country else sites
+    levels = np.array([site.ground for site in level_sites], np.float64)
+    level_ground(terrain.corner, footprints_of(level_sites), levels, terrain.heights)
+    if country:
+        sites = shape_country(country, seed, terrain, sites)
     solids, solid_house = _build(plans, sites)
     steps = [
         step for plan, site in zip(plans, sites, strict=True) for step in doorsteps(plan, site, DOORSTEP)
     ]
     free = np.array(steps, np.float64).reshape(-1, 2)
-    plants = plant(config, seed, terrain, sites, free, settlement.lanes)
+    if country:
+        free = np.concatenate([free, country.gates])
+    taken = country.taken if country else None
+    plants = plant(config, seed, terrain, sites, free, settlement.lanes, taken)
     if base:
         plants = _clear_of(base.solids, plants)
         solids += base.solids
+    if country:
+        solids += barriers_of(country, seed, terrain)
     solids += placed_solids(config, seed, terrain) + plants
     solid_house += [NO_HOUSE] * (len(solids) - len(solid_house))
     houses = tuple(house_of(plan, site) for plan, site in zip(plans, sites, strict=True))
-    return Layout(terrain, solids, solid_house, houses, tuple(sites))
+    return Layout(terrain, solids, solid_house, houses, tuple(sites), country)
 
 
 def _ground(config: MapConfig, seed: int, base: Base | None) -> Terrain:
@@ -79,7 +91,11 @@ def _ground(config: MapConfig, seed: int, base: Base | None) -> Terrain:
 
 
 def settle_houses(
-    config: MapConfig, seed: int, terrain: Terrain, avoided: Sequence[Site] = ()
+    config: MapConfig,
+    seed: int,
+    terrain: Terrain,
+    avoided: Sequence[Site] = (),
+    country: CountryPlan | None = None,
 ) -> tuple[list[HousePlan], Settlement]:
     """Draw the houses and find their sites, placed ones first; if they do not fit, draw smaller ones.
 
@@ -88,6 +104,7 @@ def settle_houses(
         seed: Of the map.
         terrain: Before any ground is levelled.
         avoided: Sites where no random house may stand.
+        country: Whose towns are settled after the placed houses, and whose borders houses keep off.
 
     Returns:
         The plan of each house, and all sites.
@@ -96,13 +113,17 @@ def settle_houses(
         MapError: Not all houses fit on the map, or a placed one does not fit at its location.
     """
     fixed_plans, fixed_sites = fixed_houses(config, seed, terrain)
+    kept_off = NOTHING
+    if country:
+        fixed_plans, fixed_sites = fixed_plans + country.plans, fixed_sites + country.sites
+        avoided, kept_off = [*avoided, *(town.site for town in country.towns)], country.kept_off
     for small in (False, True):
         plans = [draw_plan(seed, number, config.storeys, small=small) for number in range(config.houses)]
         sizes = [plan.size for plan in plans]
-        found = settle(config, seed, terrain, sizes, fixed_sites, avoided)
+        found = settle(config, seed, terrain, sizes, fixed_sites, avoided, kept_off)
         if len(found.sites) == len(plans):
             return fixed_plans + plans, Settlement(fixed_sites + found.sites, found.lanes)
-    most = room_for(config, seed, terrain, sizes, fixed_sites, avoided)
+    most = room_for(config, seed, terrain, sizes, fixed_sites, avoided, kept_off)
     raise MapError(
         f"houses is {config.houses}: a map of {config.size} m with seed {seed}, relief {config.relief} and "
         f"water {config.water} has room for 0 to {most}"

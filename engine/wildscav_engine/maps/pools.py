@@ -16,9 +16,9 @@ from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import Country, MapConfig, MapSpec
 
-Level = Literal["easy", "normal", "hard"]
+Level = Literal["easy", "normal", "hard", "expert"]
 Split = Literal["train", "test"]
 
 SIZE = 64  # maps in a pool by default
@@ -41,6 +41,16 @@ LEVELS: dict[Level, MapConfig] = {
         density="high",
         storeys=(1, 3),
         vegetation=0.7,
+    ),
+    # Walled gardens, thickets, canyons, terraces and a town of narrow streets, with hidden targets.
+    "expert": MapConfig(
+        size=200,
+        relief=0.5,
+        ruggedness=0.2,
+        water=0.03,
+        houses=6,
+        storeys=(1, 3),
+        country=Country(),
     ),
 }
 

@@ -22,6 +22,31 @@ class Placement(Spec):
     density: Annotated[float, Field(gt=0, le=1)] = 0.5  # of trees, bushes and rocks in an area; 1: densest
 
 
+Share = Annotated[float, Field(ge=0, le=1)]
+
+
+class Country(Spec):
+    """Country that must be seen to be crossed: wards behind barriers, with few ways through.
+
+    Each of the four kinds of barriers has a weight: its share of the wards if the weights add up to 1.
+    """
+
+    ward: Annotated[int, Field(ge=20, le=100)] = 26  # m, approximate side of a ward
+    loops: Share = 0.1  # of the barriers that could stay closed: with a way through, so that ways form loops
+    walls: Share = 1.0  # gardens and yards: high walls with gates
+    thickets: Share = 1.0  # woods: hedges and trees too dense to walk through, with gaps
+    canyons: Share = 1.0  # ridges of rock, with passes
+    terraces: Share = 1.0  # steps too steep to climb, with ramps
+    towns: Annotated[int, Field(ge=0, le=16)] = 1  # walled, with narrow streets and dead ends
+    hidden_targets: bool = True  # upstairs, in back rooms and at dead ends, and a long way round
+
+    @model_validator(mode="after")
+    def _has_barriers(self) -> Self:
+        if self.walls + self.thickets + self.canyons + self.terraces == 0:
+            raise ValueError("walls, thickets, canyons and terraces are all 0: one of them must be above 0")
+        return self
+
+
 class MapConfig(Spec):
     """The settings of the map generator. Together with a seed, they determine exactly one map."""
 
@@ -33,6 +58,8 @@ class MapConfig(Spec):
     density: Literal["low", "high"] = "low"  # scattered houses, or houses close together along streets
     storeys: tuple[Annotated[int, Field(ge=1, le=4)], Annotated[int, Field(ge=1, le=4)]] = (1, 2)
     vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
+    # Barriers with few ways through, and targets that are hard to get at; None: open country.
+    country: Annotated[Country | None, Field(exclude_if=lambda country: country is None)] = None
     placements: Annotated[tuple[Placement, ...], Field(max_length=1000)] = ()
     # The digest of an imported height map or mesh to build the map on; None: generated terrain.
     base: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None

@@ -1,13 +1,17 @@
 """The suite of hard country: what rules of thumb cannot solve, and fights that cannot be avoided."""
 
+from wildscav_evaluator.suites.match_drawing import capture, navigation
 from wildscav_evaluator.suites.suite import Suite, TrackSettings
 from wildscav_evaluator.suites.wild_battles import battle, gathering, meeting_ground, royale
+from wildscav_evaluator.suites.wild_country import TIME_LIMIT, expert_map
 
 WILD = Suite(
     name="wild",
-    title="matches that rules of thumb do not win: agents meet at a rich hot spot that moves",
+    title="matches that rules of thumb do not win: mazes to cross, and agents that meet at a rich hot spot",
     map_config=meeting_ground,
     tracks={
+        "navigation": TrackSettings(maps=25, episodes=4, draw=navigation(TIME_LIMIT), map_config=expert_map),
+        "capture": TrackSettings(maps=25, episodes=4, draw=capture(TIME_LIMIT, 3), map_config=expert_map),
         "gathering": TrackSettings(maps=10, episodes=2, draw=gathering),
         "battle": TrackSettings(maps=10, episodes=2, draw=battle),
         "royale": TrackSettings(maps=10, episodes=2, draw=royale),

@@ -44,8 +44,9 @@ def test_numbered_maps_make_a_pool() -> None:
         numbered_maps((0,))
 
 
-def test_levels_are_of_growing_size() -> None:
-    assert [config.size for config in LEVELS.values()] == [100, 200, 300]
+def test_levels_are_of_growing_size_and_the_last_one_is_a_maze() -> None:
+    assert [config.size for config in LEVELS.values()] == [100, 200, 300, 200]
+    assert [level for level, config in LEVELS.items() if config.country] == ["expert"]
 
 
 def test_no_pool_has_a_map_that_evaluations_keep_for_themselves() -> None:

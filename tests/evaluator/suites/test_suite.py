@@ -34,7 +34,8 @@ def test_every_map_of_a_suite_can_be_made(name: str, track: str) -> None:
     for spec in {match.map for match in suite(track, name, 3)}:
         layout = lay_out(spec.config, spec.seed)
 
-        assert 0 < len(layout.houses) <= spec.config.houses
+        in_towns = len(layout.country.sites) if layout.country else 0
+        assert 0 < len(layout.houses) <= spec.config.houses + in_towns
 
 
 def test_the_maps_of_a_suite_are_of_many_kinds() -> None:
@@ -130,6 +131,13 @@ def test_wild_fights_are_about_a_hot_spot_that_moves_to_the_end(track: str) -> N
         assert hot_spot is not None
         left = spec.time_limit - hot_spot.interval * hot_spot.places
         assert 0 <= left < hot_spot.interval
+
+
+@pytest.mark.parametrize("track", ["navigation", "capture"])
+def test_wild_ways_lead_through_mazes_to_hidden_targets(track: str) -> None:
+    for spec in suite(track, "wild", 0):
+        assert spec.map.config.country is not None
+        assert spec.map.config.country.hidden_targets
 
 
 def test_an_unknown_suite_or_track_is_named_with_those_that_there_are() -> None:

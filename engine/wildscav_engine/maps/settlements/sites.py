@@ -43,6 +43,8 @@ LANE_STEP = 2  # points of a street for each segment of a lane
 LONGEST_PATH = 16.0  # m from a door to a lane
 FORECOURT = 8.0  # m that a street continues after its last house
 
+NOWHERE = np.zeros((0, 2))
+
 Size = tuple[float, float]  # m, across and along
 
 
@@ -60,9 +62,10 @@ def place_houses(
     sizes: Sequence[Size],
     fixed: Sequence[Site] = (),
     avoided: Sequence[Site] = (),
+    kept_off: NDArray[np.float64] = NOWHERE,
 ) -> list[Site]:
     """Return sites for as many houses of the given sizes in m as fit; see ``settle``."""
-    return settle(config, seed, terrain, sizes, fixed, avoided).sites
+    return settle(config, seed, terrain, sizes, fixed, avoided, kept_off).sites
 
 
 def settle(
@@ -72,6 +75,7 @@ def settle(
     sizes: Sequence[Size],
     fixed: Sequence[Site] = (),
     avoided: Sequence[Site] = (),
+    kept_off: NDArray[np.float64] = NOWHERE,
 ) -> Settlement:
     """Find sites for houses, and lay the lanes between them.
 
@@ -82,6 +86,7 @@ def settle(
         sizes: m, of each house.
         fixed: Sites of houses placed before; they are not returned.
         avoided: Sites where no house may stand.
+        kept_off: (N, 2) m, x and z of points that houses keep off like the axis of a street.
 
     Returns:
         Sites for as many of the houses, in their order, as fit; and the lanes.
@@ -90,6 +95,7 @@ def settle(
     for attempt in range(ATTEMPTS):
         dice = Dice(seed, Stream.HOUSES, agent=attempt)
         plots = Plots(config, terrain, fixed, len(sizes), avoided)
+        plots.keep_off(kept_off)
         if config.density == "high":
             lanes = _build_towns(dice, plots, sizes)
         else:
@@ -110,11 +116,12 @@ def room_for(
     sizes: Sequence[Size],
     fixed: Sequence[Site] = (),
     avoided: Sequence[Site] = (),
+    kept_off: NDArray[np.float64] = NOWHERE,
 ) -> int:
     """Return how many of the houses, counted from the first, certainly fit if no more are asked for."""
     asked = len(sizes)
     while True:
-        found = len(place_houses(config, seed, terrain, sizes[:asked], fixed, avoided))
+        found = len(place_houses(config, seed, terrain, sizes[:asked], fixed, avoided, kept_off))
         if found == asked:
             return found
         asked = found

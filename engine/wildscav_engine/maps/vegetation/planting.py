@@ -38,6 +38,7 @@ def plant(
     sites: Sequence[Site],
     doorsteps: NDArray[np.float64],
     lanes: NDArray[np.float64] = NO_LANES,
+    taken: NDArray[np.float64] | None = None,
 ) -> list[Solid]:
     """Return the solids of all trees, bushes and rocks.
 
@@ -48,11 +49,12 @@ def plant(
         sites: Of all houses.
         doorsteps: (D, 2) m, x and z in front of each outer doorway.
         lanes: (L, 4) m, see ``sites.Settlement``.
+        taken: (F, 6) further footprints where nothing grows.
 
     Returns:
         One to three solids per tree, one per bush or rock.
     """
-    land = _land(config, seed, terrain, sites, doorsteps, lanes)
+    land = _land(config, seed, terrain, sites, doorsteps, lanes, taken)
     area = float(config.size * config.size) * config.vegetation
     wanted = {category: int(share * area + 0.5) for category, share in SHARES.items()}
     spots = allocate_spots(config.size, sum(wanted.values()))
@@ -74,6 +76,7 @@ def _land(
     sites: Sequence[Site],
     doorsteps: NDArray[np.float64],
     lanes: NDArray[np.float64],
+    taken: NDArray[np.float64] | None,
 ) -> GrowingGround:
     woods = wooded(seed, config.size, config.vegetation)
     shore, steep = shores(terrain, len(woods)), steepness(terrain, len(woods))
@@ -83,7 +86,10 @@ def _land(
     rocks = np.clip(0.05 + 0.08 * woods + 1.8 * np.maximum(0.0, steep - 0.2), 0.0, 1.0)
     paths = np.concatenate([lanes, door_paths(lanes, doorsteps)])
     fields = Fields(np.stack([trees, bushes, rocks]), conifers(config, seed, terrain), shore)
-    return land_of(terrain, footprints_of(sites), placed_footprints(config), doorsteps, paths, fields)
+    placed = placed_footprints(config)
+    if taken is not None:
+        placed = np.concatenate([placed, taken])
+    return land_of(terrain, footprints_of(sites), placed, doorsteps, paths, fields)
 
 
 def conifers(config: MapConfig, seed: int, terrain: Terrain) -> NDArray[np.float64]:

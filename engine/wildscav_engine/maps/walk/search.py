@@ -53,7 +53,7 @@ def shortest_route(
     turn[start] = start
     while size >= HEAP_FIRST:
         node = heap[HEAP_FIRST]
-        size = _pop(heap, priority, size)
+        size = pop(heap, priority, size)
         if done[node]:
             continue
         done[node] = True
@@ -76,7 +76,7 @@ def shortest_route(
                 if size + 1 == heap.shape[0]:
                     heap = np.concatenate((heap, np.empty_like(heap)))
                     priority = np.concatenate((priority, np.empty_like(priority)))
-                size = _push(heap, priority, size, other, far + _apart(places, other, end))
+                size = push(heap, priority, size, other, far + _apart(places, other, end))
     return _trace_back(places, edges, previous, turn, start, end) if done[end] else nowhere
 
 
@@ -141,7 +141,7 @@ def _trace_back(
 
 
 @kernel
-def _push(heap: NDArray[np.int32], priority: NDArray[np.float64], size: int, node: int, key: float) -> int:
+def push(heap: NDArray[np.int32], priority: NDArray[np.float64], size: int, node: int, key: float) -> int:
     """Insert a node into a binary min-heap and return the heap's new size."""
     place = size + 1
     while place > HEAP_FIRST and priority[place // 2] > key:
@@ -152,7 +152,7 @@ def _push(heap: NDArray[np.int32], priority: NDArray[np.float64], size: int, nod
 
 
 @kernel
-def _pop(heap: NDArray[np.int32], priority: NDArray[np.float64], size: int) -> int:
+def pop(heap: NDArray[np.int32], priority: NDArray[np.float64], size: int) -> int:
     """Remove the first node from a heap and return the heap's new size."""
     node, key = heap[size], priority[size]
     place = HEAP_FIRST

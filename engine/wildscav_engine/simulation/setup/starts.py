@@ -29,6 +29,8 @@ START_DISTANCE = 3.0  # m between two starts, if the map has space
 NEAR_DISTANCE = 4.0 * BODY_RADIUS  # m between two starts around a target, if the map has space
 LEAST_DISTANCE = 2.0 * BODY_RADIUS + 2.0 * SKIN  # m between two starts: bodies never start inside each other
 TARGET_DISTANCE = 10.0  # m, least distance from the first start to the target, if the map has space
+HIDDEN_DISTANCE = 30.0  # m, least distance from the first start to a hidden target, if the map has one there
+LEAST_DETOUR = 1.5  # least length of the way to a hidden target, in straight lines, if the map has one there
 KNOWN_PLACE = 6.0  # m, maximum distance of a start around the target from one of the map's places
 CACHED_PLACES = 256  # valid given places that are remembered for each map
 
@@ -74,13 +76,29 @@ def choose_starts(
     else:
         unplaced = draw_starts(spawns, seed, is_placed, starts)
         if has_target and target is None:
-            target = spawns[draw_target(spawns, seed, starts[0])]
+            target = _draw_target(game_map, seed, starts[0])
     if unplaced != ALL_PLACED:
         raise MatchSetupError(
             f"{len(starts)} seats are too many for this map: it has {len(spawns)} places, "
             f"and none of them has space for seat {unplaced}"
         )
     return starts, target
+
+
+def _draw_target(game_map: GameMap, seed: np.uint64, start: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (3,) m the target of a match: one that is hidden a long way round, if the map has any."""
+    spawns = game_map.world.spawns
+    if len(game_map.targets) == 0:
+        return np.asarray(spawns[draw_target(spawns, seed, start)])
+    nearest = int(np.argmin(((spawns - start) ** 2).sum(axis=1)))
+    detours = game_map.detours[:, nearest]
+    offsets = game_map.targets - start
+    away = offsets[:, 0] * offsets[:, 0] + offsets[:, 2] * offsets[:, 2]
+    is_far = (detours >= LEAST_DETOUR) & (away >= HIDDEN_DISTANCE * HIDDEN_DISTANCE)
+    if not is_far.any():
+        return np.asarray(game_map.targets[np.argmax(detours)])
+    choices = np.nonzero(is_far)[0]
+    return np.asarray(game_map.targets[choices[integer_in(0, len(choices) - 1, seed, TARGET, 0, 1, 0)]])
 
 
 def usable_place(game_map: GameMap, place: Position, reach: float | None) -> Position:

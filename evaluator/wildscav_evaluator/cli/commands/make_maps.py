@@ -11,7 +11,7 @@ from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOptio
 
 def make_maps(
     level: Annotated[
-        Literal["easy", "normal", "hard"] | None,
+        Literal["easy", "normal", "hard", "expert"] | None,
         typer.Option(help="Make a pool of maps of this level for environments.", show_default=False),
     ] = None,
     count: Annotated[int, typer.Option(help="Maps of the pool.", min=1, max=1_000_000)] = 64,
