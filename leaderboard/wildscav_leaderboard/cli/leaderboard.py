@@ -18,26 +18,30 @@ if TYPE_CHECKING:
     from wildscav_leaderboard.results.standings import Standings
 
 
+Url = Annotated[
+    str | None,
+    typer.Argument(
+        help="With --season: its address. Default: the one that you logged in to last.",
+        metavar="URL",
+        show_default=False,
+    ),
+]
+OfSeason = Annotated[
+    bool, typer.Option("--season", help="Show the boards of a season, in place of a database.")
+]
+DatabaseFile = Annotated[Path, typer.Option(help="The leaderboard's database.")]
+Track = Annotated[str | None, typer.Option(help="Only this track, or tracks whose names begin with this.")]
+SuiteName = Annotated[
+    str | None, typer.Option(help="Only this suite; spring also finds your own suite spring@19da5d55.")
+]
+
+
 def leaderboard(
-    url: Annotated[
-        str | None,
-        typer.Argument(
-            help="With --season: its address. Default: the one that you logged in to last.",
-            metavar="URL",
-            show_default=False,
-        ),
-    ] = None,
-    season: Annotated[
-        bool, typer.Option("--season", help="Show the boards of a season, in place of a database.")
-    ] = False,
-    db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
-    track: Annotated[
-        str | None, typer.Option(help="Only this track, or tracks whose names begin with this.")
-    ] = None,
-    suite: Annotated[
-        str | None,
-        typer.Option(help="Only this suite; spring also finds your own suite spring@19da5d55."),
-    ] = None,
+    url: Url = None,
+    season: OfSeason = False,
+    db: DatabaseFile = Path("out/wildscav.db"),
+    track: Track = None,
+    suite: SuiteName = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the standings on every track: the latest evaluation of each submission, and tournaments.
@@ -52,7 +56,12 @@ def leaderboard(
         if suite is not None:
             raise UserError("--suite is for a database: a season has one suite on each track", exit_code=2)
         show_boards(url, track, as_json=as_json)
-        return
+    else:
+        _show_database(db, track, suite, as_json=as_json)
+
+
+def _show_database(db: Path, track: str | None, suite: str | None, *, as_json: bool) -> None:
+    """Show the standings and the tournaments in a database."""
     from wildscav_evaluator.cli.result_tables.ranking import LEGEND
     from wildscav_evaluator.tournaments.tournament_file import Tournament
     from wildscav_leaderboard.results.database import reading

@@ -1,47 +1,31 @@
 """A season that a real conductor plays, with real agents, is audited while it runs and as files."""
 
-import threading
 from pathlib import Path
 
 import pytest
 from sqlalchemy import func, select
+from sqlalchemy.orm import Session
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.auditing.conftest import Run
+from tests.leaderboard.real_conductor import conduct
 from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.conductor.conductor import Conductor, now
-from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.conductor.conductor import now
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.publishing.export import export
-from wildscav_leaderboard.seasons.folder import Season
 
 SUITE_MATCHES, LADDER_MATCHES = 4, 2  # of two submissions
-LONGEST = 240  # s
 
 
-def conduct(database: Database, season: Season) -> None:
-    """Run a conductor in this thread until everything is played and on the boards."""
-    conductor = Conductor(season, database)
-    ended = threading.Event()
-
-    def watch() -> None:
-        for _ in range(LONGEST * 2):
-            with database.reading() as session:
-                played = session.scalar(select(func.count()).where(Match.state == FINISHED))
-                boards = [read_board(session, track) for track in season.settings.tracks]
-            shown = [board for board in boards if board is not None and any(row.rank for row in board.rows)]
-            if (played == SUITE_MATCHES + LADDER_MATCHES and len(shown) == 2) or ended.wait(0.5):
-                break
-        conductor.stop()
-
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-    conductor.run()
-    ended.set()
-    watcher.join()
+def is_shown(session: Session) -> bool:
+    """Return whether everything is played and on the boards."""
+    played = session.scalar(select(func.count()).where(Match.state == FINISHED))
+    boards = [read_board(session, track) for track in ("navigation", "battle")]
+    shown = [board for board in boards if board is not None and any(row.rank for row in board.rows)]
+    return played == SUITE_MATCHES + LADDER_MATCHES and len(shown) == 2
 
 
 @pytest.mark.slow
@@ -54,7 +38,7 @@ def test_what_a_real_conductor_played_holds(tmp_path: Path, audit: Run) -> None:
             team_with_member(session, team)
             folder = write_agent(tmp_path / "agents", team, tracks='["navigation", "battle"]')
             submitted(session, season, team, folder, now())
-    conduct(database, season)
+    conduct(database, season, is_shown)
     export(season, database, tmp_path / "export")
 
     with served(create_app(season, database)) as address:

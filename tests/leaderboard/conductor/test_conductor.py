@@ -1,7 +1,5 @@
 """A real conductor builds, validates and plays real submissions in real sandboxes."""
 
-import threading
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,11 +7,12 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 from tests.evaluator.sample_agents import CRASHER
 from tests.leaderboard.agents import write_agent
+from tests.leaderboard.real_conductor import conduct
 from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
 
 from wildscav_engine.record import read_record
 from wildscav_evaluator.output.journal import file_digest
-from wildscav_leaderboard.conductor.conductor import Conductor, now
+from wildscav_leaderboard.conductor.conductor import now
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, SUITE, Match, MatchResult
 from wildscav_leaderboard.seasons.folder import Season
@@ -23,7 +22,6 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import history_of
 
 SUITE_MATCHES = 2  # of navigation in the season of tests
-LONGEST = 300.0  # s, on a busy machine
 
 
 @pytest.fixture
@@ -43,25 +41,6 @@ def sqlite(season: Season) -> Database:
 def hand_in(database: Database, season: Season, folder: Path) -> int:
     with database.writing() as session:
         return submitted(session, season, "foxes", folder, now()).id
-
-
-def conduct(database: Database, season: Season, until: Callable[[Session], bool]) -> None:
-    """Run a conductor in this thread until something is true."""
-    ended = threading.Event()
-    conductor = Conductor(season, database)
-
-    def watch() -> None:
-        for _ in range(int(LONGEST / 0.2)):
-            with database.reading() as session:
-                if until(session) or ended.wait(0.2):
-                    break
-        conductor.stop()
-
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-    conductor.run()
-    ended.set()
-    watcher.join()
 
 
 def submission_of(session: Session, number: int) -> Submission:
