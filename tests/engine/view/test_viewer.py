@@ -48,7 +48,7 @@ def missing_colors(viewer: ViewerClient, wanted: dict[str, int]) -> dict[str, in
     for name in wanted:
         try:
             screenshot = viewer.take_screenshot(views_of(viewer)[name].view_id)
-        except (ConnectionError, KeyError):  # while the layout comes up, its views are made anew
+        except (ConnectionError, KeyError, TimeoutError):  # while the layout comes up, or drawing is slow
             found[name] = 0
             continue
         picture = Image.open(BytesIO(screenshot)).convert("RGB")

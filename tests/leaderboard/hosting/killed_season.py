@@ -54,7 +54,7 @@ port = {port}
 requests_per_minute = 100000
 {database}
 """
-START = 180.0  # s for the web server to answer first
+START = 600.0  # s for the web server to answer first
 QUIET = 3600.0  # s until everything has ended after the last kill
 
 
