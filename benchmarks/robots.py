@@ -98,6 +98,9 @@ def rows() -> Iterator[Row]:
             names = levels(kind)
             sides2 = ((names[better],) * size, (names[worse],) * size)
             yield Row(f"the harder beats the easier: {track}", draw, country, sides2, wanted="> 50 %")
+    for suffix in ("", "-hard"):
+        sides2 = ((f"hunter-squad{suffix}",) * 5, (f"fighter{suffix}",) * 5)
+        yield Row("a squad beats as many fighters", battle, "wild", sides2, wanted="> 50 %")
 
 
 @functools.cache

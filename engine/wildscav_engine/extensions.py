@@ -52,6 +52,7 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
         "gatherer": "wildscav_engine.simulation.robots.gatherer:GATHERERS",
         "fighter": "wildscav_engine.simulation.robots.fighter:FIGHTERS",
         "seeker": "wildscav_engine.simulation.robots.seeker:SEEKERS",
+        "hunter-squad": "wildscav_engine.simulation.robots.hunter_squad:HUNTER_SQUADS",
     },
     "wildscav.metrics": {},
 }

@@ -113,7 +113,7 @@ def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], fram
         if agents.fired[seat]:
             lanes = _rounds(lanes, shot_end[seat, 0], shot_end[seat, 1], shot_end[seat, 2], np.uint64(1))
         if agents.robot[seat] != 0:
-            for first in (0, 4):
+            for first in (0, 4, 8):
                 one, two, three = memory[seat, first], memory[seat, first + 1], memory[seat, first + 2]
                 lanes = _rounds(lanes, one, two, three, memory[seat, first + 3])
     return mix(mix(mix(lanes[0], lanes[1]), lanes[2]), lanes[3])

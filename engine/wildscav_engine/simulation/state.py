@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination
-MEMORY = 8  # numbers in a robot's memory
+MEMORY = 12  # numbers in a robot's memory
 MAX_SQUARES = 64  # along each side of a map, in the grid of agents
 BOX_SQUARES = 16  # maximum along each side of a map, in the grid of boxes
 
@@ -33,7 +33,7 @@ class Agents(NamedTuple):
     present: NDArray[np.bool_]  # (B, A) whether the match has this seat
     team: NDArray[np.int32]  # (B, A)
     robot: NDArray[np.int32]  # (B, A) the number of the robot that fills the seat, 0 for none
-    memory: NDArray[np.float64]  # (B, A, 8) numbers that a robot remembers
+    memory: NDArray[np.float64]  # (B, A, 12) numbers that a robot remembers
     start: NDArray[np.float64]  # (B, A, 3) m, where it started
     # Equipment at the start and after each respawn.
     full_health: NDArray[np.int32]  # (B, A) hp

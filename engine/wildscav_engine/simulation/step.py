@@ -68,7 +68,9 @@ def play_step(
     _clear_step_facts(agents)
     for seat in range(actions.shape[0]):
         action = actions[seat]
-        _resolve_action(agents, supplies, matches, match, seen, seat, frames_per_action, allowed, action)
+        _resolve_action(
+            world, agents, supplies, matches, match, seen, seat, frames_per_action, allowed, action
+        )
     for _ in range(frames_per_action):
         if not matches.over[match]:
             play_frame(world, agents, supplies, matches, match, actions, rules)
@@ -151,6 +153,7 @@ def _clear_step_facts(agents: Agents) -> None:
 
 @inlined_kernel
 def _resolve_action(
+    world: World,
     agents: Agents,
     supplies: Supplies,
     matches: Matches,
@@ -169,7 +172,7 @@ def _resolve_action(
             frame, seed = matches.frame[match], matches.seed[match]
             skill = skill_of(agents.robot[seat])
             situation = Situation(
-                agents, supplies, seen, seat, seed, frame, frames_per_action, matches, match, skill
+                agents, supplies, seen, seat, seed, frame, frames_per_action, matches, match, skill, world
             )
             decide(situation, action)
     valid = agents.present[seat]

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import arctangent, wrap
 from wildscav_engine.arithmetic.random_numbers import Stream, uniform_in
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.robots.skill import LEVELS, Skill
 from wildscav_engine.simulation.state import Agents, Matches, Supplies
 from wildscav_engine.simulation.systems.hot_spot import hot_spot_at
@@ -46,6 +47,10 @@ class Memory(IntEnum):
     DETOUR_HEADING = 5  # degrees
     FETCHING = 6  # steps since it last got a box or gave one up
     DISTRACTED_LEFT = 7  # steps for which it still ignores boxes
+    NEAREST = 8  # m, the least distance to the target since it last got past an obstacle, 0 for none
+    DETOURS = 9  # around the current obstacle
+    DETOUR_SIDE = 10  # degrees between its detour and the straight way
+    HIDE_LEFT = 11  # steps for which it still hides
 
 
 class Situation(NamedTuple):
@@ -61,6 +66,7 @@ class Situation(NamedTuple):
     matches: Matches
     match: int
     skill: Skill
+    world: World
 
 
 Act = Callable[[Situation, NDArray[np.float32]], None]
@@ -169,7 +175,7 @@ def gather(now: Situation, action: NDArray[np.float32]) -> bool:
     if now.seen.supply_count[now.seat] == 0 or _gives_up(now):
         return False
     box = now.supplies.position[now.seen.supplies[now.seat, 0]]
-    _go(now, box[0], box[2], action)
+    go_to(now, box[0], box[2], action)
     return True
 
 
@@ -183,17 +189,7 @@ def visit_hot_spot(now: Situation, action: NDArray[np.float32]) -> bool:
     dx, dz = place.x - here[0], place.z - here[2]
     if np.sqrt(dx * dx + dz * dz) < HOT_SPOT_NEAR:
         return False
-    _go(now, place.x, place.z, action)
-    return True
-
-
-@kernel
-def seek(now: Situation, action: NDArray[np.float32]) -> bool:
-    """Walk to the target; return False if there is none or the robot does not know it."""
-    if not now.agents.knows_target[now.seat]:
-        return False
-    target = now.matches.target[now.match]
-    _go(now, target[0], target[2], action)
+    go_to(now, place.x, place.z, action)
     return True
 
 
@@ -207,12 +203,12 @@ def keep_safe(now: Situation, action: NDArray[np.float32]) -> bool:
     dx, dz = zone.x - here[0], zone.z - here[2]
     if np.sqrt(dx * dx + dz * dz) < zone.radius - SAFE_MARGIN:
         return False
-    _go(now, zone.x, zone.z, action)
+    go_to(now, zone.x, zone.z, action)
     return True
 
 
 @kernel
-def _go(now: Situation, x: float, z: float, action: NDArray[np.float32]) -> None:
+def go_to(now: Situation, x: float, z: float, action: NDArray[np.float32]) -> None:
     """Walk to a position, looking ahead."""
     here = now.agents.position[now.seat]
     heading = arctangent(x - here[0], z - here[2])

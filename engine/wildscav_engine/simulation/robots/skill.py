@@ -15,12 +15,14 @@ class Skill(NamedTuple):
     aimed: float  # degrees off the enemy within which it fires
     foresight: float  # s for which it extrapolates its own motion and the enemy's
     patience: float  # steps without a box after which the box in sight counts as out of reach
+    caution: float  # share of its health up to which it leaves fights with the stronger; 0: it never hides
+    follows_obstacles: bool  # whether it feels its way around what is between it and its target
 
 
 LEVELS = ("easy", "normal", "hard")
-EASY = Skill(3.0, 4.0, 12.0, 12.0, 6.0, 0.0, 60.0)
-NORMAL = Skill(6.0, 8.0, 25.0, 3.0, 4.0, 0.0, 60.0)
-HARD = Skill(7.0, 10.0, 60.0, 0.7, 4.0, 0.1, 50.0)
+EASY = Skill(3.0, 4.0, 12.0, 12.0, 6.0, 0.0, 60.0, 0.0, False)
+NORMAL = Skill(6.0, 8.0, 25.0, 3.0, 4.0, 0.0, 60.0, 0.0, False)
+HARD = Skill(7.0, 10.0, 60.0, 0.7, 4.0, 0.1, 50.0, 0.4, True)
 
 
 @kernel
