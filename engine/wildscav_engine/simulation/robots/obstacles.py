@@ -1,7 +1,7 @@
-"""Feeling one's way to a target: straight on, then jumping, then along the obstacle, to one side or the other.
+"""Feeling one's way to a target: straight on, then jumping, then along the obstacle on either side.
 
-The rule is that of the baseline ``homing``: detours around one obstacle get longer and change sides, until the
-target is nearer than it was in front of the obstacle.
+The rule is that of the baseline ``homing``: detours around one obstacle get longer and change sides, until
+the target is nearer than it was in front of the obstacle.
 """
 
 import math
