@@ -1,8 +1,9 @@
 """Who beats whom: the table of robots in docs/rules.md, played in process.
 
-Each row is one kind of match, in which sides of robots of one kind each meet. Sides are teams, except in the
-royale, where everybody is alone. Matches of battle, royale and gathering are those of the suite ``wild``, but
-with these robots; the other tracks use random maps. The seats are dealt anew for each match.
+Each row is one kind of match, in which sides of robots of one kind each meet. Sides are teams, or everybody
+is alone: then a side wins a battle by the supplies of all its seats, and a royale by its share of those in
+first place. Matches of battle, royale and gathering are those of the suite ``wild``, but with these robots; the
+other tracks use random maps. The seats are dealt anew for each match.
 """
 
 import functools
@@ -18,7 +19,6 @@ from wildscav_engine.maps import MapError, generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.simulation.batch import Batch
-from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -82,11 +82,12 @@ def rows() -> Iterator[Row]:
     """Yield the rows of the table."""
     for suffix in ("", "-hard"):
         sides = ((f"fighter{suffix}",) * 5, (f"gatherer{suffix}",) * 5)
-        yield Row("fighters beat gatherers", battle, "wild", sides, wanted="≥ 60 %")
+        yield Row("fighters beat gatherers, as teams", battle, "wild", sides, wanted="≥ 60 %")
+        yield Row("fighters beat gatherers, each alone", battle, "wild", sides, False, "≥ 60 %")
     for suffix in ("-easy", "", "-hard"):
         kinds = [f"{kind}{suffix}" for kind in ("walker", "gatherer", "fighter")]
         sides3 = tuple((kind,) * 3 for kind in kinds)
-        yield Row("a walker wins a royale", royale, "wild", sides3, teams=False, wanted="< 33 %")
+        yield Row("a walker wins a royale", royale, "wild", sides3, False, "< 33 %")
     for better, worse in ((1, 0), (2, 1)):
         for track, draw, country, kind, size in (
             ("navigation", search("navigation", 120.0), "hard", "seeker", 1),
@@ -155,26 +156,29 @@ def play(row: Row, matches: int) -> Played:
 
 def _won(row: Row, batch: Batch, number: int, spec: MatchSpec) -> float:
     """Return which part of a match's win belongs to the first side: 1, 0, or a share of a draw."""
-    scores = [_score(batch, number, seat) for seat in range(row.seats)]
-    first = max(scores)
-    winners = [seat for seat in range(row.seats) if scores[seat] == first]
-    ours = [seat for seat in winners if spec.seats[seat] in row.sides[0]]
-    if not row.teams:
-        return len(ours) / len(winners)
-    teams = {spec.team_of_seats[seat] for seat in winners}
-    return bool(ours) / len(teams)
+    sides = [[seat for seat, name in enumerate(spec.seats) if name in names] for names in row.sides]
+    if batch.track.has_zone and not row.teams:
+        first = _first_seats(batch, number)
+        return len(set(first) & set(sides[0])) / len(first)
+    scores = [_score(batch, number, seats) for seats in sides]
+    return (scores[0] == max(scores)) / scores.count(max(scores))
 
 
-def _score(batch: Batch, number: int, seat: int) -> float:
-    """Return a seat's or its team's score; more is better."""
-    state = batch.state
-    team = state.agents.team[number] == state.agents.team[number, seat]
-    if TRACKS[batch.track.name].has_zone:
-        placement = int(state.agents.placement[number, seat])
-        return -float(placement or 1)
+def _first_seats(batch: Batch, number: int) -> list[int]:
+    """Return the seats that share the first place of a royale."""
+    placement = batch.state.agents.placement[number]
+    # The placement of those who are left at the end is still 0.
+    return np.flatnonzero(placement == placement.min()).tolist()
+
+
+def _score(batch: Batch, number: int, seats: list[int]) -> float:
+    """Return the score of a side; more is better."""
+    agents = batch.state.agents
+    if batch.track.has_zone:
+        return -float(agents.placement[number, seats].min())
     if batch.track.has_target:
-        return float(state.agents.reached[number, team].any())
-    return float(state.agents.supplies[number, team].sum())
+        return float(agents.reached[number, seats].any())
+    return float(agents.supplies[number, seats].sum())
 
 
 def wilson(share: float, matches: int) -> tuple[float, float]:

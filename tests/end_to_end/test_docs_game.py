@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from wildscav_engine.maps.game_map import SUPPLY_SPACING
-from wildscav_engine.simulation.robots.decide import ROBOTS
+from wildscav_engine.simulation.robots.decide import KINDS
 from wildscav_engine.simulation.robots.skill import EASY, HARD, NORMAL, Skill
 from wildscav_engine.simulation.setup.match_setup import SPARE_SLOTS
 from wildscav_engine.simulation.setup.starts import START_DISTANCE, TARGET_DISTANCE
@@ -98,5 +98,5 @@ def test_every_level_of_robots_is_told(level: str, skill: Skill) -> None:
 
 
 def test_every_robot_is_told() -> None:
-    told = set(re.findall(r"^\| `(\w+)` \| ([^|`]+) \|$", PAGE, re.M))
-    assert {(robot.name, robot.title) for robot in ROBOTS.values() if "-" not in robot.name} <= told
+    told = set(re.findall(r"^\| `([\w-]+)` \| ([^|`]+) \|$", PAGE, re.M))
+    assert {(normal.name, normal.title) for _, normal, _ in KINDS.values()} <= told

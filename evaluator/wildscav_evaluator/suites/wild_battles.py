@@ -10,8 +10,8 @@ from wildscav_evaluator.suites.match_drawing import choose
 
 TIME_LIMIT = 180.0  # s
 ROBOTS = 9
-# Rounds for a whole match, short absences, and more to win from a death than by default.
-RULES = Rules(spare_ammo=300, respawn_time=5.0, invincible_time=3.0, supply_loss=0.8)
+# Rounds for a whole match, and more to win and to lose by a death than by default.
+RULES = Rules(spare_ammo=300, respawn_time=45.0, invincible_time=2.0, supply_loss=1.0)
 FEW_BOXES = SupplyWave(center=(0.0, 0.0), radius=60.0, outdoor_richness=4.0, indoor_richness=5.0)
 
 

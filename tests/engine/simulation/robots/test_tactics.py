@@ -1,0 +1,150 @@
+"""What the better robots can do: take cover, feel their way around obstacles, and hunt together."""
+
+import numpy as np
+import pytest
+from tests.builders import box, flat_world, map_from, place
+
+from wildscav_engine.geometry.rays import sight_is_clear
+from wildscav_engine.maps import generate_map
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.equipment import Equipment
+from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
+
+WALL = box((1.5, 0, 4), (8, 3, 4.5))
+ENEMY, ROBOT = (0.0, 0.0, -10.0), (0.0, 0.0, 2.0)  # the wall is a few steps behind the robot, to its right
+
+
+def under_fire(robot: str, health: int, clip: int) -> Match:
+    """A robot of so much health, in sight of an enemy that it cannot kill."""
+    world = map_from(flat_world(solids=[WALL]))
+    spec = MatchSpec(
+        track="battle",
+        map=world.spec,
+        seats=("submission", robot),
+        equipment=(Equipment(health=10_000), None),
+    )
+    match = Match(spec, world)
+    match.state.supplies.quantity[:] = 0
+    place(match, 0, ENEMY)
+    place(match, 1, ROBOT, yaw=180.0)
+    match.state.agents.health[0, 1], match.state.agents.clip[0, 1] = health, clip
+    return match
+
+
+def is_in_sight(match: Match) -> bool:
+    one, two = match.state.agents.position[0].tolist()
+    return sight_is_clear(match.game_map.world, one[0], one[1] + EYE_HEIGHT, one[2], two[0], 1.0, two[2])
+
+
+@pytest.mark.parametrize(
+    ("robot", "health", "clip", "hides"),
+    [
+        ("fighter-hard", 40, 15, True),  # it is weak
+        ("fighter-hard", 100, 0, True),  # it has to reload
+        ("fighter-hard", 100, 15, False),
+        ("fighter", 40, 15, False),
+    ],
+)
+def test_a_hard_fighter_takes_cover_when_it_has_to(
+    robot: str, health: int, clip: int, *, hides: bool
+) -> None:
+    match = under_fire(robot, health, clip)
+    hidden = 0
+    for _ in range(20):
+        match.step()
+        hidden += not is_in_sight(match)
+    assert (hidden >= 5) == hides
+
+
+def test_a_hard_fighter_fires_on_its_way_into_cover() -> None:
+    match = under_fire("fighter-hard", 40, 15)
+    for _ in range(20):
+        match.step()
+    assert match.state.agents.hits[0, 1] >= 1
+
+
+def test_a_hidden_fighter_reloads() -> None:
+    match = under_fire("fighter-hard", 100, 0)
+    for _ in range(30):
+        match.step()
+    assert match.state.agents.clip[0, 1] == 15
+
+
+def squad_of_three(*enemies: tuple[float, float, float], robot: str = "hunter-squad") -> Match:
+    world = map_from(flat_world())
+    spec = MatchSpec(
+        track="battle",
+        map=world.spec,
+        seats=(robot,) * 3 + ("submission",) * len(enemies),
+        teams=(0, 0, 0, *(1,) * len(enemies)),
+    )
+    match = Match(spec, world)
+    match.state.supplies.quantity[:] = 0
+    for seat, x in enumerate((-2.0, 0.0, 2.0)):
+        place(match, seat, (x, 0.0, 0.0))
+    for seat, position in enumerate(enemies):
+        place(match, 3 + seat, position)
+    return match
+
+
+def test_a_squad_shoots_at_one_enemy_the_weakest_first() -> None:
+    match = squad_of_three((-8.0, 0.0, 14.0), (8.0, 0.0, 14.0))
+    health = match.state.agents.health[0]
+    health[4] = 60
+    while health[4] > 0 and match.frame < 500:
+        match.step()
+    assert health[4] == 0
+    assert health[3] == 100
+
+
+def test_a_squad_comes_to_an_enemy_that_only_one_of_it_sees() -> None:
+    match = squad_of_three((0.0, 0.0, 18.0))
+    place(match, 0, (-2.0, 0.0, 0.0), yaw=180.0)
+    place(match, 2, (2.0, 0.0, -15.0), yaw=180.0)
+    for _ in range(10):
+        match.step()
+    assert match.state.agents.position[0, 2, 2] > -12.0
+    assert match.state.agents.shots[0, 0] > 0
+
+
+def spread(robot: str) -> float:
+    """The mean distance in m of three teammates from the fourth in the second half of a minute."""
+    country = generate_map(MapConfig(size=120, houses=2), 4)
+    spec = MatchSpec(
+        track="battle", map=country.spec, seats=(robot,) * 4, teams=(0,) * 4, time_limit=60.0, seed=5
+    )
+    match, distances = Match(spec, country), []
+    while not match.over:
+        match.step()
+        away = match.state.agents.position[0, 1:] - match.state.agents.position[0, 0]
+        distances.append(np.hypot(away[:, 0], away[:, 2]).mean())
+    return float(np.mean(distances[300:]))
+
+
+def test_a_squad_keeps_together() -> None:
+    assert spread("hunter-squad") < min(20.0, 0.6 * spread("fighter"))
+
+
+@pytest.mark.parametrize("width", [12.0, 30.0])
+def test_a_hard_seeker_finds_its_way_around_a_wide_wall(width: float) -> None:
+    wall = box((-width / 2, 0, 0), (width / 2, 3, 0.5))
+    world = map_from(flat_world(size=60, solids=[wall]))
+    reached = {"seeker": 0, "seeker-hard": 0}
+    for robot in reached:
+        for seed in range(6):
+            spec = MatchSpec(
+                track="navigation",
+                map=world.spec,
+                seats=(robot,),
+                start=(0, 0, -15),
+                target=(0, 0, 15),
+                seed=seed,
+                time_limit=30.0,
+            )
+            match = Match(spec, world)
+            match.play_out()
+            reached[robot] += match.result().ending == "goal"
+    assert reached["seeker-hard"] >= 5
+    assert reached["seeker-hard"] >= reached["seeker"]
