@@ -2,8 +2,8 @@
 
 Each row is one kind of match, in which sides of robots of one kind each meet. Sides are teams, or everybody
 is alone: then a side wins a battle by the supplies of all its seats, and a royale by its share of those in
-first place. Matches of battle, royale and gathering are those of the suite ``wild``, but with these robots; the
-other tracks use random maps. The seats are dealt anew for each match.
+first place. Matches of battle, royale and gathering are those of the suite ``wild``, but with these robots;
+the other tracks use random maps. The seats are dealt anew for each match.
 """
 
 import functools
