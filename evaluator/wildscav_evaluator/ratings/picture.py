@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 MOST_SHOWN = 50  # entrants; of more, the best are shown
 MOST_WITH_NUMBERS = 25  # entrants, up to which the shares of points are written into the matrix
-LONGEST_NAME, LONGEST_COLUMN = 32, 20  # characters of a name beside a row and above a column
+LONGEST_NAME, LONGEST_COLUMN = 32, 23  # characters of a name beside a row and above a column
 DOTS_PER_INCH = 110
 # Heights in inches: of the title, of a row, and of the margin below.
 TITLE, ROW, MARGIN = 1.05, 0.3, 0.25
