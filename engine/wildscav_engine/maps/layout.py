@@ -11,7 +11,7 @@ from wildscav_engine.maps.base import Base, load_base
 from wildscav_engine.maps.country import CountryPlan, barriers_of, plan_country, shape_country
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.ground.terrain import Terrain, level_ground, make_terrain
-from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_plan, house_of
+from wildscav_engine.maps.house import HousePlan, build_house, doorsteps, draw_house, house_of
 from wildscav_engine.maps.placements import fixed_houses, placed_solids
 from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.maps.settlements.sites import Settlement, Site, footprints_of, room_for, settle
@@ -118,7 +118,10 @@ def settle_houses(
         fixed_plans, fixed_sites = fixed_plans + country.plans, fixed_sites + country.sites
         avoided, kept_off = [*avoided, *(town.site for town in country.towns)], country.kept_off
     for small in (False, True):
-        plans = [draw_plan(seed, number, config.storeys, small=small) for number in range(config.houses)]
+        plans = [
+            draw_house(config.pieces, seed, number, config.storeys, small=small)
+            for number in range(config.houses)
+        ]
         sizes = [plan.size for plan in plans]
         found = settle(config, seed, terrain, sizes, fixed_sites, avoided, kept_off)
         if len(found.sites) == len(plans):

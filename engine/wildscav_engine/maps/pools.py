@@ -109,7 +109,12 @@ def _first_made(specs: Sequence[MapSpec]) -> GameMap:
 
 @functools.lru_cache(maxsize=16)
 def random_maps(
-    kind: Level | MapConfig = "normal", split: Split = "train", seed: int = 0, size: int = SIZE
+    kind: Level | MapConfig = "normal",
+    split: Split = "train",
+    seed: int = 0,
+    size: int = SIZE,
+    *,
+    unseen: bool = False,
 ) -> MapPool:
     """Return a pool of random maps; equal arguments give the same pool, so environments share its maps.
 
@@ -118,8 +123,12 @@ def random_maps(
         split: Whether the maps are for training or for testing.
         seed: Of the pool.
         size: Number of maps.
+        unseen: Whether the maps for testing hold only types of houses and plans of towns that no map for
+            training holds.
     """
     config = kind if isinstance(kind, MapConfig) else LEVELS[kind]
+    if unseen:
+        config = config.model_copy(update={"pieces": "seen" if split == "train" else "unseen"})
     numbers = range(size)
     return MapPool(
         [

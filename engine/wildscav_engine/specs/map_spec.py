@@ -22,6 +22,7 @@ class Placement(Spec):
     density: Annotated[float, Field(gt=0, le=1)] = 0.5  # of trees, bushes and rocks in an area; 1: densest
 
 
+Pieces = Literal["all", "seen", "unseen"]
 Share = Annotated[float, Field(ge=0, le=1)]
 
 
@@ -60,6 +61,9 @@ class MapConfig(Spec):
     vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
     # Barriers with few ways through, and targets that are hard to get at; None: open country.
     country: Annotated[Country | None, Field(exclude_if=lambda country: country is None)] = None
+    # Which types of houses and plans of towns there are: all, or those of one of two halves, so that maps for
+    # testing can hold pieces that no map for training holds.
+    pieces: Annotated[Pieces, Field(exclude_if=lambda pieces: pieces == "all")] = "all"
     placements: Annotated[tuple[Placement, ...], Field(max_length=1000)] = ()
     # The digest of an imported height map or mesh to build the map on; None: generated terrain.
     base: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None

@@ -95,9 +95,7 @@ def plan_country(config: MapConfig, seed: int, terrain: Terrain) -> CountryPlan 
             for border in wards.borders
             if border.gate is not None and ward in border.wards
         ]
-        towns.append(
-            draw_town(config.size, config.country, seed, number, block, config.storeys, gates, terrain)
-        )
+        towns.append(draw_town(config, config.country, seed, number, block, gates, terrain))
     return CountryPlan(config.country, wards, tuple(towns))
 
 

@@ -11,9 +11,9 @@ from wildscav_engine.geometry.shapes import Rectangle, box, pose
 from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.maps.country.wards import Block, grid_of
 from wildscav_engine.maps.ground.terrain import Terrain
-from wildscav_engine.maps.house import HousePlan, draw_plan
+from wildscav_engine.maps.house import HousePlan, draw_house
 from wildscav_engine.maps.settlements.footprints import Site
-from wildscav_engine.specs.map_spec import Country
+from wildscav_engine.specs.map_spec import Country, MapConfig
 
 LEAST_SIDE = 46.0  # m, of a town
 STREET = 3.4  # m, least width of a street
@@ -85,28 +85,26 @@ def _heights_in(area: Rectangle, terrain: Terrain) -> NDArray[np.float64]:
 
 
 def draw_town(
-    size: int,
+    config: MapConfig,
     country: Country,
     seed: int,
     number: int,
     block: Block,
-    storeys: tuple[int, int],
     gates: Sequence[Point],
     terrain: Terrain,
 ) -> Town:
-    """Draw a town.
+    """Draw a town. Its streets are a maze; among pieces kept for testing, a main street with lanes off it.
 
     Args:
-        size: m, of the map.
+        config: Of the map.
         country: Its settings.
         seed: Of the map.
         number: Of the town.
         block: Where it is.
-        storeys: Least and greatest number of storeys of its houses.
         gates: m, x and z, of the gates in its wall.
         terrain: Before any ground is levelled.
     """
-    area = _area(block, size, grid_of(size, country)[1])
+    area = _area(block, config.size, grid_of(config.size, country)[1])
     ground = _heights_in(area, terrain)
     level = float(ground.sum() / ground.size)
     dice = Dice(seed, Stream.COUNTRY, agent=100 + number)
@@ -122,11 +120,14 @@ def draw_town(
         z = area.back + STREET / 2.0 + (row + 0.5) * plot
         x += dice.uniform(-0.5, 0.5) * (largest - east)
         z += dice.uniform(-0.5, 0.5) * (largest - north)
-        plan = draw_plan(seed, NUMBER + 1000 * number + index, storeys, area=(across, along))
+        plan = draw_house(
+            config.pieces, seed, NUMBER + 1000 * number + index, config.storeys, area=(across, along)
+        )
         plans.append(plan)
         sites.append(Site(pose(x, z, yaw), yaw, plan.size, level))
     streets = _Streets(dice, area, count, plans, sites, gates)
-    walls = [_wall(rectangle, level) for rectangle in streets.walled_up()]
+    is_open = streets.main_street() if config.pieces == "unseen" else streets.maze()
+    walls = [_wall(rectangle, level) for rectangle in streets.walled_up(is_open)]
     return Town(area, level, tuple(plans), tuple(sites), tuple(walls))
 
 
@@ -160,9 +161,8 @@ class _Streets:
             for plan, site in zip(plans, sites, strict=True)
         ]
 
-    def walled_up(self) -> list[Rectangle]:
+    def walled_up(self, open_streets: set[tuple[int, int, bool]]) -> list[Rectangle]:
         """Return the walls across those streets that are not open."""
-        open_streets = self._draw_open()
         walls = []
         for row in range(self.count + 1):
             for column in range(self.count + 1):
@@ -174,7 +174,13 @@ class _Streets:
                         walls += self._wall_across(row, column, eastward)
         return walls
 
-    def _draw_open(self) -> set[tuple[int, int, bool]]:
+    def main_street(self) -> set[tuple[int, int, bool]]:
+        """Return one street from end to end and all those that cross it."""
+        column, every = self.dice.integer(0, self.count), range(self.count)
+        lanes = {(row, lane, True) for row in range(self.count + 1) for lane in every}
+        return lanes | {(row, column, False) for row in every}
+
+    def maze(self) -> set[tuple[int, int, bool]]:
         """Return the streets of a random tree that reaches every crossing."""
         dice, active = self.dice, [(0, 0)]
         reached, found = {(0, 0)}, set()

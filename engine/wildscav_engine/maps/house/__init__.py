@@ -12,6 +12,7 @@ from wildscav_engine.maps.house.plan import (
     Wall,
 )
 from wildscav_engine.maps.house.random_plan import LARGEST, SMALLEST, draw_plan
+from wildscav_engine.maps.house.types import draw_house, is_unseen
 
 __all__ = [
     "DOOR_HEIGHT",
@@ -27,6 +28,8 @@ __all__ = [
     "Wall",
     "build_house",
     "doorsteps",
+    "draw_house",
     "draw_plan",
     "house_of",
+    "is_unseen",
 ]

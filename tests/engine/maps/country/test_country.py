@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from wildscav_engine.maps.cache import load_cached, store
+from wildscav_engine.maps.country import plan_country
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.generate import generate_map
+from wildscav_engine.maps.ground.terrain import make_terrain
+from wildscav_engine.maps.house import is_unseen
 from wildscav_engine.maps.locations import houses_cut_off
 from wildscav_engine.maps.walk import find_path
 from wildscav_engine.maps.walk.distances import LONGER
@@ -90,3 +93,22 @@ def test_the_cache_keeps_targets(tmp_path: object, monkeypatch: pytest.MonkeyPat
 def test_hidden_targets_can_be_turned_off() -> None:
     config = CONFIG.model_copy(update={"country": Country(hidden_targets=False)})
     assert len(generate_map(config, 3).targets) == 0
+
+
+@pytest.mark.parametrize("pieces", ["seen", "unseen"])
+def test_towns_hold_only_the_pieces_that_are_wanted(pieces: str) -> None:
+    config = CONFIG.model_copy(update={"pieces": pieces})
+    plan = plan_country(config, 3, make_terrain(config, 3))
+    assert plan is not None
+    assert {is_unseen(house) for house in plan.plans} == {pieces == "unseen"}
+
+
+def test_an_unseen_town_has_other_streets_than_a_seen_one() -> None:
+    def walls(pieces: str) -> list[tuple[float, ...]]:
+        config = CONFIG.model_copy(update={"pieces": pieces})
+        plan = plan_country(config, 3, make_terrain(config, 3))
+        assert plan is not None
+        return [tuple(wall.low - plan.towns[0].ground) for wall in plan.towns[0].walls]
+
+    assert walls("unseen")
+    assert walls("unseen") != walls("seen")
