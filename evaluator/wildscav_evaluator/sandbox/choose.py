@@ -52,7 +52,9 @@ def choose(
         sandbox = next(one for one in sandboxes if one.name == asked)
         why = missing_promises(sandbox, limits)
         if why:
-            raise SandboxError(f"--sandbox {asked} cannot be kept here: {why}; `wildscav doctor` tells more")
+            raise SandboxError(
+                f"the sandbox {asked} cannot be kept here: {why}; `wildscav doctor` tells more"
+            )
         return Choice(sandbox, (WARNING,) if isinstance(sandbox, ProcessSandbox) else ())
     reasons: list[str] = []
     for sandbox in sandboxes:

@@ -17,10 +17,8 @@ from wildscav_evaluator.sandbox.limits import Limits
 
 KILL_ROUNDS = 1000  # rounds, at most, of killing a session that keeps forking
 PASSED_ON = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "LD_LIBRARY_PATH")
-WARNING = (
-    "agents run as plain processes: they can use your files, your network and the whole machine. "
-    "For code that you do not trust, use --sandbox oci or bubblewrap (`wildscav doctor`)"
-)
+DANGER = "agents run as plain processes: they can use your files, your network and the whole machine"
+WARNING = f"{DANGER}. For code that you do not trust, use --sandbox oci or bubblewrap (`wildscav doctor`)"
 
 # Like `python -m wildscav.sdk` or a submission's own command, except that on Linux the kernel kills the agent
 # when its parent is gone, so that not even a killed evaluation leaves agents behind.

@@ -24,6 +24,7 @@ from pydantic import (
 
 from wildscav.errors import UserError, describe
 from wildscav.system.config_files import LARGEST, read_config
+from wildscav.terminal.suggestions import did_you_mean
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
@@ -138,7 +139,8 @@ def find_suite(name: str) -> Suite:
         return SUITES[name]
     if not name.endswith(SUFFIX):
         raise UserError(
-            f"there is no suite {name!r}; the suites are {', '.join(SUITES)}, or name a file {name}{SUFFIX}",
+            f"there is no suite {name!r}{did_you_mean(name, SUITES)}; the suites are {', '.join(SUITES)}, or "
+            f"name a file whose name ends in {SUFFIX}",
             2,
         )
     return read_suite(Path(name))

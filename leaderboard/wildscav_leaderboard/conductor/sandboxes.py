@@ -5,9 +5,11 @@ import os
 from wildscav.errors import UserError
 from wildscav.monitoring.logs import Log
 from wildscav_evaluator.executors import Executor
+from wildscav_evaluator.sandbox.process import DANGER, WARNING
 from wildscav_leaderboard.seasons.folder import Season
 
 VARIABLE = "WILDSCAV_SANDBOX"
+WEAK = f"{DANGER}. For code that you do not trust, set sandbox = 'bubblewrap' or 'oci' under [execution]"
 
 
 def chosen_sandbox(season: Season, executor: Executor, log: Log) -> str:
@@ -25,5 +27,5 @@ def chosen_sandbox(season: Season, executor: Executor, log: Log) -> str:
             "settings, agents run without one, which is for agents that you trust"
         )
     for warning in choice.warnings:
-        log.warning("sandbox_is_weak", reason=warning)
+        log.warning("sandbox_is_weak", reason=WEAK if warning == WARNING else warning)
     return choice.sandbox.name

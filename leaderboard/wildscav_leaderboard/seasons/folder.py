@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.suites.rounds import matches_in_rounds
@@ -12,7 +13,13 @@ from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.suites.suite_file import SUFFIX, find_suite, read_suite
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.seasons.settings import SeasonSettings, SettingsError, TrackSettings, read_settings
+from wildscav_leaderboard.seasons.settings import (
+    SETTINGS_FILE,
+    SeasonSettings,
+    SettingsError,
+    TrackSettings,
+    read_settings,
+)
 
 # The seeds of the season's matches, and of those that decide it at its end; private until they are opened.
 SECRET_FILE, FINAL_SECRET_FILE = "secret.txt", "final-secret.txt"
@@ -45,14 +52,19 @@ class Season:
         """Check what the settings name.
 
         Raises:
-            SettingsError: A suite does not have the track that names it.
-            UserError: The secret, or a suite, cannot be read.
+            SettingsError: A suite cannot be read, or does not have the track that names it.
+            UserError: The secret cannot be read.
         """
-        for track in self.settings.tracks:
-            if track not in self.suite(track).tracks:
+        for track, settings in self.settings.tracks.items():
+            place = f"{self.folder / SETTINGS_FILE}: tracks.{track}.suite"
+            try:
+                found = self.suite(track)
+            except UserError as error:
+                raise SettingsError(f"{place}: {error}") from None
+            if track not in found.tracks:
                 raise SettingsError(
-                    f"tracks.{track}.suite: the suite {self.settings.tracks[track].suite} has no matches of "
-                    f"{track}; it has {', '.join(self.suite(track).tracks)}"
+                    f"{place}: the suite {settings.suite} has no matches of {track}; it has "
+                    f"{', '.join(found.tracks)}"
                 )
         _ = self.seed, self.final_seed
 

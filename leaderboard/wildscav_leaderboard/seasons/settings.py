@@ -14,6 +14,7 @@ from wildscav.terminal.suggestions import did_you_mean
 
 SETTINGS_FILE = "season.toml"
 LARGEST = 1 << 20  # bytes
+SIMPLE = (str, int, float, bool)  # values that an error shows
 
 Seconds = Annotated[float, Field(gt=0.0, le=7 * 86_400.0)]
 Mode = Literal["suite", "ladder"]
@@ -182,8 +183,17 @@ def _explained(error: ValidationError) -> str:
     field = ".".join(str(part) for part in first["loc"])
     message = str(first["ctx"]["error"]) if first["type"] == "value_error" else str(first["msg"])
     if first["type"] == "extra_forbidden":
-        message = "is not a setting"
+        name = str(first["loc"][-1])
+        message = f"is not a setting{did_you_mean(name, _names())}"
+    elif first["type"] not in ("value_error", "missing") and isinstance(first["input"], SIMPLE):
+        message = f"is {first['input']!r}; {message[:1].lower()}{message[1:]}"
     return f"{field}: {message}" if field else message
+
+
+def _names() -> list[str]:
+    """Return the names of all settings."""
+    parts: list[type[_Part]] = _Part.__subclasses__()
+    return sorted({name for part in parts for name in part.model_fields})
 
 
 def _problems(settings: SeasonSettings) -> Iterator[str]:

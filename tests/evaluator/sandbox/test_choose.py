@@ -67,7 +67,9 @@ def test_the_strongest_that_works_is_taken(
 def test_one_that_is_asked_for_and_breaks_a_promise_is_refused() -> None:
     sandboxes = [OneThat("oci", keeps=True), OneThat("bubblewrap", keeps=False), PROCESS]
 
-    with pytest.raises(SandboxError, match=r"--sandbox bubblewrap cannot be kept here: limit on memory: 64"):
+    with pytest.raises(
+        SandboxError, match=r"the sandbox bubblewrap cannot be kept here: limit on memory: 64"
+    ):
         choose("bubblewrap", sandboxes, DEFAULT_LIMITS)
 
 

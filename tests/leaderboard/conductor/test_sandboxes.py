@@ -42,5 +42,14 @@ def test_the_environment_may_name_one_for_all_seasons(
     season: Season, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(VARIABLE, "bubblewrap")
-    with pytest.raises(UserError, match="--sandbox bubblewrap cannot be kept here"):
+    with pytest.raises(UserError, match="the sandbox bubblewrap cannot be kept here"):
         chosen_sandbox(season, LocalExecutor(1), open_log(None))
+
+
+def test_the_warning_names_what_an_organizer_can_set(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    chosen_sandbox(make_season(tmp_path / "trusting"), LocalExecutor(1), open_log("text"))
+    said = "".join(capsys.readouterr())
+    assert "set sandbox = 'bubblewrap' or 'oci' under [execution]" in said
+    assert "--sandbox" not in said

@@ -1,0 +1,45 @@
+"""Errors in season.toml name the file, the setting, what is wrong, and what is allowed."""
+
+from pathlib import Path
+
+import pytest
+from tests.leaderboard.seasons_made import make_season
+
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SettingsError
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "said"),
+    [
+        (
+            '[tracks.navigation]\nmode = "suite"\nsuite = "tiny.toml"',
+            '[tracks.navigation]\nmode = "suite"\nsuite = "oficial"',
+            "tracks.navigation.suite: there is no suite 'oficial' (did you mean 'official'?); the suites",
+        ),
+        ("[tracks.navigation]", "[tracks.navigaton]", "tracks: 'navigaton' is none of navigation, "),
+        (
+            "[tracks.battle]",
+            "[tracks.royale]",
+            "tracks.royale.suite: the suite tiny.toml has no matches of royale;",
+        ),
+        (
+            'mode = "ladder"',
+            'mode = "lader"',
+            "tracks.battle.mode: is 'lader'; input should be 'suite' or 'ladder'",
+        ),
+        ("per_day = 3", "per_day = 0", "quotas.per_day: is 0; input should be greater than or equal to 1"),
+        ("seats = 2", "seat = 2", "tracks.battle.seat: is not a setting (did you mean 'seats'"),
+        ('robots = ["fighter"]', 'robots = ["figter"]', "tracks.battle.robots: 'figter' is none of "),
+    ],
+)
+def test_a_typo_is_explained(tmp_path: Path, right: str, wrong: str, said: str) -> None:
+    folder = make_season(tmp_path / "season").folder
+    path = folder / SETTINGS_FILE
+    text = path.read_text()
+    assert right in text
+    path.write_text(text.replace(right, wrong, 1))
+
+    with pytest.raises(SettingsError) as error:
+        Season.open(folder)
+    assert str(error.value).startswith(f"{path}: {said}")
