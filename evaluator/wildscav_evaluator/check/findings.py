@@ -146,7 +146,8 @@ def lateness(report: SeatReport, limits: Limits, clock: Clock) -> Finding:
 def cancelled_match(ending: Ending | None, waited: float) -> Finding:
     """Judge how an agent copes when its stream ends in the middle of a match."""
     if ending is not None:
-        return Finding("cancelled match", Verdict.KEPT, str(ending))
+        seen = "its process ended by itself after this check had cancelled the match"
+        return Finding("cancelled match", Verdict.KEPT, seen)
     return Finding(
         "cancelled match",
         Verdict.DOUBTFUL,

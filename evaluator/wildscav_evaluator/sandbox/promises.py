@@ -171,7 +171,7 @@ def _judge_limits(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
     yield _promise(
         "limit on processor time",
         found["cores"] <= limits.cpus * TOLERANCE,
-        f"{found['cores']:.2f} of {limits.cpus:g} cores",
+        f"{found['cores']:.2f} cores measured, up to {limits.cpus * TOLERANCE:.2f} pass for {limits.cpus:g}",
         GROUPS,
     )
     yield _promise(

@@ -6,6 +6,7 @@ module is imported only when the command is run or listed in the help.
 """
 
 import importlib
+import inspect
 import os
 import sys
 from collections.abc import Callable
@@ -110,8 +111,21 @@ def _plug_ins() -> dict[str, EntryPoint]:
 def _command(name: str, function: Callable[..., None] | typer.Typer, *, options: bool = True) -> Any:
     command = _build(name, function, options=options)
     command.name = name
+    _unwrap_help(command)
     command.rich_help_panel = next((panel for panel, names in PANELS.items() if name in names), OTHERS)
     return command
+
+
+def _unwrap_help(command: Any) -> None:
+    """Let the help of a command, and of those below it, be wrapped by the terminal's width alone.
+
+    Its docstring is wrapped for the width of the source; these line breaks would be printed, too.
+    """
+    if command.help:
+        paragraphs = inspect.cleandoc(command.help).split("\n\n")
+        command.help = "\n\n".join(paragraph.replace("\n", " ") for paragraph in paragraphs)
+    for below in getattr(command, "commands", {}).values():
+        _unwrap_help(below)
 
 
 def _build(name: str, function: Callable[..., None] | typer.Typer, *, options: bool) -> Any:

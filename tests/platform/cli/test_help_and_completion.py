@@ -57,6 +57,14 @@ def test_every_command_knows_h(arguments: tuple[str, ...]) -> None:
         assert "completion" not in done.output, "completion belongs to the main command"
 
 
+def test_the_help_of_a_command_is_wrapped_by_the_terminal_alone() -> None:
+    for name, *below in filter(None, EVERYTHING):
+        command = ROOT.get_command(None, name)  # type: ignore[attr-defined]
+        for each in below:
+            command = command.commands[each]
+        assert all("\n" not in paragraph for paragraph in command.help.split("\n\n")), (name, *below)
+
+
 def test_a_command_whose_extra_is_missing_says_which_one() -> None:
     def broken() -> None:
         raise ModuleNotFoundError("No module named 'scipy'", name="scipy")
@@ -327,6 +335,8 @@ def test_init_quotes_what_it_suggests_and_copies_a_baseline(tmp_path: Path) -> N
     assert done.returncode == 0, done.stderr
     for command in ("play", "check", "evaluate"):
         assert f"  wildscav {command} 'My Agent'  # " in done.stdout
+    assert "  wildscav login URL --register --invitation KEY  # " in done.stdout
+    assert "  wildscav submit 'My Agent' --wait  # " in done.stdout
     assert 'name = "my-agent"' in (tmp_path / "My Agent" / "submission.toml").read_text()
     assert (tmp_path / "My Agent" / "steering.py").is_file()
 
