@@ -8,6 +8,7 @@ from sqlalchemy import select
 
 from wildscav_leaderboard.access.requests import (
     CurrentDatabase,
+    CurrentSeason,
     Now,
     OrganizingProgram,
     Reading,
@@ -36,9 +37,9 @@ Number = Annotated[int, PathParameter(ge=1, le=2**53)]
 
 
 @router.get("/status")
-def status(session: Reading, now: Now) -> StatusView:
+def status(season: CurrentSeason, session: Reading, now: Now) -> StatusView:
     """Return how the season is doing."""
-    return status_view(session, now)
+    return status_view(session, season, now)
 
 
 @router.get("/audit-log")
@@ -125,21 +126,28 @@ def reset_password(
 
 
 @router.post("/submissions/{number}/rerun")
-def rerun(number: Number, caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> SubmissionView:
+def rerun(
+    number: Number, caller: OrganizingProgram, season: CurrentSeason, database: CurrentDatabase, now: Now
+) -> SubmissionView:
     """Try a failed submission again, or play the matches again that were given up."""
     with database.writing() as session:
         service.rerun(session, caller.account.name, number, now)
-        return submission_view(session, find_submission(session, number), caller, now)
+        return submission_view(session, season, find_submission(session, number), caller, now)
 
 
 @router.post("/submissions/{number}/disqualify")
 def disqualify_submission(
-    number: Number, why: Reason, caller: OrganizingProgram, database: CurrentDatabase, now: Now
+    number: Number,
+    why: Reason,
+    caller: OrganizingProgram,
+    season: CurrentSeason,
+    database: CurrentDatabase,
+    now: Now,
 ) -> SubmissionView:
     """Take a submission off all boards; everyone sees the reason."""
     with database.writing() as session:
         service.disqualify_submission(session, caller.account.name, number, why.reason, now)
-        return submission_view(session, find_submission(session, number), caller, now)
+        return submission_view(session, season, find_submission(session, number), caller, now)
 
 
 @router.post("/teams/{name}/disqualify", status_code=204)

@@ -65,7 +65,7 @@ async def submit(
     async with uploaded(request, season, suffix) as path:
         one = await run(take_upload, database, season, caller.account, path, message, now)
     with database.reading() as session:
-        view = submission_view(session, session.get_one(Submission, one.id), caller, now)
+        view = submission_view(session, season, session.get_one(Submission, one.id), caller, now)
         quota = quota_view(session, season, own_team(session, caller.account), now)
     return HandedIn(submission=view, quota=quota)
 
@@ -90,20 +90,24 @@ def submissions(
 
 
 @router.get("/submissions/{submission}")
-def submission(submission: int, caller: AnyProgram, session: Reading, now: Now) -> SubmissionView:
+def submission(
+    submission: int, caller: AnyProgram, season: CurrentSeason, session: Reading, now: Now
+) -> SubmissionView:
     """Return a submission. Its team and the organizers see why it failed."""
-    return submission_view(session, service.find_submission(session, submission), caller, now)
+    return submission_view(session, season, service.find_submission(session, submission), caller, now)
 
 
 @router.post("/submissions/{submission}/cancel")
-def cancel(submission: int, caller: KnownProgram, database: CurrentDatabase, now: Now) -> SubmissionView:
+def cancel(
+    submission: int, caller: KnownProgram, season: CurrentSeason, database: CurrentDatabase, now: Now
+) -> SubmissionView:
     """Withdraw a submission of your team that does not take part yet."""
     with database.writing() as session:
         found = service.find_submission(session, submission)
         if not is_own(session, caller, found):
             raise NotFoundError(f"your team has no submission {submission}")
         service.cancel(session, found, now)
-        return submission_view(session, found, caller, now)
+        return submission_view(session, season, found, caller, now)
 
 
 @router.get("/submissions/{submission}/opponents")

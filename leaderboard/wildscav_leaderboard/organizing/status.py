@@ -7,12 +7,14 @@ from typing import Any
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.boards.progress import missing_entrants
 from wildscav_leaderboard.conductor.attempts import running
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import clock
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.service import count_teams
@@ -32,11 +34,12 @@ class Status:
     teams: int
     submissions: dict[str, int]  # by state
     matches: dict[str, int]  # by state
+    missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
     attempts: list[Attempt]  # that have not ended
     faults: list[Attempt]  # of the last day, the latest first
 
 
-def status(session: Session, now: datetime) -> Status:
+def status(session: Session, season: Season, now: datetime) -> Status:
     """Return how a season is doing."""
     nodes = season_state.read_state(session, season_state.NODES) or {}
     paused = season_state.read_state(session, season_state.PAUSED)
@@ -52,6 +55,7 @@ def status(session: Session, now: datetime) -> Status:
         teams=count_teams(session),
         submissions=_counts(session, Submission),
         matches=_counts(session, Match),
+        missing=missing_entrants(session, season),
         attempts=running(session),
         faults=list(session.scalars(broken.order_by(Attempt.id.desc()).limit(FAULTS))),
     )

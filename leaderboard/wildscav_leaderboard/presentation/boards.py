@@ -1,12 +1,12 @@
 """What is shown beside a board: who beat whom, how the places changed, and what is new."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict
 
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.ratings.head_to_head import PairRecord
-from wildscav_evaluator.seats import robot_entrant
+from wildscav_evaluator.seats import ROBOT_ENTRANT, robot_entrant
 from wildscav_leaderboard.boards import meetings
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow, digest_of
 from wildscav_leaderboard.boards.kept import read_board
@@ -18,6 +18,7 @@ from wildscav_leaderboard.presentation.documents import (
     PairView,
     PointView,
 )
+from wildscav_leaderboard.presentation.entrants import entrant_names, robot_name, titled
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions.models import Submission, entrant_of
 
@@ -60,7 +61,11 @@ def entrant_name(row: LadderRow) -> str:
 
 def _entrant(name: str, row: LadderRow) -> EntrantView:
     return EntrantView(
-        entrant=name, submission=row.submission, team=row.team or None, title=row.team_title or row.name
+        entrant=name,
+        name=row.name if row.submission is None else titled(row.name, row.version),
+        submission=row.submission,
+        team=row.team or None,
+        title=row.team_title or row.name,
     )
 
 
@@ -74,23 +79,33 @@ def opponent_views(
         return {}
     asked = [meetings.Ladder(one.track, digest_of(one.conditions), one.applied) for one in ladders]
     records = meetings.records_on(session, asked, submission.entrant)
-    return {board.track: _opponents(board, records[board.track]) for board in ladders}
+    return {board.track: _opponents(session, board, records[board.track]) for board in ladders}
 
 
-def _opponents(board: LadderBoard, records: Mapping[str, PairRecord]) -> list[OpponentView]:
+def _opponents(session: Session, board: LadderBoard, records: Mapping[str, PairRecord]) -> list[OpponentView]:
     known = {entrant_name(row): _entrant(entrant_name(row), row) for row in board.rows}
+    known |= _unlisted(session, records.keys() - known.keys())
     ordered = sorted(records.items(), key=lambda one: (-one[1].count, one[0]))
     return [
-        OpponentView(opponent=known.get(name, _unlisted(name)), **asdict(record), share=record.share)
-        for name, record in ordered
+        OpponentView(opponent=known[name], **asdict(record), share=record.share) for name, record in ordered
     ]
 
 
-def _unlisted(name: str) -> EntrantView:
-    """Return an entrant that has no row on the board: another submission of a team, or one that ended."""
-    number = name.rpartition("-")[2]
-    submission = int(number) if number.isdecimal() and ":" not in name else None
-    return EntrantView(entrant=name, submission=submission, team=None, title=name)
+def _unlisted(session: Session, entrants: Collection[str]) -> dict[str, EntrantView]:
+    """Return entrants that have no row on the board: other submissions of a team, and those that ended."""
+    numbers = {name: int(name.rpartition("-")[2]) for name in entrants if not name.startswith(ROBOT_ENTRANT)}
+    names = entrant_names(session, numbers.values()) if numbers else {}
+    found = {}
+    for entrant in entrants:
+        one = names.get(numbers.get(entrant, 0))
+        found[entrant] = EntrantView(
+            entrant=entrant,
+            name=robot_name(entrant) if one is None else one.name,
+            submission=numbers.get(entrant),
+            team=None if one is None else one.team,
+            title=robot_name(entrant) if one is None else one.team_title,
+        )
+    return found
 
 
 def point_views(points: Sequence[BoardPoint], team: str | None = None) -> list[PointView]:

@@ -138,11 +138,21 @@ class TransitionView(View):
     detail: str
 
 
+class ProgressView(View):
+    """How far a submission is on a track."""
+
+    track: str
+    played: int  # matches
+    planned: int  # on a ladder: until its rating counts as settled
+    missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
+
+
 class SubmissionView(View):
     """A submission. Its team and the organizers see why it failed."""
 
     id: int
     team: str
+    team_title: str  # as people read it
     name: str
     version: str
     message: str
@@ -162,6 +172,7 @@ class SubmissionView(View):
     last_lines: list[str] = []
     command: str | None = None
     history: list[TransitionView] = []
+    progress: list[ProgressView] = []  # on each of its tracks, while it takes part; not in lists
 
 
 class SubmissionList(View):
@@ -182,9 +193,11 @@ class SeatView(View):
     """A seat of a match that has an entrant."""
 
     seat: int
-    entrant: str
+    entrant: str  # its name in records
+    name: str  # as people read it: of a submission with its version, or of a robot
     submission: int | None
     team: str | None
+    team_title: str | None
     status: str | None = None
     fault: str | None = None
     detail: str | None = None
@@ -201,7 +214,7 @@ class MatchView(View):
     id: int
     kind: str
     track: str
-    number: int
+    number: int  # of the suite or of its ladder, from 0
     state: str
     since: datetime
     created: datetime
@@ -287,10 +300,11 @@ class PointView(View):
 class EntrantView(View):
     """Who plays on a ladder: a submission or a robot."""
 
-    entrant: str  # its name in matches
+    entrant: str  # its name in records
+    name: str  # as people read it: of a submission with its version, or of a robot
     submission: int | None
     team: str | None
-    title: str  # as people read it
+    title: str  # of its team, or the robot's name
 
 
 class PairView(View):

@@ -1,6 +1,6 @@
 """Matches as they are shown: what is hidden, and from whom."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sqlalchemy import select
@@ -11,6 +11,7 @@ from wildscav_leaderboard.matches.listing import results_of
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.visibility import hidden_whys
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
+from wildscav_leaderboard.presentation.entrants import EntrantNames, robot_name, titled
 from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
@@ -24,7 +25,7 @@ def match_views(session: Session, matches: Sequence[Match], caller: Caller | Non
     """Return matches with the results that a caller may see."""
     if not matches:
         return []
-    seats, teams = _seats(session, [match.id for match in matches])
+    seats, names = _seats(session, [match.id for match in matches])
     results = results_of(session, list(matches))
     own = None if caller is None else team_of(session, caller.account)
     everything = caller is not None and caller.is_organizer
@@ -36,7 +37,7 @@ def match_views(session: Session, matches: Sequence[Match], caller: Caller | Non
             match,
             seats.get(match.id, []),
             results.get(match.id),
-            teams,
+            names,
             {None if own is None else own.name},
             hidden[match.id],
             everything=everything,
@@ -47,29 +48,31 @@ def match_views(session: Session, matches: Sequence[Match], caller: Caller | Non
     ]
 
 
-def _seats(session: Session, matches: Sequence[int]) -> tuple[dict[int, list[MatchSeat]], dict[int, str]]:
-    """Return the seats of some matches, by match, and the names of the teams of the submissions in them."""
+def _seats(
+    session: Session, matches: Sequence[int]
+) -> tuple[dict[int, list[MatchSeat]], dict[int, EntrantNames]]:
+    """Return the seats of some matches, by match, and what people read of the submissions in them."""
     seats: dict[int, list[MatchSeat]] = {}
-    teams: dict[int, str] = {}
+    names: dict[int, EntrantNames] = {}
     wanted = (
-        select(MatchSeat, Team.name)
+        select(MatchSeat, Submission.name, Submission.version, Team.name, Team.title)
         .outerjoin(Submission, Submission.id == MatchSeat.submission_id)
         .outerjoin(Team, Team.id == Submission.team_id)
         .where(MatchSeat.match_id.in_(matches))
         .order_by(MatchSeat.match_id, MatchSeat.seat)
     )
-    for seat, team in session.execute(wanted):
+    for seat, name, version, team, title in session.execute(wanted):
         seats.setdefault(seat.match_id, []).append(seat)
         if seat.submission_id is not None:
-            teams[seat.submission_id] = team
-    return seats, teams
+            names[seat.submission_id] = EntrantNames(titled(name, version), team, title)
+    return seats, names
 
 
 def _view(
     match: Match,
     seats: Sequence[MatchSeat],
     result: MatchResult | None,
-    teams: dict[int, str],
+    names: Mapping[int, EntrantNames],
     own: set[str | None],
     hidden: str,
     *,
@@ -79,10 +82,10 @@ def _view(
     rows, timings = _rows(result)
     views = []
     for seat in seats:
-        team = None if seat.submission_id is None else teams.get(seat.submission_id)
-        is_own = everything or (team is not None and team in own)
+        known = None if seat.submission_id is None else names.get(seat.submission_id)
+        is_own = everything or (known is not None and known.team in own)
         row = rows.get(seat.seat) if shown or is_own else None
-        views.append(_seat(seat, team, row, timings.get(seat.seat) if is_own else None, detailed=is_own))
+        views.append(_seat(seat, known, row, timings.get(seat.seat) if is_own else None, detailed=is_own))
     return MatchView(
         id=match.id,
         kind=match.kind,
@@ -109,7 +112,7 @@ def _rows(result: MatchResult | None) -> tuple[dict[int, dict[str, Any]], dict[i
 
 def _seat(
     seat: MatchSeat,
-    team: str | None,
+    known: EntrantNames | None,
     row: dict[str, Any] | None,
     timing: dict[str, Any] | None,
     *,
@@ -120,4 +123,12 @@ def _seat(
         told = {name: row[name] for name in (*OUTCOME, "detail") if detailed or name in OUTCOME}
     if timing is not None:
         told |= {name: timing[name] for name in ANSWERS}
-    return SeatView(seat=seat.seat, entrant=seat.entrant, submission=seat.submission_id, team=team, **told)
+    return SeatView(
+        seat=seat.seat,
+        entrant=seat.entrant,
+        name=robot_name(seat.entrant) if known is None else known.name,
+        submission=seat.submission_id,
+        team=None if known is None else known.team,
+        team_title=None if known is None else known.team_title,
+        **told,
+    )

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.presentation.documents import View
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.teams.models import Member, Team
 
 
@@ -39,6 +40,7 @@ class StatusView(View):
     teams: int
     submissions: dict[str, int]  # by state
     matches: dict[str, int]  # by state
+    missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
     attempts: list[AttemptView]  # that have not ended
     faults: list[AttemptView]  # of the platform, in the last day, the latest first
 
@@ -89,6 +91,6 @@ def account_rows(session: Session) -> list[AccountRow]:
     ]
 
 
-def status_view(session: Session, now: datetime) -> StatusView:
+def status_view(session: Session, season: Season, now: datetime) -> StatusView:
     """Return how the season is doing."""
-    return StatusView.model_validate(status(session, now))
+    return StatusView.model_validate(status(session, season, now))

@@ -6,12 +6,15 @@ from datetime import datetime
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
-from wildscav_leaderboard.presentation.documents import SubmissionView, TransitionView
+from wildscav_leaderboard.boards.progress import progress_of
+from wildscav_leaderboard.presentation.documents import ProgressView, SubmissionView, TransitionView
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.listing import is_own, team_names
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue
 from wildscav_leaderboard.submissions.service import history_of
+from wildscav_leaderboard.teams.models import Team
 
 
 def submission_views(
@@ -23,26 +26,27 @@ def submission_views(
     positions = {one.id: number for number, one in enumerate(queue(session), 1)} if waits else {}
     each = mean_time(session) if waits else 0.0
     return [
-        _view(session, one, teams[one.team_id].name, caller, now, positions.get(one.id), each)
+        _view(session, one, teams[one.team_id], caller, now, positions.get(one.id), each)
         for one in submissions
     ]
 
 
 def submission_view(
-    session: Session, submission: Submission, caller: Caller | None, now: datetime
+    session: Session, season: Season, submission: Submission, caller: Caller | None, now: datetime
 ) -> SubmissionView:
-    """Return a submission with its history."""
+    """Return a submission with its history, and how far it is on its tracks."""
     (view,) = submission_views(session, [submission], caller, now)
     history = [TransitionView.model_validate(one) for one in history_of(session, submission)]
     if not is_own(session, caller, submission):
         history = [one.model_copy(update={"detail": ""}) for one in history]
-    return view.model_copy(update={"history": history})
+    progress = [ProgressView.model_validate(one) for one in progress_of(session, season, submission)]
+    return view.model_copy(update={"history": history, "progress": progress})
 
 
 def _view(
     session: Session,
     one: Submission,
-    team: str,
+    team: Team,
     caller: Caller | None,
     now: datetime,
     position: int | None,
@@ -51,7 +55,8 @@ def _view(
     own = is_own(session, caller, one)
     return SubmissionView(
         id=one.id,
-        team=team,
+        team=team.name,
+        team_title=team.title,
         name=one.name,
         version=one.version,
         message=one.message if own else "",

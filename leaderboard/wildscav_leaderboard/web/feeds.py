@@ -9,6 +9,7 @@ from fastapi.responses import Response
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from wildscav.terminal.console import counted
 from wildscav_leaderboard.access.requests import CurrentSeason, Reading
 from wildscav_leaderboard.boards.documents import BoardDocument, Row
 from wildscav_leaderboard.boards.history import latest_points
@@ -53,7 +54,9 @@ def board_feed(request: Request, track: str, season: CurrentSeason, session: Rea
         {
             "id": f"boards/{track}/points/{point.id}",
             "title": f"{team.title}: {_ranks(point.rank, point.last_rank)}",
-            "text": f"With {one.name} {one.version}, {point.score:,.2f}, after {point.matches} matches.",
+            "text": (
+                f"With {one.name} {one.version}, {point.score:,.2f}, after {counted(point.matches, 'match')}."
+            ),
             "at": point.at,
             "link": f"/submissions/{one.id}",
         }

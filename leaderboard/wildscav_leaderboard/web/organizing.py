@@ -107,7 +107,7 @@ def _show(
             template,
             caller,
             notice.status,
-            one=status(session, now),
+            one=status(session, request.app.state.season, now),
             here=path,
             notice=notice,
             state=state,

@@ -1,7 +1,6 @@
 """The pages for everyone about the season, its teams and their submissions."""
 
-from collections.abc import Mapping, Sequence
-from datetime import datetime
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
@@ -10,23 +9,23 @@ from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading
-from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.boards.history import histories_of, histories_of_team
+from wildscav_leaderboard.boards.history import histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.matches.listing import list_matches
-from wildscav_leaderboard.presentation.boards import opponent_views
+from wildscav_leaderboard.matches.models import FINISHED
+from wildscav_leaderboard.presentation.documents import MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.presentation.people import team_view
 from wildscav_leaderboard.presentation.season import counts_view, season_view
 from wildscav_leaderboard.presentation.submissions import submission_view, submission_views
 from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.listing import is_own, list_submissions
-from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team, team_of
 from wildscav_leaderboard.web.charts import rank_chart
+from wildscav_leaderboard.web.places import track_places
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
@@ -105,34 +104,31 @@ def submission(
     """Show a submission: its states, why it failed, its places and its matches."""
     found = find_submission(session, number)
     matches = list_matches(session, submission=number, before=before, limit=MATCHES)
-    tracks = [track for track in found.tracks if track in season.settings.tracks]
-    places = _places(session, tracks, found, caller, now)
+    views = match_views(session, matches, caller)
+    seats = [seat for view in views for seat in view.seats if seat.submission == number]
+    unseen = [view for view in views if view.state == FINISHED and _own_status(view, number) is None]
+    shown = submission_view(session, season, found, caller, now)
+    places = track_places(session, season, found, shown, caller, now)
     return page(
         request,
         "submission.html",
         caller,
-        submission=submission_view(session, found, caller, now),
+        submission=shown,
         own=is_own(session, caller, found),
-        matches=match_views(session, matches, caller),
+        matches=views,
         more=matches[-1].id if len(matches) == MATCHES else None,
         infos={
             track: {info.name: info for info in metric_infos(track)}
             for track in {match.track for match in matches}
         },
-        places=[place for place in places if place[1] or place[3]],
+        told=any(seat.metrics for seat in seats),
+        timed=any(seat.latency_p99 is not None for seat in seats),
+        unseen=list(dict.fromkeys(str(view.hidden) for view in unseen)),
+        unseen_count=len(unseen),
+        places=places,
     )
 
 
-def _places(
-    session: Session, tracks: Sequence[str], one: Submission, caller: Caller | None, now: datetime
-) -> list[tuple[Any, ...]]:
-    """Return for each track how a submission's places changed, a chart of that, and its opponents."""
-    until = None if caller is not None and caller.is_organizer else frozen_since(session)
-    points, met = histories_of(session, one.id, until), opponent_views(session, tracks, one)
-    ends = min(now, until or now) if one.state == "active" else one.since
-    found = []
-    for track in tracks:
-        own = points.get(track, [])
-        chart = rank_chart([(one.name, own)], ends, bands=True)
-        found.append((track, own, chart, met.get(track, [])))
-    return found
+def _own_status(view: MatchView, submission: int) -> str | None:
+    """Return how a match ended for a submission, as far as the caller may know."""
+    return next((seat.status for seat in view.seats if seat.submission == submission), None)

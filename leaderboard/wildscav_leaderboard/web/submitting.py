@@ -33,7 +33,7 @@ def form(
 ) -> HTMLResponse:
     """Show how to hand in a submission."""
     quota = account_view(session, season, caller, now).quota
-    return page(request, "submit.html", caller, suffixes=SUFFIXES, quota=quota)
+    return page(request, "submit.html", caller, suffixes=SUFFIXES, quota=quota, now=now)
 
 
 @router.post("/submit")

@@ -1,13 +1,16 @@
 """The pages of matches: how they ended, from above, live, and in 3D."""
 
+import json
+
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, Reading
-from wildscav_leaderboard.matches.models import PLAYING
+from wildscav_leaderboard.matches.models import FINISHED, PLAYING
 from wildscav_leaderboard.matches.service import find_match
 from wildscav_leaderboard.matches.visibility import live_hidden_why
+from wildscav_leaderboard.presentation.documents import MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
 from wildscav_leaderboard.spectating import rerun_viewer
@@ -21,6 +24,7 @@ def match(request: Request, number: int, session: Reading, caller: AnyBrowser) -
     """Show a match: its result, and how it went."""
     found = find_match(session, number)
     (view,) = match_views(session, [found], caller)
+    unwatched = live_hidden_why(session, found)
     return page(
         request,
         "match.html",
@@ -28,9 +32,22 @@ def match(request: Request, number: int, session: Reading, caller: AnyBrowser) -
         match=view,
         infos={info.name: info for info in metric_infos(view.track)},
         names=list(dict.fromkeys(name for seat in view.seats for name in seat.metrics or ())),
+        seat_names=json.dumps({seat.seat: seat.team_title or seat.name for seat in view.seats}),
+        told=any(seat.status is not None for seat in view.seats),
+        timed=any(seat.latency_p50 is not None for seat in view.seats),
+        unseen=_unseen(view),
         visible=view.hidden is None,
-        live=found.state == PLAYING and not live_hidden_why(session, found),
+        live=found.state == PLAYING and not unwatched,
+        unwatched=unwatched,
     )
+
+
+def _unseen(view: MatchView) -> str:
+    """Return of which seats the results are kept from whoever looks: "all", "some", or an empty text."""
+    unknown = [seat.status is None for seat in view.seats]
+    if view.state != FINISHED or not any(unknown):
+        return ""
+    return "all" if all(unknown) else "some"
 
 
 @router.get("/matches/{number}/watch", response_class=HTMLResponse)

@@ -18,6 +18,7 @@ NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
 FIRST = SubmissionView(
     id=7,
     team="ants",
+    team_title="The Ants",
     name="walker",
     version="1",
     message="",

@@ -31,13 +31,18 @@ PAGE = """<!doctype html>
 
 @contextmanager
 def trails_page(
-    trails: Callable[[str], Response], overview: bytes | None = None, *, is_live: bool = False
+    trails: Callable[[str], Response],
+    overview: bytes | None = None,
+    names: str | None = None,
+    *,
+    is_live: bool = False,
 ) -> Iterator[str]:
     """Serve a page with the player, and give its address.
 
     Args:
         trails: Answers with the trails after a cursor.
         overview: The picture of the map; None if there is none.
+        names: The names of seats as people read them, as JSON; None if the page does not know them.
         is_live: Whether the match is being played.
     """
     app = FastAPI()
@@ -45,6 +50,8 @@ def trails_page(
     attributes = {"data-trails": "/trails.json"}
     if overview is not None:
         attributes["data-overview"] = "/overview.webp"
+    if names is not None:
+        attributes["data-names"] = names
     if is_live:
         attributes["data-live"] = ""
     written = " ".join(f'{name}="{escape(value)}"' for name, value in attributes.items())

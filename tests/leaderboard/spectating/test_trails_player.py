@@ -158,6 +158,16 @@ def test_names_of_competitors_are_text(page: Any, record_of_track: Records) -> N
         assert page.locator(".trails img").count() == 0
 
 
+def test_seats_have_the_names_that_the_page_gives_them(page: Any, record_of_track: Records) -> None:
+    told = trails_of_file(record_of_track("battle")).model_dump_json()
+    names = '{"0": "The <b>Owls</b>"}'
+    with trails_page(lambda _: Response(told, media_type="application/json"), names=names) as address:
+        open_player(page, address)
+        seats = page.locator(".trails-seat")
+        assert seats.first.locator(".trails-name").text_content() == "The <b>Owls</b>"
+        assert seats.first.locator(".trails-badge").text_content() == "0"
+
+
 def test_a_match_that_is_still_rendered_is_waited_for(page: Any, record_of_track: Records) -> None:
     trails = trails_of_file(record_of_track("battle"))
     asked: list[str] = []

@@ -174,7 +174,7 @@ def test_a_team_that_submits_much_delays_nobody_but_itself(
     other = enter(database, season, "owls", agents[3])
     with database.reading() as session:
         assert [one.id for one in queue(session)] == [many[0].id, other.id, many[1].id, many[2].id]
-        shown = submission_view(session, other, None, NOON)
+        shown = submission_view(session, season, other, None, NOON)
         assert shown.queue_position == 2
         assert shown.expected_wait == 120.0  # nothing is known yet: a minute each
 

@@ -28,7 +28,7 @@ def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
     try:
         database.upgrade()
         with database.reading() as session:
-            one = found(session, datetime.now(UTC))
+            one = found(session, season, datetime.now(UTC))
     finally:
         database.close()
     if as_json:
@@ -64,11 +64,20 @@ def _table(title: str, one: "Status") -> Table:
         "teams": f"{one.teams:,}",
         "submissions": _counted(one.submissions),
         "matches": _counted(one.matches),
+        "waiting": _waiting(one.missing),
         "faults in a day": f"{len(one.faults):,}",
     }
     for name, text in rows.items():
-        table.add_row(Text(name, "dim"), Text(text))
+        if text:
+            table.add_row(Text(name, "dim"), Text(text))
     return table
+
+
+def _waiting(missing: dict[str, int]) -> str:
+    """Return which ladders can make no match yet."""
+    from wildscav_leaderboard.cli.competing.texts import waits_for
+
+    return "; ".join(f"{track}: {waits_for(count)}" for track, count in missing.items())
 
 
 def _counted(counts: dict[str, int]) -> str:

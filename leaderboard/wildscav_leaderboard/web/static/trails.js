@@ -1,5 +1,6 @@
 // The player of a match, seen from above. It fills every element with `data-trails`, the URL of the match's trails;
-// `data-overview` is the URL of the picture of its map. With `data-live`, the match is being played: new samples
+// `data-overview` is the URL of the picture of its map, and `data-names`
+// has the names of seats as people read them, by number. With `data-live`, the match is being played: new samples
 // are asked for until it is over.
 
 import { Course, clock } from "./trails_course.js";
@@ -126,7 +127,7 @@ class Player {
 
   seatRow(seat) {
     const number = colorNumbers(this.course.document.seats)[seat.seat];
-    const badge = make("span", { className: "trails-badge", textContent: String(seat.seat + 1) });
+    const badge = make("span", { className: "trails-badge", textContent: String(seat.seat) });
     badge.classList.add(`trails-shape-${shapeOf(seat.seat)}`);
     badge.style.backgroundColor = colorOf(number);
     badge.style.color = textColorOf(number);
@@ -135,7 +136,8 @@ class Player {
     health.setAttribute("aria-hidden", "true");
     const facts = make("span", { className: "trails-facts" });
     const kind = seat.kind === "submission" ? "" : "robot";
-    const names = make("span", { className: "trails-name", textContent: seat.name, title: seat.name });
+    const name = this.course.name(seat.seat);
+    const names = make("span", { className: "trails-name", textContent: name, title: name });
     const select = make(
       "button",
       { type: "button", className: "trails-seat", onclick: () => this.select(seat.seat) },
@@ -394,7 +396,8 @@ async function watch(player, url) {
     try {
       const next = await fetchTrails(after(url, player.course.document.cursor), () => {});
       player.extend(next);
-      player.status.textContent = next.over ? "The match is over." : "";
+      player.status.textContent = next.over ? "The match is over. " : "";
+      if (next.over) player.status.append(make("a", { href: "", textContent: "See its result" }));
     } catch {
       player.status.textContent = "The connection is lost; trying again …";
       pause = RETRY;
@@ -414,7 +417,7 @@ async function start(root) {
       fetchTrails(url, (text) => (message.textContent = text)),
       fetchPicture(root.dataset.overview),
     ]);
-    const player = new Player(root, new Course(trails), picture);
+    const player = new Player(root, new Course(trails, JSON.parse(root.dataset.names ?? "{}")), picture);
     if ("live" in root.dataset) await watch(player, url);
   } catch (error) {
     message.textContent = `The match cannot be shown: ${error.message}.`;

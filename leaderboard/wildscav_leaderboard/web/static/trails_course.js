@@ -3,7 +3,9 @@
 const LEAP = 40; // dm between two samples beyond what anyone walks: a respawn
 
 export class Course {
-  constructor(document) {
+  // names: of the seats, by number, as the page knows them; records have those under which submissions are entered.
+  constructor(document, names = {}) {
+    this.names = names;
     this.document = document;
     this.frames = document.samples.frames;
     this.seats = document.samples.seats;
@@ -85,7 +87,7 @@ export class Course {
   }
 
   name(seat) {
-    return this.document.seats[seat].name;
+    return this.names[seat] ?? this.document.seats[seat].name;
   }
 
   // An event as a sentence.

@@ -267,7 +267,7 @@ export class MapView {
     context.font = `600 ${Math.round(1.2 * radius)}px system-ui, sans-serif`;
     context.textAlign = "center";
     context.textBaseline = "middle";
-    context.fillText(String(seat + 1), this.column(x), this.row(z) + 0.06 * radius);
+    context.fillText(String(seat), this.column(x), this.row(z) + 0.06 * radius);
   }
 }
 

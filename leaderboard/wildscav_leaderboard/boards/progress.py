@@ -1,0 +1,73 @@
+"""How far submissions are on their tracks, and which ladders wait for entrants."""
+
+from typing import NamedTuple
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.matches.models import FINAL, FINISHED, VOID, Match, MatchSeat
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.states import ACTIVE
+from wildscav_leaderboard.teams.models import Team
+
+
+class Progress(NamedTuple):
+    """How far a submission is on a track."""
+
+    track: str
+    played: int  # matches
+    planned: int  # on a ladder: until its rating counts as settled
+    missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
+
+
+def progress_of(session: Session, season: Season, submission: Submission) -> list[Progress]:
+    """Return how far a submission is on each of its tracks; nothing unless it takes part."""
+    if submission.state != ACTIVE:
+        return []
+    counts = _counts(session, submission)
+    tracks = {
+        track: season.settings.tracks[track] for track in submission.tracks if track in season.settings.tracks
+    }
+    made = {track: sum(counts.get(track, {}).values()) for track in tracks}
+    waits = any(settings.mode == "ladder" and not made[track] for track, settings in tracks.items())
+    missing = missing_entrants(session, season) if waits else {}
+    found = []
+    for track, settings in tracks.items():
+        planned = made[track] if settings.mode == "suite" else max(settings.matches, made[track])
+        waited_for = 0 if made[track] else missing.get(track, 0)
+        found.append(Progress(track, counts.get(track, {}).get(FINISHED, 0), planned, waited_for))
+    return found
+
+
+def _counts(session: Session, submission: Submission) -> dict[str, dict[str, int]]:
+    """Return how many matches a submission has, by track and state, without those that decide the season."""
+    wanted = (
+        select(Match.track, Match.state, func.count(Match.id.distinct()))
+        .join(MatchSeat, MatchSeat.match_id == Match.id)
+        .where(MatchSeat.submission_id == submission.id, Match.kind != FINAL, Match.state != VOID)
+        .group_by(Match.track, Match.state)
+    )
+    found: dict[str, dict[str, int]] = {}
+    for track, state, count in session.execute(wanted):
+        found.setdefault(track, {})[state] = count
+    return found
+
+
+def missing_entrants(session: Session, season: Season) -> dict[str, int]:
+    """Return how many more entrants each ladder needs before it can make a match, if it needs any.
+
+    Submissions of one team never meet, so a team is one entrant here.
+    """
+    active = session.execute(
+        select(Submission.team_id, Submission.tracks)
+        .join(Team, Team.id == Submission.team_id)
+        .where(Submission.state == ACTIVE, Team.disqualified.is_(None))
+    ).all()
+    found = {}
+    for track, settings in season.settings.tracks.items():
+        teams = {team for team, tracks in active if track in tracks}
+        missing = settings.seats - len(teams) - len(set(settings.robots))
+        if settings.mode == "ladder" and missing > 0:
+            found[track] = missing
+    return found

@@ -1,0 +1,61 @@
+"""How far submissions are on their tracks, and which ladders wait for entrants."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.leaderboard.conductor.conducted import Conducted
+from tests.leaderboard.seasons_made import make_season, team_with_member
+
+from wildscav_leaderboard.boards.progress import Progress, missing_entrants, progress_of
+from wildscav_leaderboard.seasons.folder import Season
+
+BOTH = ("navigation", "battle")
+
+
+@pytest.fixture
+def season(tmp_path: Path) -> Iterator[Conducted]:
+    """A season whose ladder seats three, one of them the robot."""
+    made = make_season(tmp_path / "season")
+    battle = made.settings.tracks["battle"].model_copy(update={"seats": 3})
+    tracks = {**made.settings.tracks, "battle": battle}
+    made = Season(made.folder, made.settings.model_copy(update={"tracks": tracks}))
+    database = made.database()
+    database.upgrade()
+    conducted = Conducted(made, database)
+    with database.writing() as session:
+        for team in ("foxes", "owls"):
+            team_with_member(session, team)
+    conducted.take_over()
+    yield conducted
+    database.close()
+
+
+def missing(season: Conducted) -> dict[str, int]:
+    with season.database.reading() as session:
+        return missing_entrants(session, season.season)
+
+
+def test_a_ladder_waits_for_teams_and_not_for_submissions(season: Conducted) -> None:
+    assert missing(season) == {"battle": 2}
+    season.active("foxes", BOTH)
+    assert missing(season) == {"battle": 1}
+    season.active("foxes", BOTH)  # those of one team never meet
+    assert missing(season) == {"battle": 1}
+    season.active("owls", ("navigation",))  # does not play there
+    assert missing(season) == {"battle": 1}
+    season.active("owls", ("battle",))
+    assert missing(season) == {}
+
+
+def test_progress_counts_what_is_played_of_what_is_planned(season: Conducted) -> None:
+    number = season.active("foxes", BOTH)
+    with season.database.reading() as session:
+        found = progress_of(session, season.season, season.submission(number))
+    assert found == [Progress("navigation", 0, 2, 0), Progress("battle", 0, 40, 1)]
+
+
+def test_whatever_takes_no_part_has_no_progress(season: Conducted) -> None:
+    number = season.hand_in("foxes", BOTH)
+    with season.database.reading() as session:
+        assert progress_of(session, season.season, season.submission(number)) == []

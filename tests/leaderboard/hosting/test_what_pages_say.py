@@ -1,0 +1,92 @@
+"""What pages tell whoever reads them: where a submission stands, what cannot be seen yet, and who is who."""
+
+import re
+from collections.abc import Iterator
+from html import unescape
+
+import httpx
+import pytest
+from tests.leaderboard.filled_season import HOSTILE, FilledSeason
+from tests.leaderboard.hosting.clients import ask
+from tests.leaderboard.spectating.served import served
+
+from wildscav_leaderboard.hosting.app import create_app
+
+FIRST = 1  # the first submission of the owls, who have a better one
+
+
+@pytest.fixture(scope="module")
+def client(hostile_season: FilledSeason) -> Iterator[httpx.Client]:
+    app = create_app(hostile_season.season, hostile_season.database)
+    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as opened:
+        yield opened
+    app.state.renders.close()
+
+
+def text_of(client: httpx.Client, filled: FilledSeason, path: str, asker: str = "visitor") -> str:
+    """Return the words of a page's content, on one line."""
+    page = ask(client, filled, asker, "GET", path.format(**filled.submissions, **filled.matches))
+    assert page.status_code == 200
+    content = page.text.partition("<main")[2].partition("</main>")[0]
+    return " ".join(unescape(re.sub("<[^>]*>", " ", content)).split())
+
+
+def test_people_read_titles_and_versions(client: httpx.Client, hostile_season: FilledSeason) -> None:
+    match = text_of(client, hostile_season, "/matches/{own_suite}")
+    assert HOSTILE.title in match
+    assert "night-owl 1.1" in match
+    assert "night-owl-" not in match
+    assert f"{HOSTILE.title} · submission" in text_of(client, hostile_season, "/submissions/{active}")
+
+
+def test_the_matches_of_a_suite_are_counted_from_one(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    first = ask(client, hostile_season, "visitor", "GET", "/api/v1/matches?track=navigation").json()[
+        "matches"
+    ][-1]
+    assert first["number"] == 0
+    assert "number 1 of its suite" in text_of(client, hostile_season, f"/matches/{first['id']}")
+
+
+def test_results_that_cannot_be_seen_are_named_once(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    path = f"/submissions/{{active}}?before={hostile_season.matches['own_suite'] + 1}"
+    page = text_of(client, hostile_season, path)
+    assert page.count("cannot be seen yet, but by its own team: everyone plays this match of the suite") == 1
+    assert "cannot be seen" not in text_of(client, hostile_season, path, "owner")
+    match = text_of(client, hostile_season, "/matches/{own_suite}")
+    assert "Only its team sees the result. Everyone plays this match" in match
+    assert "p99" not in match  # no column without anything in it
+    assert "p99" in text_of(client, hostile_season, "/matches/{own_suite}", "owner")
+
+
+def test_a_track_without_a_rank_says_why(client: httpx.Client, hostile_season: FilledSeason) -> None:
+    worse = text_of(client, hostile_season, f"/submissions/{FIRST}")
+    assert (
+        "The board shows the best submission of its team, night-owl 1.1 . This one has played 12 of" in worse
+    )
+    waiting = text_of(client, hostile_season, "/submissions/{queued}")
+    assert "Not ranked" not in waiting
+
+
+def test_counts_have_the_right_number(client: httpx.Client, hostile_season: FilledSeason) -> None:
+    assert " 1 teams" not in text_of(client, hostile_season, "/")
+
+
+@pytest.mark.parametrize("path", ["/register", "/boards/battle"])
+def test_the_header_marks_where_one_is(client: httpx.Client, path: str) -> None:
+    assert f'href="{path}" aria-current="page"' in client.get(path).text
+
+
+def test_both_commitments_are_at_the_foot_of_every_page(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    foot = client.get("/login").text.partition("<footer>")[2]
+    for seed in (hostile_season.season.seed, hostile_season.season.final_seed):
+        assert str(seed.commitment)[:16] in foot
+
+
+def test_intervals_are_numbers_too(client: httpx.Client, hostile_season: FilledSeason) -> None:
+    assert re.search(r"\d – \d", text_of(client, hostile_season, "/boards/navigation"))
