@@ -26,7 +26,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "command-line.md"
 TEXT = PAGE.read_text("utf-8")
 ROWS = re.findall(r"^\| `([a-z ]+)` \| (.+) \|$", TEXT.partition("## JSON")[2], re.MULTILINE)
 TOLD = {command: set(re.findall(r"`([\w ]+)`", fields)) for command, fields in ROWS}
-APART = ("metrics", "limits", "figures")  # what stands in them has names of its own
+APART = ("metrics", "limits", "figures", "missing")  # what stands in them has names of its own
 
 
 def test_the_commands_told_are_those_that_take_json() -> None:

@@ -1,5 +1,6 @@
 """The page that explains an exported season to whoever finds it."""
 
+from wildscav.terminal.console import counted
 from wildscav_leaderboard.publishing.documents import PublishedSeason
 
 TEXT = """# {title}
@@ -28,7 +29,7 @@ The secrets from which the seeds of all matches follow, and of those that decide
     {commitment}  secret.txt
     {final}  final-secret.txt
 
-{boards} boards, {matches} matches, {records} records{hidden}.
+{boards}, {matches}, {records}{hidden}.
 """
 
 
@@ -58,9 +59,9 @@ def readme(season: PublishedSeason, boards: int, matches: int, records: int, hid
         tracks="\n".join(tracks),
         commitment=season.secret.commitment,
         final=season.final_secret.commitment,
-        boards=boards,
-        matches=f"{matches:,}",
-        records=f"{records:,}",
+        boards=counted(boards, "board"),
+        matches=counted(matches, "match"),
+        records=counted(records, "record"),
         hidden=f"; {hidden:,} more are hidden until the secret is opened" if hidden else "",
     )
 

@@ -11,6 +11,7 @@ from datetime import datetime, timedelta
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from wildscav.terminal.console import counted
 from wildscav_leaderboard.seasons.refusals import TooMuchError
 from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.submissions import states
@@ -55,7 +56,7 @@ def check_day(session: Session, quotas: Quotas, team: Team, now: datetime) -> No
     quota = quota_of(session, quotas, team, now)
     if quota.left_today == 0:
         raise TooMuchError(
-            f"your team has used its {quota.per_day} submissions of today; the next day begins at "
+            f"your team has used today's {counted(quota.per_day, 'submission')}; the next day begins at "
             f"{quota.resets:%Y-%m-%d %H:%M} UTC"
         )
 

@@ -41,6 +41,10 @@ def show_boards(named: str | None, track: str | None, *, as_json: bool) -> None:
 
 def _print(season: "SeasonView", found: "list[BoardDocument]") -> None:
     for board in found:
+        if not board.rows:
+            title = f"{board.track} · suite {board.conditions.suite}: nobody takes part yet\n"
+            console.print(Text(printable(title), "bold"), soft_wrap=True)
+            continue
         console.print(_table(board))
         console.print(f"played by {board.conditions.versions}\n", soft_wrap=True)
     if not found:
@@ -81,8 +85,10 @@ def _fill_ladder(table: "Table", board: "LadderBoard") -> None:
     add_columns(table, "rating", "95 %\ninterval", "wins", "mean\nplace", "matches", "faults")
     for row in board.rows:
         place = "" if row.mean_place is None else f"{row.mean_place:.2f}"
-        rating = Text(f"{row.rating:.0f}", "bold")
-        figures = (f"{row.low:.0f}–{row.high:.0f}", str(row.wins), place)
+        # Before its first match an entrant has the rating with which all begin, which says nothing.
+        rating = Text("" if row.rank is None else f"{row.rating:.0f}", "bold")
+        interval = "" if row.rank is None else f"{row.low:.0f}–{row.high:.0f}"
+        figures = (interval, str(row.wins), place)
         table.add_row(*_who(row), rating, *figures, *_counts(row))
 
 

@@ -51,13 +51,13 @@ def matches(
 def _table(found: "list[MatchView]", submission: int | None) -> "Table":
     from wildscav_leaderboard.cli.competing import texts
 
-    table = texts.table_of("", "match#", "track", "kind", "state", "since (UTC)", "entrants", "outcome")
+    table = texts.table_of("", "match#", "track", "state", "since (UTC)", "entrants", "outcome")
     for one in found:
         own = [seat for seat in one.seats if submission is not None and seat.submission == submission]
         outcomes = dict.fromkeys(texts.outcome(one, seat) for seat in own or one.seats[:1])
         entrants = ", ".join(dict.fromkeys(texts.who(seat) for seat in one.seats))
         table.add_row(
-            *texts.row(one.id, one.track, one.kind, texts.state(one.state), texts.moment(one.since)),
+            *texts.row(one.id, one.track, texts.state(one.state), texts.minute(one.since)),
             *texts.row(entrants, ", ".join(filter(None, outcomes))),
         )
     return table
@@ -76,10 +76,17 @@ def _show(one: "MatchView", url: str) -> None:
         "watch it": "" if one.hidden else f"wildscav replay {one.id}",
     }
     console.print(texts.facts(rows))
-    table = texts.table_of("", "seat#", "entrant", "team", "status", "fault", "figures", "latency p99#")
+    table = texts.table_of("", "seat#", "entrant", "team", "status", "fault", "figures", "p99#")
     for seat in one.seats:
         latency = "" if seat.latency_p99 is None else f"{1000.0 * seat.latency_p99:.1f} ms"
         why = ": ".join(filter(None, (seat.fault, seat.detail)))
-        cells = (seat.entrant, seat.team or "", seat.status or "", why, texts.figures(seat.metrics), latency)
+        cells = (
+            seat.name,
+            seat.team_title or "",
+            seat.status or "",
+            why,
+            texts.figures(seat.metrics),
+            latency,
+        )
         table.add_row(*texts.row(seat.seat, *cells))
     console.print(table)

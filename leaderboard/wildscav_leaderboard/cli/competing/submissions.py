@@ -87,7 +87,7 @@ def _table(found: "list[SubmissionView]", *, with_team: bool) -> "Table":
         what = texts.state(one.state)
         if one.fault is not None:
             what.append(printable(f" ({one.fault})"))
-        cells = texts.row(one.id, *([one.team] if with_team else []), f"{one.name} {one.version}", what)
+        cells = texts.row(one.id, *([one.team_title] if with_team else []), f"{one.name} {one.version}", what)
         table.add_row(*cells, *texts.row(texts.moment(one.created), ", ".join(one.tracks), one.message))
     return table
 
@@ -101,11 +101,12 @@ def show(one: "SubmissionView", url: str) -> None:
 
     rows: dict[str, str | Text] = {
         "submission": f"{one.id}: {one.name} {one.version}, for {', '.join(one.tracks)}",
-        "team": one.team,
+        "team": texts.team(one.team, one.team_title),
         "message": one.message,
         "state": texts.state(one.state),
         "queue": texts.waiting(one),
         "deadline": "" if one.deadline is None else f"{texts.moment(one.deadline)} UTC",
+        **{each.track: texts.standing(each) for each in one.progress},
         "charged": "" if one.charged else "no",
         "page": f"{url}/submissions/{one.id}",
     }

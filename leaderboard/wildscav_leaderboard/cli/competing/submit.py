@@ -9,7 +9,7 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, error_console, print_json
+from wildscav.terminal.console import console, counted, error_console, print_json
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
@@ -48,14 +48,17 @@ def submit(
         _check_team(client)
         with _progress() as begun, archive_of(submission, loaded) as (archive, suffix):
             handed_in = client.submit(archive, suffix, message, begun(archive))
-        _show(client, handed_in, wait=wait)
+        missing = [track for track in loaded.manifest.tracks if track not in handed_in.submission.tracks]
+        _show(client, handed_in, missing, wait=wait)
         last = handed_in.submission
         if wait:
             last = waited(client, last)
     if as_json:
-        print_json(handed_in.model_copy(update={"submission": last}).model_dump(mode="json"))
+        shown = handed_in.model_copy(update={"submission": last}).model_dump(mode="json")
+        print_json({**shown, "not_played": missing})
     if wait:
         check_end(last)
+        console.print(f"its matches: wildscav matches {last.id}", soft_wrap=True)
 
 
 def _check_team(client: "SeasonClient") -> None:
@@ -68,8 +71,8 @@ def _check_team(client: "SeasonClient") -> None:
         )
     if account.quota.left_today == 0:
         raise UserError(
-            f"your team has used its {account.quota.per_day} submissions of today; the next day begins at "
-            f"{account.quota.resets:%Y-%m-%d %H:%M} UTC"
+            f"your team has used today's {counted(account.quota.per_day, 'submission')}; the next day begins "
+            f"at {account.quota.resets:%Y-%m-%d %H:%M} UTC"
         )
 
 
@@ -97,12 +100,13 @@ def _advance(shown: "Shown", task: "TaskID", count: int) -> None:
         shown.update(task, description="being checked by the season")
 
 
-def _show(client: "SeasonClient", handed_in: "HandedIn", *, wait: bool) -> None:
+def _show(client: "SeasonClient", handed_in: "HandedIn", missing: list[str], *, wait: bool) -> None:
     from wildscav_leaderboard.cli.competing.texts import facts, quota, waiting
 
     one = handed_in.submission
     rows = {
         "submission": f"{one.id}: {one.name} {one.version}, for {', '.join(one.tracks)}",
+        "not played": f"{', '.join(missing)}: not in this season" if missing else "",
         "state": ", ".join(filter(None, (one.state, waiting(one)))),
         "quota": quota(handed_in.quota),
         "page": f"{client.url}/submissions/{one.id}",

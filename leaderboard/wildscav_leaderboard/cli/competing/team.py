@@ -102,7 +102,7 @@ def _show(team: "TeamView", quota: "QuotaView | None") -> None:
 
     active = {} if quota is None else quota.active
     rows = {
-        "team": team.name if team.title == team.name else f"{team.name}: {team.title}",
+        "team": texts.team(team.name, team.title),
         "members": ", ".join(team.members),
         "disqualified": team.disqualified or "",
         "quota": "" if quota is None else texts.quota(quota),

@@ -8,7 +8,13 @@ from rich.text import Text
 
 from wildscav.terminal.console import console, counted, printable
 from wildscav.terminal.tables import FittingTable
-from wildscav_leaderboard.presentation.documents import MatchView, QuotaView, SeatView, SubmissionView
+from wildscav_leaderboard.presentation.documents import (
+    MatchView,
+    ProgressView,
+    QuotaView,
+    SeatView,
+    SubmissionView,
+)
 
 STATE_STYLES = {
     "active": "green",
@@ -57,6 +63,11 @@ def moment(time: datetime) -> str:
     return f"{time.astimezone(UTC):%Y-%m-%d %H:%M:%S}"
 
 
+def minute(time: datetime) -> str:
+    """Return a time of UTC for a list, without its year and seconds."""
+    return f"{time.astimezone(UTC):%m-%d %H:%M}"
+
+
 def duration(seconds: float) -> str:
     """Return about how long something takes."""
     if seconds < 90:
@@ -77,6 +88,11 @@ def waiting(one: SubmissionView) -> str:
     return ", ".join(parts)
 
 
+def team(name: str, title: str) -> str:
+    """Return a team as people read it, with the name that commands and addresses use."""
+    return name if title == name else f"{title} ({name})"
+
+
 def quota(one: QuotaView) -> str:
     """Return what is left of a quota."""
     return (
@@ -86,9 +102,22 @@ def quota(one: QuotaView) -> str:
     )
 
 
+def waits_for(missing: int) -> str:
+    """Return what a ladder waits for that has too few entrants."""
+    teams, verb = ("1 more team", "takes") if missing == 1 else (f"{missing} more teams", "take")
+    return f"its ladder makes no matches before {teams} {verb} part"
+
+
+def standing(one: ProgressView) -> str:
+    """Return how far a submission is on a track."""
+    if one.missing:
+        return waits_for(one.missing)
+    return f"{one.played:,} of {counted(one.planned, 'match')} played"
+
+
 def who(seat: SeatView) -> str:
-    """Return who plays in a seat."""
-    return seat.team or seat.entrant
+    """Return who plays in a seat, as people read it."""
+    return seat.team_title or seat.name
 
 
 def figures(metrics: Mapping[str, float] | None) -> str:
@@ -100,4 +129,5 @@ def outcome(match: MatchView, seat: SeatView) -> str:
     """Return how a match ended for a seat, as far as it is known."""
     if seat.status is None:
         return "hidden" if match.state == "finished" and match.hidden else ""
-    return " · ".join(filter(None, (seat.status, figures(seat.metrics))))
+    status = "" if seat.status == "finished" and seat.metrics else seat.status
+    return " · ".join(filter(None, (status, figures(seat.metrics))))

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from wildscav.cli.json_option import AsJson
-from wildscav.terminal.console import command, console, error_console, print_json
+from wildscav.terminal.console import command, console, counted, error_console, print_json
 from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
 
 Backup = Annotated[Path, typer.Argument(help="The file of the backup.", metavar="BACKUP", show_default=False)]
@@ -29,10 +29,11 @@ def backup(folder: SeasonFolder, out: Backup) -> None:
     finally:
         database.close()
     size = f"{done.size / (1 << 20):,.1f} MiB"
-    _say(f"{out}: {done.rows:,} rows and {done.files:,} files, {size}; it holds the secrets, so keep it safe")
+    held = f"{counted(done.rows, 'row')} and {counted(done.files, 'file')}, {size}"
+    _say(f"{out}: {held}; it holds the secrets, so keep it safe")
     if done.missing:
         error_console.print(
-            f"{len(done.missing):,} files are missing, the first one {done.missing[0]}: "
+            f"missing: {counted(len(done.missing), 'file')}, the first one {done.missing[0]}; "
             "`wildscav season check` tells more",
             soft_wrap=True,
         )
@@ -44,7 +45,7 @@ def restore(backup: Backup, folder: SeasonFolder) -> None:
 
     done = restored(backup, folder)
     _say(f"season   {done.season}, as it was at {done.at:%Y-%m-%d %H:%M:%S} UTC")
-    _say(f"database {done.database}: {done.rows:,} rows")
+    _say(f"database {done.database}: {counted(done.rows, 'row')}")
     _say(f"start it {command('wildscav')} season serve {folder}")
 
 
@@ -61,7 +62,7 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     if not found.passed:
         raise typer.Exit(1)
     if not as_json:
-        _say(f"nothing is wrong: settings, secrets, database and {found.files:,} files")
+        _say(f"nothing is wrong: settings, secrets, database and {counted(found.files, 'file')}")
 
 
 @contextmanager

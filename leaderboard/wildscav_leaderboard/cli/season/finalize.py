@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from wildscav.terminal.console import command, console, error_console
+from wildscav.terminal.console import command, console, counted, error_console
 from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class _Shown:
         """Show how far the season is."""
         what = STAGES[state.stage]
         if state.pending:
-            what = f"{state.pending} submissions to be validated, {what}"
+            what = f"{counted(state.pending, 'submission')} to be validated, {what}"
         self.progress.update(self._task, description=what, completed=state.played, total=state.planned)
         said = state.note or ("" if error_console.is_terminal else what)
         if said and said != self._said:

@@ -18,8 +18,8 @@ def test_the_matches_of_a_submission_are_listed_with_their_outcomes(competitor: 
     newest = json.loads(competitor.run("matches", "--limit", 1, "--json").stdout)["matches"]
     assert [one["id"] for one in newest] == [second]
     table = competitor.run("matches", number).stdout
-    assert "ants, robot:fighter" in table
-    assert "finished · supplies 0" in table
+    assert "Ants, fighter" in table
+    assert "supplies 0, kills 0, deaths 0" in table
     shown = competitor.run("matches", "--match", first).stdout
     assert "12.5 ms" in shown
     assert f"wildscav replay {first}" in shown

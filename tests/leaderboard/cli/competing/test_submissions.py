@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 from typing import Any
 
@@ -61,7 +62,7 @@ def test_what_would_be_refused_is_not_sent(competitor: Competitor) -> None:
         competitor.submitted(name)
     done = competitor.run("submit", "walker")
     assert done.returncode == 1
-    assert "your team has used its 3 submissions of today" in done.stderr
+    assert "your team has used today's 3 submissions" in done.stderr
     assert competitor.run("submit", "nothing").returncode == 2
 
 
@@ -164,3 +165,22 @@ def test_an_archive_that_is_too_large_is_refused_before_it_was_sent_to_its_end(
         done = competitor.run("submit", "walker")
 
     assert (done.returncode, done.stderr) == (1, "wildscav: the archive is larger than 1 MiB\n")
+
+
+def test_tracks_that_the_season_lacks_are_named(competitor: Competitor) -> None:
+    competitor.logged_in("lara", "larks")
+    write_agent(competitor.folder, "walker", tracks='["battle", "royale", "gathering"]')
+    said = competitor.run("submit", "walker").stdout
+    assert re.search(r"not played +royale, gathering: not in this season", said)
+    write_agent(competitor.folder, "other", "    act = None\n", tracks='["battle", "royale"]')
+    assert document(competitor, "submit", "other")["not_played"] == ["royale"]
+
+
+def test_a_ladder_that_waits_for_teams_says_so(competitor: Competitor) -> None:
+    competitor.logged_in("swen", "swans")
+    number = competitor.submitted("waiter")
+    assert "its ladder" not in competitor.run("submissions", number).stdout
+    competitor.site.move(number, "queued", "building", "validating", "active")
+    shown = competitor.run("submissions", number).stdout
+    assert re.search(r"battle +0 of 40 matches played", shown)
+    assert re.search(r"team +Swans \(swans\)", shown)
