@@ -1,6 +1,6 @@
 """What is shown beside a board: who beat whom, how the places changed, and what is new."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 
 from sqlalchemy.orm import Session
@@ -18,7 +18,7 @@ from wildscav_leaderboard.presentation.documents import (
     PairView,
     PointView,
 )
-from wildscav_leaderboard.presentation.entrants import entrant_names, robot_name, titled
+from wildscav_leaderboard.presentation.entrants import robot_name, titled
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions.models import Submission, entrant_of
 
@@ -79,33 +79,27 @@ def opponent_views(
         return {}
     asked = [meetings.Ladder(one.track, digest_of(one.conditions), one.applied) for one in ladders]
     records = meetings.records_on(session, asked, submission.entrant)
-    return {board.track: _opponents(session, board, records[board.track]) for board in ladders}
+    return {board.track: _opponents(board, records[board.track]) for board in ladders}
 
 
-def _opponents(session: Session, board: LadderBoard, records: Mapping[str, PairRecord]) -> list[OpponentView]:
+def _opponents(board: LadderBoard, records: Mapping[str, PairRecord]) -> list[OpponentView]:
     known = {entrant_name(row): _entrant(entrant_name(row), row) for row in board.rows}
-    known |= _unlisted(session, records.keys() - known.keys())
+    known |= {name: _unlisted(name) for name in records.keys() - known.keys()}
     ordered = sorted(records.items(), key=lambda one: (-one[1].count, one[0]))
     return [
         OpponentView(opponent=known[name], **asdict(record), share=record.share) for name, record in ordered
     ]
 
 
-def _unlisted(session: Session, entrants: Collection[str]) -> dict[str, EntrantView]:
-    """Return entrants that have no row on the board: other submissions of a team, and those that ended."""
-    numbers = {name: int(name.rpartition("-")[2]) for name in entrants if not name.startswith(ROBOT_ENTRANT)}
-    names = entrant_names(session, numbers.values()) if numbers else {}
-    found = {}
-    for entrant in entrants:
-        one = names.get(numbers.get(entrant, 0))
-        found[entrant] = EntrantView(
-            entrant=entrant,
-            name=robot_name(entrant) if one is None else one.name,
-            submission=numbers.get(entrant),
-            team=None if one is None else one.team,
-            title=robot_name(entrant) if one is None else one.team_title,
-        )
-    return found
+def _unlisted(entrant: str) -> EntrantView:
+    """Return an entrant that has no row on the board: another submission of a team, or one that ended."""
+    name, _, number = entrant.rpartition("-")
+    if entrant.startswith(ROBOT_ENTRANT) or not number.isdecimal():
+        robot = robot_name(entrant)
+        return EntrantView(entrant=entrant, name=robot, submission=None, team=None, title=robot)
+    return EntrantView(
+        entrant=entrant, name=f"submission {number}", submission=int(number), team=None, title=name
+    )
 
 
 def point_views(points: Sequence[BoardPoint], team: str | None = None) -> list[PointView]:

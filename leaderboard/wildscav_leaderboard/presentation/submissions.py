@@ -32,14 +32,15 @@ def submission_views(
 
 
 def submission_view(
-    session: Session, season: Season, submission: Submission, caller: Caller | None, now: datetime
+    session: Session, season: Season | None, submission: Submission, caller: Caller | None, now: datetime
 ) -> SubmissionView:
-    """Return a submission with its history, and how far it is on its tracks."""
+    """Return a submission with its history, and unless ``season`` is None, how far it is on its tracks."""
     (view,) = submission_views(session, [submission], caller, now)
     history = [TransitionView.model_validate(one) for one in history_of(session, submission)]
     if not is_own(session, caller, submission):
         history = [one.model_copy(update={"detail": ""}) for one in history]
-    progress = [ProgressView.model_validate(one) for one in progress_of(session, season, submission)]
+    told = [] if season is None else progress_of(session, season, submission)
+    progress = [ProgressView.model_validate(one) for one in told]
     return view.model_copy(update={"history": history, "progress": progress})
 
 

@@ -11,8 +11,9 @@ from wildscav_leaderboard.boards.documents import Row
 from wildscav_leaderboard.boards.history import histories_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
+from wildscav_leaderboard.boards.progress import Progress, progress_of
 from wildscav_leaderboard.presentation.boards import opponent_views
-from wildscav_leaderboard.presentation.documents import OpponentView, ProgressView, SubmissionView
+from wildscav_leaderboard.presentation.documents import OpponentView, SubmissionView
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.models import Submission
@@ -29,7 +30,7 @@ class TrackPlace:
     points: Sequence[BoardPoint]  # its ranks over time; none if it was never ranked
     chart: Chart | None
     met: list[OpponentView]
-    progress: ProgressView | None  # None unless it takes part
+    progress: Progress | None  # None if it has a rank, or does not take part
     better: Row | None  # the row of its team, if that is another submission's
     frozen: bool  # whether the boards were frozen before the present, for whoever looks
 
@@ -46,7 +47,9 @@ def track_places(
     tracks = [track for track in one.tracks if track in season.settings.tracks]
     until = None if caller is not None and caller.is_organizer else frozen_since(session)
     points, met = histories_of(session, one.id, until), opponent_views(session, tracks, one)
-    progress = {each.track: each for each in view.progress}
+    better = {track: _better(session, track, view) for track in tracks}
+    new = [track for track in tracks if not points.get(track) and better[track] is None]
+    progress = {each.track: each for each in (progress_of(session, season, one) if new else ())}
     ends = min(now, until or now) if one.state == ACTIVE else one.since
     found = []
     for track in tracks:
@@ -58,10 +61,10 @@ def track_places(
             chart=rank_chart([(one.name, own)], ends, bands=True),
             met=met.get(track, []),
             progress=progress.get(track),
-            better=_better(session, track, view),
+            better=better[track],
             frozen=until is not None,
         )
-        if place.points or place.met or place.progress:
+        if place.points or place.met or place.progress or place.better:
             found.append(place)
     return found
 
