@@ -45,6 +45,7 @@ OTHER_TERMS = """The option `rewards` replaces them with a table of weights by t
 METRICS = """## Metrics
 
 `info["metrics"]` contains these in the last step of an episode. The first is the score in competitions.
+Those that take long to measure, such as SPL, are there with `all_metrics=True`.
 """
 ARGUMENTS = """## Arguments
 
@@ -276,7 +277,7 @@ def _ends(one: Environment) -> str:
 def _measured(one: Environment) -> str:
     rows = (
         (code(metric.name), metric.title, metric.unit, "less" if metric.lower_is_better else "more")
-        for metric in one.track.metrics
+        for metric in one.track.metrics + one.track.slow_metrics
     )
     return f"{METRICS}\n{table(('metric', 'what it is', 'unit', 'better'), rows)}"
 

@@ -45,7 +45,8 @@ class Arena:
         self.template = config.match_spec()
         self.mode = action_mode(config)
         self.learners = range(config.agents)
-        self.metrics = tuple(metric.name for metric in self.track.metrics)
+        slow = self.track.slow_metrics if config.all_metrics else ()
+        self.metrics = tuple(metric.name for metric in self.track.metrics + slow)
         self.terms = tuple(config.reward_weights)
         self.cast = Cast(config, matches)
         self.batch: Batch | None = None
@@ -186,4 +187,6 @@ class Arena:
 
     def measure(self, match: int, learner: int) -> Mapping[str, float]:
         """Return the current metrics of a learner."""
-        return self.track.measure(self.view(match), learner)
+        view = self.view(match)
+        values = self.track.measure(view, learner)
+        return {**values, **self.track.measure_slow(view, learner)} if self.config.all_metrics else values

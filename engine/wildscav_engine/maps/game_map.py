@@ -14,11 +14,13 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.walk import WalkGraph
+    from wildscav_engine.maps.walk.paths import Place
     from wildscav_engine.rendering.shading.materials import Materials
     from wildscav_engine.rendering.trace import Scene
 
 # Incremented by every change that produces a different map from the same config and seed.
 GENERATOR_VERSION = 7
+MOST_LENGTHS = 10_000  # of shortest ways that a map remembers
 SUPPLY_SPACING = 5.0  # m, least distance between indoor places of supplies
 
 
@@ -52,6 +54,33 @@ class GameMap:
         from wildscav_engine.maps.walk import build_graph
 
         return build_graph(self.world)
+
+    @cached_property
+    def _shortest_lengths(self) -> dict[tuple[float, ...], float]:
+        """The results of ``shortest_length`` so far."""
+        return {}
+
+    def shortest_length(self, start: "Place", target: "Place", reach: float) -> float:
+        """Return the length in m of the shortest way to where a target is reached, horizontally.
+
+        The first way that is not straight computes the map's graph. Each way is searched once.
+
+        Args:
+            start: x, y, z in m, soles.
+            target: The same.
+            reach: m, 3D distance of the soles at which the target is reached.
+        """
+        from wildscav_engine.maps.walk import shortest_length, straight_length
+
+        key = (*map(float, start), *map(float, target), float(reach))
+        known = self._shortest_lengths
+        if key not in known:
+            if len(known) == MOST_LENGTHS:
+                known.clear()
+            straight = straight_length(self.world, start, target, reach)
+            found = straight if straight < np.inf else shortest_length(self.graph, start, target, reach)
+            known[key] = found
+        return known[key]
 
     @cached_property
     def supply_points(self) -> NDArray[np.float64]:

@@ -39,6 +39,8 @@ class Track(ABC):
     title: ClassVar[str]  # for people
     fields: ClassVar[frozenset[Field]]  # the action set; other fields of an action are ignored
     metrics: ClassVar[tuple[Metric, ...]]  # the first is the score
+    # Metrics that take long to measure: every result has them, environments only on request.
+    slow_metrics: ClassVar[tuple[Metric, ...]] = ()
     rewards: ClassVar[Mapping[str, float]]  # default weights of the reward terms
     # Defaults of environments:
     robot: ClassVar[str]  # the robot that fills the other seats
@@ -69,6 +71,10 @@ class Track(ABC):
     @abstractmethod
     def measure(self, match: "MatchView", seat: int) -> Mapping[str, float]:
         """Return the value of every metric of a seat, at the end of the match or so far."""
+
+    def measure_slow(self, match: "MatchView", seat: int) -> Mapping[str, float]:  # noqa: ARG002
+        """Return the value of every slow metric of a seat, at the end of the match or so far."""
+        return {}
 
 
 class Measure(ABC):
@@ -138,13 +144,15 @@ def metrics_of(track: str, more: Iterable[str] = ()) -> tuple[Metric, ...]:
         track: The match's track.
         more: The names of the additional metrics in its spec.
     """
-    return TRACKS[track].metrics + tuple(MEASURES[name].metric for name in more)
+    own = TRACKS[track].metrics + TRACKS[track].slow_metrics
+    return own + tuple(MEASURES[name].metric for name in more)
 
 
 def measured(match: "MatchView", seat: int) -> dict[str, float]:
     """Return a seat's value of every metric of its match."""
     spec = match.spec
-    values = dict(TRACKS[spec.track].measure(match, seat))
+    track = TRACKS[spec.track]
+    values = {**track.measure(match, seat), **track.measure_slow(match, seat)}
     return values | {name: float(MEASURES[name].measure(match, seat)) for name in spec.metrics}
 
 

@@ -26,6 +26,7 @@ class TrackRules(Protocol):
     has_supply_goal: bool
     has_zone: bool
     metrics: tuple["MetricName", ...]
+    slow_metrics: tuple["MetricName", ...]
 
     def teams(self, seats: int) -> tuple[int, ...]:
         """Return the default team of each seat."""
@@ -148,7 +149,8 @@ class MatchSpec(Spec):
 
     @model_validator(mode="after")
     def _metrics_exist(self) -> Self:
-        own = [metric.name for metric in _TRACKS[self.track].metrics] if self.metrics else []
+        track = _TRACKS[self.track]
+        own = [metric.name for metric in track.metrics + track.slow_metrics] if self.metrics else []
         for name in self.metrics:
             if name not in _METRICS:
                 installed = f"; installed are {', '.join(_METRICS)}" if _METRICS else "; none is installed"

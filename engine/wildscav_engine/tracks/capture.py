@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.simulation.track import MOVES, Track
 from wildscav_engine.tracks.navigation import Navigation, time_to_target
+from wildscav_engine.tracks.path_efficiency import SPL, spl_of
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView
@@ -25,6 +26,7 @@ class Capture(Track):
     robot: ClassVar[str] = "seeker"
     learners: ClassVar[int] = 4
     metrics = Navigation.metrics
+    slow_metrics = Navigation.slow_metrics
 
     def teams(self, seats: int) -> tuple[int, ...]:
         """Return one team for all seats."""
@@ -32,5 +34,14 @@ class Capture(Track):
 
     def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return the used time, the punish time, their sum, and whether the team reached the target."""
-        team = match.spec.team_of_seats
-        return time_to_target(match, [mate for mate in range(match.seats) if team[mate] == team[seat]])
+        return time_to_target(match, _teammates(match, seat))
+
+    def measure_slow(self, match: "MatchView", seat: int) -> dict[str, float]:
+        """Return the team's success weighted by the path length of the member who reached the target."""
+        return {SPL.name: spl_of(match, _teammates(match, seat))}
+
+
+def _teammates(match: "MatchView", seat: int) -> list[int]:
+    """Return the seats of a seat's team, with itself."""
+    team = match.spec.team_of_seats
+    return [mate for mate in range(match.seats) if team[mate] == team[seat]]

@@ -6,6 +6,7 @@ import numpy as np
 
 from wildscav_engine.simulation.track import MOVES, Metric, Track
 from wildscav_engine.specs.rules import FRAME
+from wildscav_engine.tracks.path_efficiency import SPL, spl_of
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView
@@ -33,10 +34,15 @@ class Navigation(Track):
         Metric("punish_time", "punish time", "s", lower_is_better=True),
         Metric("success", "success rate", "", lower_is_better=False),
     )
+    slow_metrics = (SPL,)
 
     def measure(self, match: "MatchView", seat: int) -> dict[str, float]:
         """Return the used time, the punish time, their sum, and whether this seat reached the target."""
         return time_to_target(match, [seat])
+
+    def measure_slow(self, match: "MatchView", seat: int) -> dict[str, float]:
+        """Return the seat's success weighted by its path length."""
+        return {SPL.name: spl_of(match, [seat])}
 
 
 def time_to_target(match: "MatchView", seats: list[int]) -> dict[str, float]:

@@ -99,6 +99,8 @@ def _differences(
     metrics: tuple[MetricInfo, ...], pairs: list[tuple[dict[str, float], dict[str, float]]]
 ) -> Iterator[Difference]:
     for metric in metrics:
+        if not all(metric.name in one and metric.name in other for one, other in pairs):
+            continue  # the results of an older version lack it
         values = np.array([(one[metric.name], other[metric.name]) for one, other in pairs], np.float64)
         differences = values[:, 0] - values[:, 1]
         low, high = interval(differences)

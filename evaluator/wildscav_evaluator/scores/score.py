@@ -14,11 +14,18 @@ RESAMPLES = 10_000
 
 
 def summary(metrics: Iterable[MetricInfo], rows: Iterable[MatchRow]) -> dict[str, Summary]:
-    """Return every metric over the matches that have a result, including those in which the agent failed."""
+    """Return every metric over the matches that have a result, including those in which the agent failed.
+
+    A metric that the results of an older version lack is left out.
+    """
     played = [row.metrics for row in rows if row.metrics is not None]
     if not played:
         return {}
-    return {metric.name: summarize([values[metric.name] for values in played]) for metric in metrics}
+    return {
+        metric.name: summarize([values[metric.name] for values in played])
+        for metric in metrics
+        if all(metric.name in values for values in played)
+    }
 
 
 def summarize(values: Sequence[float]) -> Summary:

@@ -36,6 +36,10 @@ class SuiteResults:
         """Whether all matches were played."""
         return 0 < self.planned == len(self.metrics)
 
+    def measures(self, metric: str) -> bool:
+        """Return whether every match that was played has a metric."""
+        return all(metric in values for values in self.metrics.values())
+
     def values(self, metric: str) -> list[float]:
         """Return a metric in every match, in the order of the suite."""
         return [self.metrics[number][metric] for number in sorted(self.metrics)]
@@ -53,11 +57,13 @@ def suite_board(
     Args:
         track: The track.
         conditions: Under which they were played.
-        metrics: Of the track; the first is the score.
+        metrics: Of the track; the first is the score. Others that results of an older version lack are left
+            out.
         results: Of the submissions.
         updated: When the last result arrived.
     """
-    score = metrics[0]
+    score, *others = metrics
+    metrics = (score, *(one for one in others if all(result.measures(one.name) for result in results)))
     sign = 1.0 if score.lower_is_better else -1.0
 
     def key(one: SuiteResults) -> tuple[float, int]:

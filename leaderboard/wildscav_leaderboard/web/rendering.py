@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from wildscav.terminal.console import printable
 from wildscav_evaluator.output.results import MetricInfo
-from wildscav_evaluator.scores.number_format import number
+from wildscav_evaluator.scores.number_format import is_share, number
 from wildscav_leaderboard.accounts.service import Caller
 
 FOLDER = Path(__file__).parent
@@ -92,7 +92,7 @@ def amount(value: float, info: MetricInfo) -> str:
     """Return a value of a metric in one match: a count without decimals."""
     return (
         f"{value:,.0f}"
-        if not info.unit and value.is_integer() and info.name != "success"
+        if not info.unit and value.is_integer() and not is_share(info)
         else metric(value, info)
     )
 

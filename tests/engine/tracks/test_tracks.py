@@ -4,7 +4,7 @@ import pytest
 from tests.builders import act, box, flat_world, make_match, place
 
 from wildscav_engine.simulation.match import Match, MatchSetupError
-from wildscav_engine.tracks import TRACKS
+from wildscav_engine.tracks import TRACKS, metrics_of
 
 
 def navigate(target: tuple[float, float, float], **spec: object) -> Match:
@@ -27,7 +27,7 @@ def test_a_target_missed_costs_twice_the_way_left_at_10_metres_a_second() -> Non
     match = navigate((15, 0, 0), time_limit=3)
     act(match, 100)
     metrics = match.result().seats[0].metrics
-    assert metrics == {"time": 6.0, "used_time": 3.0, "punish_time": 3.0, "success": 0.0}
+    assert metrics == {"time": 6.0, "used_time": 3.0, "punish_time": 3.0, "success": 0.0, "spl": 0.0}
 
 
 def test_running_past_the_target_between_two_steps_counts() -> None:
@@ -110,7 +110,7 @@ def test_every_track_measures_all_of_its_metrics(name: str) -> None:
     match = make_match(name, seats=2)
     act(match, 2)
     for seat in match.result().seats:
-        assert list(seat.metrics) == [metric.name for metric in TRACKS[name].metrics]
+        assert list(seat.metrics) == [metric.name for metric in metrics_of(name)]
     assert TRACKS[name].name == name
 
 

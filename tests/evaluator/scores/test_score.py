@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from wildscav_evaluator.output.results import MatchRow, MetricInfo
+from wildscav_evaluator.output.results import MatchRow, MetricInfo, metric_infos
+from wildscav_evaluator.scores.number_format import number
 from wildscav_evaluator.scores.score import summarize, summary
 
 
@@ -67,3 +68,17 @@ def test_a_match_that_never_came_to_a_result_is_left_out_and_an_agents_failure_c
 
     assert summary([metric], rows)["supplies"].mean == 5.0
     assert summary([metric], rows[2:]) == {}
+
+
+def test_a_metric_that_results_of_an_older_version_lack_is_left_out() -> None:
+    infos = metric_infos("navigation")
+    rows = [MatchRow(index=0, status="finished", metrics={"time": 7.0, "success": 1.0})]
+
+    assert set(summary(infos, rows)) == {"time", "success"}
+
+
+def test_spl_is_described_beside_the_success_rate_and_shown_as_percent() -> None:
+    *_, success, spl = metric_infos("navigation")
+
+    assert (success.name, spl.name, spl.title, spl.lower_is_better) == ("success", "spl", "SPL", False)
+    assert number(0.853, spl) == "85%"

@@ -1,5 +1,7 @@
 """Who leads, who is tied, and that a ladder's history never moves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -55,6 +57,19 @@ def test_a_small_lead_in_every_match_is_enough_where_matches_differ_much() -> No
         NOON,
     )
     assert [(row.team, row.ranks) for row in board.rows] == [("foxes", "1"), ("owls", "2")]
+
+
+def test_a_metric_that_results_of_an_older_version_lack_has_no_column() -> None:
+    spl = MetricInfo(name="spl", title="SPL", unit="", lower_is_better=False)
+    old, new = results(1, "owls", times(11.0)), results(2, "foxes", times(10.0))
+    with_spl = {index: {**values, "spl": 0.5} for index, values in new.metrics.items()}
+    new = replace(new, metrics=with_spl)
+
+    both = suite_board("navigation", CONDITIONS, (*TIME, spl), [old, new], NOON)
+    alone = suite_board("navigation", CONDITIONS, (*TIME, spl), [new], NOON)
+
+    assert [metric.name for metric in both.metrics] == ["time"]
+    assert alone.rows[0].metrics["spl"].mean == 0.5
 
 
 def test_who_cannot_be_told_apart_is_tied() -> None:

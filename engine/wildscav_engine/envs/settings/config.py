@@ -57,6 +57,7 @@ class EnvConfig(Spec):
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
     action_mode: ActionMode = "dict"
     flat: bool = False  # one row of numbers instead of a Dict, for observations and infos
+    all_metrics: bool = False  # in infos: also those that take long to measure, such as SPL
     # Rendering and execution.
     render_mode: RenderMode | None = None
     render_view: RenderView = "eyes"

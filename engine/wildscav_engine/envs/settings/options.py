@@ -50,6 +50,7 @@ class EnvOptions(TypedDict, total=False):
     rewards: Mapping[str, float] | None
     action_mode: ActionMode
     flat: bool
+    all_metrics: bool
     # Rendering and execution
     render_mode: RenderMode | None
     render_view: RenderView

@@ -154,7 +154,7 @@ def _legs(
     first = 0
     for at, leaps in enumerate([*is_leap, True]):
         if leaps:
-            legs += [Leg(_triple(turn)) for turn in _pulled(graph, places, route[first : at + 1])[1:]]
+            legs += [Leg(_triple(turn)) for turn in pulled(graph, places, route[first : at + 1])[1:]]
             first = at + 1
             if first < len(route):
                 jump = _begins_with_jump(graph, int(route[at]), int(route[first]))
@@ -162,7 +162,7 @@ def _legs(
     return legs
 
 
-def _pulled(graph: WalkGraph, places: NDArray[np.float64], route: NDArray[np.int32]) -> NDArray[np.float64]:
+def pulled(graph: WalkGraph, places: NDArray[np.float64], route: NDArray[np.int32]) -> NDArray[np.float64]:
     """Return (P, 3) m the turns of a walk after it is pulled straight and tight."""
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     while True:

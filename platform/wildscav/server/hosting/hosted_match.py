@@ -253,7 +253,8 @@ class HostedMatch:
 
     async def _send_final_messages(self) -> None:
         """Send the result to every seat that is still present, and wait until it is received."""
-        result = self.match.result()
+        # It may search for the shortest way to the target, while other matches play on.
+        result = await asyncio.to_thread(self.match.result)
         for number, seat in self._seats.items():
             if seat.present:
                 self._mark_finished(seat)

@@ -71,6 +71,8 @@ def _tiny_match() -> "Match":
         while not match.over:
             match.step(no_actions(match.seats) + np.float32(1.0))
         match.result()
+    # Results search for the shortest way only where a target was reached.
+    game_map.shortest_length(game_map.indoor[0], game_map.outdoor[0], 1.0)
     return match
 
 

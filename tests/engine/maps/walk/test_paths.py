@@ -2,13 +2,13 @@
 
 import itertools
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.builders import box, flat_world, random_map_config
+from tests.engine.maps.walk.corner_paths import free_places, rectangles, shortest_by_corners, walls
 from tests.engine.maps.walk.walker import Walker
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
@@ -88,62 +88,11 @@ def test_a_path_goes_round_a_wall_by_the_shorter_end() -> None:
     assert shortest <= path.length <= 1.05 * shortest
 
 
-Rectangle = tuple[float, float, float, float]  # m: least x and z, greatest x and z
-
-
-def rectangles(seed: int) -> list[Rectangle]:
-    """Return fourteen walls and blocks on 40 × 40 m."""
-    random = np.random.default_rng(seed)
-    sides = random.uniform(0.3, 2.0, (14, 2))
-    sides[np.arange(14), random.integers(0, 2, 14)] = random.uniform(0.5, 10.0, 14)
-    middles = random.uniform(-17.0, 17.0, (14, 2))
-    return [tuple(row) for row in np.concatenate([middles - sides / 2, middles + sides / 2], axis=1).tolist()]
-
-
-def cuts(start: Sequence[float], end: Sequence[float], block: Rectangle) -> bool:
-    """Return whether a straight line leads through a rectangle; touching it is allowed."""
-    enter, leave = 0.0, 1.0
-    for axis in range(2):
-        way, low, high = end[axis] - start[axis], block[axis], block[axis + 2]
-        if abs(way) < 1e-12:
-            if start[axis] <= low + 1e-9 or start[axis] >= high - 1e-9:
-                return False
-            continue
-        first, second = sorted(((low - start[axis]) / way, (high - start[axis]) / way))
-        enter, leave = max(enter, first), min(leave, second)
-    return leave - enter > 1e-9
-
-
-def shortest_by_corners(
-    blocks: list[Rectangle], start: Sequence[float], end: Sequence[float], room: float
-) -> float:
-    """Return the length of the shortest path from corner to corner that stays ``room`` m off the blocks."""
-    wide = [(x - room, z - room, to_x + room, to_z + room) for x, z, to_x, to_z in blocks]
-    corners = [(x, z) for block in wide for x in block[::2] for z in block[1::2] if max(abs(x), abs(z)) < 19]
-    points = [tuple(start), tuple(end), *corners]
-    lengths, done = dict.fromkeys(range(len(points)), math.inf) | {0: 0.0}, set()
-    while (at := min(lengths.keys() - done, key=lambda node: lengths[node])) != 1:
-        done.add(at)
-        if lengths[at] == math.inf:
-            return math.inf
-        for other in lengths.keys() - done:
-            length = lengths[at] + math.dist(points[at], points[other])
-            if length < lengths[other] and not any(cuts(points[at], points[other], block) for block in wide):
-                lengths[other] = length
-    return lengths[1]
-
-
 @pytest.mark.parametrize("seed", [7, 13, 22, 25, 35, 36])
 def test_no_way_with_room_is_more_than_a_percent_shorter_than_a_path(seed: int) -> None:
     blocks = rectangles(seed)
-    graph = build_graph(flat_world(solids=[box((x, 0, z), (u, 3, v)) for x, z, u, v in blocks]))
-    free = [
-        (float(x), float(z))
-        for x, z in np.random.default_rng(seed).uniform(-18, 18, (60, 2))
-        if not any(
-            low - 0.8 < x < high + 0.8 and back - 0.8 < z < front + 0.8 for low, back, high, front in blocks
-        )
-    ]
+    graph = build_graph(flat_world(solids=walls(blocks)))
+    free = free_places(blocks, seed)
     for start, end in itertools.pairwise(free[:7]):
         path = find_path(graph, (start[0], 0, start[1]), (end[0], 0, end[1]))
         assert path is not None
