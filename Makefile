@@ -78,7 +78,8 @@ docs-serve: export NO_MKDOCS_2_WARNING = 1
 docs-serve: .venv/.dev ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
 	$(BIN)/mkdocs serve
 
-proto: .venv/.dev ## Generate the Python code of the protocol.
+proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to the agent in JavaScript.
+	cp platform/wildscav/proto/match.proto submissions/homing-js/
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
 		--grpc_python_out=platform platform/wildscav/proto/*.proto
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \

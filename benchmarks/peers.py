@@ -53,7 +53,7 @@ def wildscav(width: int, height: int) -> Callable[[int], None]:
     """Return a function that plays one step of a battle of ten with a depth map."""
     sensors = {"depth": {"width": width, "height": height}}
     env = gymnasium.make(
-        "wildscav_engine:WildScav/Battle-v0", level="easy", random_maps=4, sensors=sensors, action_mode="box"
+        "wildscav_engine:WildScav/Battle-v1", level="easy", random_maps=4, sensors=sensors, action_mode="box"
     )
     env.action_space.seed(0)
     actions = [env.action_space.sample() for _ in range(64)]

@@ -27,7 +27,8 @@ REPEATS = 5
 POOL = 64  # maps
 EPISODE = 40.0  # s, 400 steps as in the paper
 COUNTRY = generate_map(MapConfig(size=100, houses=4), 1)
-ENV = "wildscav_engine:WildScav/Navigation-v0"
+LISTS: dict[str, Any] = {"visible_agents": {"limit": 8}, "nearby_supplies": {"limit": 8}, "teammates": {}}
+ENV = "wildscav_engine:WildScav/Navigation-v1"
 
 
 def spec(index: int, track: str, *seats: str) -> MatchSpec:
@@ -237,6 +238,36 @@ def match_figure(name: str, *seats: str) -> Figure:
     return Figure(name, rate, "steps/s", "battle, one Python call a step")
 
 
+def robots_figures() -> list[Figure]:
+    """Measure battles of ten robots of each kind that fights, in turns, by processor time."""
+    teams = (0,) * 5 + (1,) * 5
+    kinds: dict[str, tuple[int, ...] | None] = {"fighter": None, "fighter-hard": None}
+    kinds |= {"hunter-squad": teams, "hunter-squad-hard": teams}
+    specs = [
+        spec(0, "battle", *[kind] * 10).model_copy(update={"teams": sides}) for kind, sides in kinds.items()
+    ]
+    plays, actions = [Match(each, COUNTRY) for each in specs], random_actions(1, 10)[0, 0]
+    rates = np.array([[_steps_in_turn(match, actions) for match in plays] for _ in range(REPEATS + 1)])
+    medians = np.median(rates[1:], axis=0).tolist()
+    return [
+        Figure(
+            f"one match, 10 × {kind}{'' if sides is None else ', two teams'}",
+            rate,
+            "steps/s of processor time",
+            f"{medians[0] / rate:.2f} × the time of 10 × fighter",
+        )
+        for (kind, sides), rate in zip(kinds.items(), medians, strict=True)
+    ]
+
+
+def _steps_in_turn(match: Match, actions: np.ndarray, steps: int = 500) -> float:
+    """Play some steps of a match; return how many it plays in a second of processor time."""
+    started = time.process_time()
+    for _ in range(steps):
+        match.step(actions)
+    return steps / (time.process_time() - started)
+
+
 def env_figure(depth: bool) -> Figure:
     """Measure one Gymnasium environment as ``gymnasium.make`` gives it, actions drawn beforehand."""
     env = gymnasium.make(ENV, **env_options(depth))
@@ -284,6 +315,24 @@ def opponents_figures() -> list[Figure]:
     ]
 
 
+def lists_figure(track: str, options: dict[str, Any]) -> Figure:
+    """Measure what the lists of agents and boxes cost: with them relative to without."""
+    made = {"level": "easy", "flat": True, "action_mode": "box"} | options
+    none, lists = (vector_env(64, made | {"sensors": sensors}, track) for sensors in ({}, LISTS))
+    actions = [none.action_space.sample() for _ in range(8)]
+    ratios = []
+    for _ in range(2 * REPEATS + 1):
+        taken = []
+        for vector in (none, lists):
+            started = time.process_time()
+            for number in range(50):
+                vector.step(actions[number % 8])
+            taken.append(time.process_time() - started)
+        ratios.append(taken[1] / taken[0])
+    what = f"vector env, {track.lower()}, 64 matches: lists of agents and boxes over none"
+    return Figure(what, statistics.median(ratios[1:]), "× the processor time")
+
+
 def stand(observations: np.ndarray) -> np.ndarray:
     """Return actions that do nothing, so that the rest is measured."""
     return np.zeros((len(observations), 8), np.float32)
@@ -320,12 +369,14 @@ def main(json_file: JsonFile = None) -> None:
         reset_figure(),
         match_figure("one match, 1 agent", "submission"),
         match_figure("one match, 10 agents", *["submission"] * 10),
-        match_figure("one match, 10 robots that fight", *["fighter"] * 10),
+        *robots_figures(),
         env_figure(depth=True),
         env_figure(depth=False),
         vector_figure(64, depth=True),
         vector_figure(64, depth=False),
         *opponents_figures(),
+        lists_figure("Battle", {}),
+        lists_figure("Gathering", {"teammates": ("gatherer",) * 3}),
     ]
     ten = crowd_figure(10)
     figures += [

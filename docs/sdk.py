@@ -43,6 +43,32 @@ MODULES = {
         "Choose",
         "load_network",
     ),
+    "wildscav.skills.gathering": ("Gathering",),
+    "wildscav.skills.supplies": ("BoxMemory", "Prospecting"),
+    "wildscav.skills.surroundings": ("Surroundings", "Rings"),
+    "wildscav.skills.paths": ("find_ways", "Ways", "Way"),
+    "wildscav.skills.walking": ("WayWalker", "Walk"),
+    "wildscav.skills.steering": ("Steering",),
+    "wildscav.skills.searching": ("Search", "Boxes", "effort"),
+    "wildscav.skills.scouting": ("Scouting",),
+    "wildscav.skills.aiming": (
+        "aim_at",
+        "Aim",
+        "look_around",
+        "enemies_in_sight",
+        "threats_first",
+        "velocity_of",
+    ),
+    "wildscav.skills.fighting": (
+        "wants_reload",
+        "would_lose",
+        "has_much_to_lose",
+        "quiet_place",
+        "Dodging",
+        "cover_from",
+        "is_hidden",
+    ),
+    "wildscav.skills.zone": ("safe_zone", "SafeZone", "Circle"),
 }
 SECTION = re.compile(r"^(Args|Returns|Raises|Yields|Attributes):$")
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 PICTURE = Path(__file__).with_name("board.png")
-SIZE = {"width": 1100, "height": 790}
+SIZE = {"width": 1100, "height": 830}
 
 
 def main(address: str) -> None:

@@ -55,7 +55,7 @@ def main() -> None:
 def best_moment(name: str, options: dict[str, Any]) -> tuple[int, int]:
     """Return the seed and the step with the highest score for a picture."""
     best, moment = -1.0, (1, 0)
-    env = gymnasium.make(f"wildscav_engine:WildScav/{name}-v0", **options)
+    env = gymnasium.make(f"wildscav_engine:WildScav/{name}-v1", **options)
     for seed in SEEDS[name]:
         observation, _ = env.reset(seed=seed)
         for step in range(STEPS):
@@ -113,7 +113,7 @@ def picture(name: str, options: dict[str, Any], view: str, seed: int, step: int)
     size = EYES if view == "eyes" else TOP
     larger = 2  # rendered larger and scaled down, for smooth edges
     env = gymnasium.make(
-        f"wildscav_engine:WildScav/{name}-v0",
+        f"wildscav_engine:WildScav/{name}-v1",
         render_mode="rgb_array",
         render_view=view,
         render_size=(size[0] * larger, size[1] * larger),

@@ -46,6 +46,7 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
         "nearby_supplies": "wildscav_engine.sensors.nearby_supplies:NearbySupplies",
         "compass": "wildscav_engine.sensors.compass:Compass",
         "zone": "wildscav_engine.sensors.safe_zone:SafeZone",
+        "hot_spot": "wildscav_engine.sensors.hot_spot:HotSpotSensor",
     },
     "wildscav.robots": {
         "walker": "wildscav_engine.simulation.robots.walker:WALKERS",
@@ -182,12 +183,13 @@ def names(group: str) -> tuple[str, ...]:
         return tuple(BUILT_IN[group])
 
 
-def added_sources(group: str) -> tuple[Path, ...]:
-    """Return the source files of the extensions that other packages add to a group, without importing them.
+def sources_of(group: str) -> tuple[Path, ...]:
+    """Return the source files of the extensions in a group, built-in ones first, without importing them.
 
     Missing modules are skipped; the error is raised when the extension is used.
     """
-    files = (_file_of(entry.module) for entry in _entries(group))
+    built_in = (path.split(":")[0] for path in BUILT_IN.get(group, {}).values())
+    files = (_file_of(module) for module in (*built_in, *(entry.module for entry in _entries(group))))
     return tuple(file for file in files if file is not None)
 
 

@@ -23,9 +23,11 @@ class MadeMap(NamedTuple):
     error: str = ""  # why it could not be generated
 
 
-def choices_of_pool(level: Level, split: Split, seed: int, count: int) -> list[Choices]:
+def choices_of_pool(
+    level: Level, split: Split, seed: int, count: int, *, unseen: bool = False
+) -> list[Choices]:
     """Return the maps of a pool for training or testing, as ``random_maps`` returns it."""
-    pool: MapPool = random_maps(level, split, seed, count)
+    pool: MapPool = random_maps(level, split, seed, count, unseen=unseen)
     return [pool.specs(number) for number in range(count)]
 
 

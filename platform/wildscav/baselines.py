@@ -5,7 +5,8 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
 
-NAMES = ("random", "homing", "hunter")
+ALL_ROUND = ("random", "homing", "hunter")  # those that play every track
+NAMES = (*ALL_ROUND, "scavenger", "commando", "navigator", "mapper")
 PREFIX = "baseline:"
 PACKAGE = Path(__file__).parent
 # In an installed wheel they are inside the package, in a checkout in its top folder.

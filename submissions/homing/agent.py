@@ -1,11 +1,11 @@
 """An agent that walks straight to its goal."""
 
-from scouting import Scouting
-from steering import Boxes, Search, Steering, Vector, effort
-from zone import safe_zone
-
-from wildscav import Action, Agent, MatchInfo, Observation
+from wildscav import Action, Agent, MatchInfo, Observation, Vector
 from wildscav.geometry import turn_to
+from wildscav.skills.scouting import Scouting
+from wildscav.skills.searching import Boxes, Search, effort
+from wildscav.skills.steering import Steering
+from wildscav.skills.zone import safe_zone
 
 FULL_SPEED = 10.0  # m/s
 MAX_TURN = 4.0  # degrees per frame

@@ -1,12 +1,13 @@
 """An agent that gathers supplies, and fights enemies in sight."""
 
 from aim import Order, aim_at, look_around, nearest_enemy
-from scouting import Scouting
-from steering import Boxes, Search, Steering, Vector, effort
-from zone import SafeZone, safe_zone
 
-from wildscav import Action, Agent, MatchInfo, Observation, SupplyBox, VisibleAgent
+from wildscav import Action, Agent, MatchInfo, Observation, SupplyBox, Vector, VisibleAgent
 from wildscav.geometry import flat_distance
+from wildscav.skills.scouting import Scouting
+from wildscav.skills.searching import Boxes, Search, effort
+from wildscav.skills.steering import Steering
+from wildscav.skills.zone import SafeZone, safe_zone
 
 FULL_SPEED = 10.0  # m/s
 START_UP = 3.0  # m, added to the distance of every box, because even a near one takes time

@@ -5,10 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from wildscav_engine.envs.registry import env_id, zoo_id
+from wildscav_engine.envs.registry import VERSION, env_id, zoo_id
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.presets import PRESETS
-from wildscav_engine.envs.spaces.columns import GROUPS
+from wildscav_engine.envs.spaces.columns import groups_of
 from wildscav_engine.tracks import TRACKS
 
 ROOT = Path(__file__).parents[2]
@@ -20,7 +20,7 @@ def test_the_code_of_the_page_works(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [
-        "['body', 'depth', 'position', 'target', 'time', 'velocity', 'view'] (10, 10)",
+        "['body', 'depth', 'position', 'target', 'time', 'to_target', 'velocity', 'view'] (10, 10)",
         "['agent_0', 'agent_1', 'agent_2', 'agent_3'] (1, 13)",
         "(8, 10, 10) (8,)",
         "(4, 30) ('submission', 'submission', 'submission', 'submission', 'fighter')",
@@ -47,7 +47,7 @@ def test_the_page_tells_every_track() -> None:
 
 
 def test_the_page_tells_every_group_with_its_numbers() -> None:
-    for group in GROUPS.values():
+    for group in groups_of(VERSION).values():
         (numbers,) = re.findall(rf"^\| `{group.name}` \| [^|]+ \| ([^|]+) \|$", TEXT, re.MULTILINE)
         for column in group.columns:
             assert column.name in numbers, (group.name, column.name)

@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
 TEXT = (Path(__file__).parents[2] / "docs" / "training.md").read_text("utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
-NAVIGATION = "wildscav_engine.envs:WildScav/Navigation-v0"
+NAVIGATION = "wildscav_engine.envs:WildScav/Navigation-v1"
 TINY = MapSpec(config=MapConfig(size=40, relief=0, water=0, houses=0, vegetation=0), seed=1)
 SHORT = {"map": TINY, "time_limit": 4.0}
 MODES = ("box", "baseline", "multidiscrete")
@@ -27,7 +27,7 @@ MODES = ("box", "baseline", "multidiscrete")
 IN_SMALL = {
     '"level": "easy"': '"map": TINY, "time_limit": 2.0',
     'save("seeing")': "get_parameters()",
-    "range(25)": "range(2)",
+    "range(5)": "range(2)",
     "20_000": "256",
     'level="easy"': "map=TINY, time_limit=2.0",
     "1_000_000": "512",
@@ -145,6 +145,28 @@ def test_the_vector_of_stable_baselines_is_the_single_environments_row_by_row() 
                 last, _ = env.reset()
             np.testing.assert_array_equal(observations[row], last)
         assert done.all() == (step % 10 == 0)  # ten steps are the second that a match takes
+
+
+def test_the_monitor_of_stable_baselines_keeps_metrics_and_passes_options_on() -> None:
+    pytest.importorskip("stable_baselines3")
+    from stable_baselines3.common.vec_env import VecMonitor
+
+    from wildscav_engine.envs import StableVector
+
+    options: dict[str, Any] = {"action_mode": "box", "map": TINY, "time_limit": 0.4, "sensors": {}}
+    vector = StableVector("navigation", 2, **options)
+    envs = VecMonitor(vector, info_keywords=("metrics", "reward_terms"))
+    envs.reset()
+    envs.set_options({"start_range": 2.0})
+    for _ in range(4):
+        observations, _, done, infos = envs.step(np.zeros((2, 5), np.float32))
+    assert done.all()
+    assert (observations["target"][:, 7] < 4.0).all()  # of the next episode
+    for info in infos:
+        assert info["episode"]["metrics"].keys() == set(vector.vector.arena.metrics)
+        assert info["episode"]["reward_terms"].keys() == {"target_reached"}
+    with pytest.raises(ValueError, match="share their options"):
+        envs.set_options([{"start_range": 2.0}, {"start_range": 3.0}])
 
 
 def test_gymnasiums_wrapper_makes_tensors_of_a_vector() -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav.baselines import NAMES, baseline_folder
+from wildscav.baselines import ALL_ROUND, NAMES, baseline_folder
 from wildscav_evaluator.submissions.submission import folder_digest
 
 ROOT = Path(__file__).parents[2]
@@ -106,7 +106,7 @@ def test_it_makes_a_season_to_look_at(run: Run) -> None:
     code += "from wildscav_leaderboard.hosting.demo.make import make_demo\n"
     code += "season, logins = make_demo(Path('demo').absolute(), 8000, 'process')\n"
     code += "print(len(list(season.archives.iterdir())), *(one.name for one in logins))"
-    assert run("python", "-c", code).stdout.split() == ["3", "organizer", *NAMES]
+    assert run("python", "-c", code).stdout.split() == ["3", "organizer", *ALL_ROUND]
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import pytest
 
 from wildscav_engine import extensions
 from wildscav_engine.compilation import sources
-from wildscav_engine.extensions import ExtensionError, Registry, added_sources, names, other_groups
+from wildscav_engine.extensions import ExtensionError, Registry, names, other_groups, sources_of
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.simulation.robots.base import kind_number, levels_of
@@ -151,10 +151,10 @@ def test_the_kernels_of_robots_of_others_are_part_of_what_is_compiled(
     file = sources.PACKAGE / "simulation" / "robots" / "decide.py"
     for remembered in (sources.sources_digest, sources.content_digest, sources.imported_files):
         monkeypatch.setattr(sources, remembered.__name__, remembered.__wrapped__)
-    before = sources.sources_digest(file)
+    before, built_in = sources.sources_digest(file), sources_of("wildscav.robots")
 
     install("fine-robot", "LEVELS = 1", "wildscav.robots", "nought", "LEVELS")
-    assert added_sources("wildscav.robots") == (tmp_path / "fine_robot.py",)
+    assert sources_of("wildscav.robots") == (*built_in, tmp_path / "fine_robot.py")
     assert "fine_robot" not in sys.modules
     with_robot = sources.sources_digest(file)
     (tmp_path / "fine_robot.py").write_text("LEVELS = 2")

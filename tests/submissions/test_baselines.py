@@ -23,6 +23,7 @@ from wildscav_evaluator.suites.suite import suite
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 NAMES = ("random", "homing", "hunter")
+FINDERS = ("navigator", "mapper")  # of ways: they play navigation alone
 TRACKS = ("navigation", "gathering", "capture", "battle", "royale")
 FLAT = MapSpec(config=MapConfig(size=100, houses=0, relief=0, water=0, vegetation=0), seed=1)
 
@@ -60,8 +61,9 @@ def mean(results: list[JobResult], name: str, metric: str) -> float:
     return sum(values) / len(values)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_they_import_the_sdk_and_the_standard_library_alone(name: str) -> None:
+@pytest.mark.parametrize("name", [*NAMES, *FINDERS])
+def test_they_import_the_sdk_and_the_standard_library_alone_or_numpy(name: str) -> None:
+    allowed = {"wildscav"} | sys.stdlib_module_names | ({"numpy"} if name in FINDERS else set())
     folder = SUBMISSIONS / name
     own = {path.stem for path in folder.glob("*.py")}
     for path in folder.glob("*.py"):
@@ -70,14 +72,7 @@ def test_they_import_the_sdk_and_the_standard_library_alone(name: str) -> None:
             modules += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
             for module in modules:
                 root = module.partition(".")[0]
-                assert root in own | {"wildscav"} | sys.stdlib_module_names, f"{path}: {module}"
-
-
-@pytest.mark.parametrize("file", ["scouting.py", "steering.py", "zone.py"])
-def test_hunter_walks_and_searches_as_homing_does(file: str) -> None:
-    homing, hunter = (SUBMISSIONS / name / file for name in ("homing", "hunter"))
-
-    assert homing.read_bytes() == hunter.read_bytes()
+                assert root in own | allowed, f"{path}: {module}"
 
 
 @pytest.mark.parametrize("track", TRACKS)
@@ -89,6 +84,18 @@ def test_the_same_match_is_played_the_same_way(workers: Workers, tmp_path: Path,
 
     for one, other in zip(first, second, strict=True):
         assert (one.out / one.record).read_bytes() == (other.out / other.record).read_bytes()
+
+
+def test_finders_of_ways_play_the_same_match_the_same_way_in_time(workers: Workers, tmp_path: Path) -> None:
+    first = [jobs(name, "navigation", 0, tmp_path / "first")[0] for name in FINDERS]
+    second = [jobs(name, "navigation", 0, tmp_path / "second")[0] for name in FINDERS]
+
+    results = play(workers, first + second)
+
+    for one, other in zip(first, second, strict=True):
+        assert (one.out / one.record).read_bytes() == (other.out / other.record).read_bytes()
+    for name in FINDERS:
+        assert mean(results, name, "success") == 1.0
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Space
 
 from wildscav_engine.envs import PRESETS
 from wildscav_engine.envs.batched import multi_agent_config
-from wildscav_engine.envs.registry import env_id, zoo_id
+from wildscav_engine.envs.registry import VERSION, env_id, zoo_id
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.single import single_agent_config
 from wildscav_engine.envs.spaces.actions import ActionMode, action_mode
@@ -32,6 +32,9 @@ OBSERVATIONS = """## Observation space
 An observation is a Dict of Boxes of float32 with the names and bounds below. With `flat=True` it is one row
 of numbers, each divided by its usual magnitude; the index is the number's place in that row. Positions are in
 world axes: x east, y up, z north.
+
+In version 0, `to_target`, `to_box` and `to_enemy` are missing, and flat rows contain a tenth of the sines and
+cosines of `view`.
 """
 REWARDS = """## Rewards
 
@@ -63,12 +66,12 @@ class Environment(NamedTuple):
     @property
     def single(self) -> EnvConfig:
         """The config for one learner."""
-        return single_agent_config(self.track.name, self.options)
+        return single_agent_config(self.track.name, {**self.options, "version": VERSION})
 
     @property
     def several(self) -> EnvConfig:
         """The config for several learners."""
-        return multi_agent_config(self.track.name, self.options)
+        return multi_agent_config(self.track.name, {**self.options, "version": VERSION})
 
 
 def environments() -> list[Environment]:
@@ -108,11 +111,12 @@ def title_of(one: Environment) -> str:
 def _opening(one: Environment) -> str:
     track, single, several = one.track.name, one.single, one.several
     more = "".join(f", {name}={value!r}" for name, value in one.options.items())
+    parallel = f"parallel_env({track!r}, version={VERSION}{more})"
     mode = action_mode(single)
     observed = observation_rows(single)
     rows = [
         ("Gymnasium", code(f'gymnasium.make("wildscav_engine:{env_id(track)}"{more})')),
-        ("PettingZoo", f"{code(f'parallel_env({track!r}{more})')}, registered as {code(zoo_id(track))}"),
+        ("PettingZoo", f"{code(parallel)}, registered as {code(zoo_id(track))}"),
         ("Action space", f"{code(_written(mode.space))}, by default"),
         ("Observation space", code(_written(readings_space(single)))),
         ("Numbers of an observation", f"{observed[-1].indexes.stop} with `flat=True`"),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from gymnasium.spaces import Box, Dict
 
 from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.spaces.columns import GROUPS
+from wildscav_engine.envs.spaces.columns import groups_of
 from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.sensors.base import Column
 
@@ -24,7 +24,7 @@ class Row(NamedTuple):
 def observation_rows(config: EnvConfig) -> list[Row]:
     """Return the rows of an environment's observation, in the order of its flat rows."""
     spaces: Dict = readings_space(config)
-    columns = {group.name: group.columns for group in GROUPS.values()}
+    columns = {group.name: group.columns for group in groups_of(config.version).values()}
     sensors = config.read_sensors()
     rows: list[Row] = []
     first = 0

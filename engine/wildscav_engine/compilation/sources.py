@@ -1,7 +1,7 @@
 """The digest of everything that a kernel's code depends on: its file, all files imported by it, the compiler.
 
-A file whose kernels call kernels from other packages declares a constant ``KERNELS_OF``, the group of entry
-points that names them; the files of those packages then count as imported.
+A file whose kernels call kernels of extensions declares a constant ``KERNELS_OF``, the group of entry points
+that names them; the files of those extensions, built-in or of other packages, then count as imported.
 
 The digest does not depend on the location or the modification time of files, so all clones, environments and
 wheels of the same version share their compiled code. It does not include the processor, because Numba itself
@@ -16,7 +16,7 @@ from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
 
-from wildscav_engine.extensions import added_sources
+from wildscav_engine.extensions import sources_of
 
 PACKAGE = Path(__file__).parent.parent
 BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # fields of a statement that contain statements
@@ -83,7 +83,7 @@ def imported_files(file: Path) -> tuple[Path, ...]:
         elif not own:
             found[root / f"{name}.py"] = None
     for group in _groups_called(tree):
-        found.update(dict.fromkeys(added_sources(group)))
+        found.update(dict.fromkeys(sources_of(group)))
     return tuple(path for path in found if path.is_file())
 
 

@@ -7,17 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.opponents.cast import Cast
-from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.settings.episodes import Episode, Episodes, pool_of
+from wildscav_engine.envs.settings.config import EnvConfig, change_config
+from wildscav_engine.envs.settings.episodes import Episode, Episodes, Plan, pool_of
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, Part
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.envs.spaces.observation import Observation
 from wildscav_engine.envs.spaces.seat_reader import SeatReader
+from wildscav_engine.maps.pools import MapPool
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.state import State
 from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
+
+OF_POOL = {"map", "level", "split", "random_maps", "unseen"}  # the options that choose the maps
 
 
 class ArenaOutput(NamedTuple):
@@ -38,11 +42,10 @@ class Arena:
             matches: The number of matches, B.
 
         Raises:
-            ValueError: The settings of an opponent are invalid.
+            ValueError: The settings of the maps or of an opponent are invalid.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
-        self.pool = pool_of(config.map, config.level, config.split, config.random_maps)
-        self.template = config.match_spec()
+        self._plan = Plan(config.match_spec(), _pool(config), config.split)
         self.mode = action_mode(config)
         self.learners = range(config.agents)
         slow = self.track.slow_metrics if config.all_metrics else ()
@@ -63,9 +66,32 @@ class Arena:
             first(Part.TERMS),
         )
 
+    @property
+    def template(self) -> MatchSpec:
+        """The spec of new matches, apart from seed and map."""
+        return self._plan.template
+
+    @property
+    def pool(self) -> MapPool:
+        """The maps on which new matches are played."""
+        return self._plan.pool
+
     def episodes(self, seed: int) -> Episodes:
         """Return the sequence of episodes of a seed."""
-        return Episodes(self.template, self.pool, self.config.split, seed)
+        return Episodes(self._plan, seed)
+
+    def set_options(self, changes: Mapping[str, Any]) -> EnvConfig:
+        """Change options of the matches that start from now on, and return all options.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid.
+        """
+        config = change_config(self.config, changes)
+        pool = _pool(config) if changes.keys() & OF_POOL else self.pool
+        self._plan.template, self._plan.pool, self._plan.split = config.match_spec(), pool, config.split
+        self._reader.set_rewards(config.reward_weights)
+        self.config = config
+        return config
 
     def restart(self, rows: Sequence[int], episodes: Sequence[Episode]) -> None:
         """Start new matches in some rows; the first call must be for all rows.
@@ -190,3 +216,7 @@ class Arena:
         view = self.view(match)
         values = self.track.measure(view, learner)
         return {**values, **self.track.measure_slow(view, learner)} if self.config.all_metrics else values
+
+
+def _pool(config: EnvConfig) -> MapPool:
+    return pool_of(config.map, config.level, config.split, config.random_maps, unseen=config.unseen)

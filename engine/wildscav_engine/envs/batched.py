@@ -13,7 +13,7 @@ from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
 from wildscav_engine.envs.settings.episodes import Episodes
-from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.actions import ActionError
 from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.tracks import TRACKS
@@ -192,6 +192,18 @@ class BatchedArena:
         first_seed = gymnasium.utils.seeding.np_random(None)[1]
         rows = None if mask is None else np.flatnonzero(mask).tolist()
         return self._resetter.reset(seeds, first_seed, rows).observation
+
+    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
+        """Change options from the next episode on of each match, for instance as a learner gets better.
+
+        Args:
+            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
+                0; new terms are not possible, because infos have one structure.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid.
+        """
+        self.config = self.arena.set_options(changes)
 
     def step(self, actions: Any) -> Outcome:
         """Play one step in every match.

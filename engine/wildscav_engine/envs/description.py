@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.actions import action_mode
-from wildscav_engine.envs.spaces.columns import GROUPS
+from wildscav_engine.envs.spaces.columns import groups_of
 from wildscav_engine.envs.spaces.flattening import scales_of
 from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.sensors import Sensor
@@ -34,11 +34,14 @@ def describe(config: EnvConfig) -> dict[str, Any]:
         ``ActionMode.describe``.
     """
     sensors = config.read_sensors()
-    columns = {group.name: [column.name for column in group.columns] for group in GROUPS.values()}
+    columns = {
+        group.name: [column.name for column in group.columns] for group in groups_of(config.version).values()
+    }
     parts: list[dict[str, Any]] = []
     spaces: dict[str, Any] = dict(readings_space(config).spaces)
     for name, box in spaces.items():
-        part = {"name": name, "shape": list(box.shape), "dtype": box.dtype.str, "scale": _scale(name, box)}
+        scale = _scale(name, box, config.version)
+        part = {"name": name, "shape": list(box.shape), "dtype": box.dtype.str, "scale": scale}
         if name in sensors:
             parts.append(part | {"sensor": options_of(sensors[name])})
         else:
@@ -59,9 +62,9 @@ def options_of(sensor: Sensor) -> dict[str, Any]:
     return {field.name: getattr(sensor, field.name) for field in dataclasses.fields(fields)}
 
 
-def _scale(name: str, box: Box) -> Any:
+def _scale(name: str, box: Box, version: int) -> Any:
     """Return the divisors of numbers, in the smallest shape that broadcasts."""
-    scales: NDArray[np.float64] = scales_of(name, box).reshape(box.shape)
+    scales: NDArray[np.float64] = scales_of(name, box, version).reshape(box.shape)
     while scales.ndim and (scales == scales[:1]).all():
         scales = scales[0]
     return scales.tolist()

@@ -16,7 +16,7 @@ from wildscav_engine.envs.registry import register_several
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.episodes import Episodes
-from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.global_state import global_state, global_state_space
@@ -26,7 +26,6 @@ from wildscav_engine.envs.spaces.observation import Observation, observation_spa
 if TYPE_CHECKING:
     from pettingzoo import AECEnv
 
-VERSION = 0
 register_several()
 
 
@@ -48,9 +47,10 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         Raises:
             ValueError: An option is invalid.
         """
-        self.config, self._options = multi_agent_config(track, options), options
+        self.config = multi_agent_config(track, options)
+        self._options: dict[str, Any] = {**options}
         self.metadata = {
-            "name": f"wildscav_{track}_v{VERSION}",
+            "name": f"wildscav_{track}_v{self.config.version}",
             "render_modes": RENDER_MODES,
             "render_fps": STEPS_PER_SECOND,
             "is_parallelizable": True,
@@ -86,7 +86,8 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
 
         Args:
             seed: 0 or more; determines all following episodes.
-            options: ``start``, ``target`` and ``map`` of this episode only; others are ignored.
+            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only; others are
+                ignored.
 
         Raises:
             ValueError: An option is invalid.
@@ -99,6 +100,19 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         self._renderer.begin(self.arena)
         infos = {agent: self._info(output, agent, ended=False) for agent in self.agents}
         return self._observations(output), infos
+
+    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
+        """Change options from the next episode on, for instance as a learner gets better.
+
+        Args:
+            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
+                0; new terms are not possible, because infos have one structure.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid.
+        """
+        self.config = self.arena.set_options(changes)
+        self._options |= {name: getattr(self.config, name) for name in changes}
 
     def step(
         self, actions: dict[str, Any]

@@ -4,33 +4,36 @@ Entry points are strings: nothing is compiled, or imported beyond this file and 
 before an environment is made. The number after ``-v`` rises whenever learning could change.
 """
 
+from itertools import product
+
 import gymnasium
 
 from wildscav_engine.extensions import names
 
-VERSION = 0
+VERSIONS = (0, 1)
+VERSION = VERSIONS[-1]
 TRACKS = "wildscav.tracks"
 
 
-def env_id(track: str) -> str:
+def env_id(track: str, version: int = VERSION) -> str:
     """Return the Gymnasium id of a track."""
-    return f"WildScav/{track.capitalize()}-v{VERSION}"
+    return f"WildScav/{track.capitalize()}-v{version}"
 
 
-def zoo_id(track: str) -> str:
+def zoo_id(track: str, version: int = VERSION) -> str:
     """Return the PettingZoo name of a track."""
-    return f"wildscav/{track}_v{VERSION}"
+    return f"wildscav/{track}_v{version}"
 
 
 def register() -> None:
     """Make the ids known to Gymnasium."""
-    for track in names(TRACKS):
-        if env_id(track) not in gymnasium.registry:
+    for track, version in product(names(TRACKS), VERSIONS):
+        if env_id(track, version) not in gymnasium.registry:
             gymnasium.register(
-                id=env_id(track),
+                id=env_id(track, version),
                 entry_point="wildscav_engine.envs.single:SingleEnv",
                 vector_entry_point="wildscav_engine.envs.vector:VectorArena",
-                kwargs={"track": track},
+                kwargs={"track": track, "version": version},
             )
 
 
@@ -40,7 +43,8 @@ def register_several() -> None:
     from pettingzoo import register as enter
 
     home = "wildscav_engine.envs.parallel"
-    for track in names(TRACKS):
-        if zoo_id(track).replace("_v", "-v") not in parallel_registry:
-            enter("parallel", zoo_id(track), entry_point=f"{home}:parallel_env", kwargs={"track": track})
-            enter("aec", zoo_id(track), entry_point=f"{home}:aec_env", kwargs={"track": track})
+    for track, version in product(names(TRACKS), VERSIONS):
+        name, options = zoo_id(track, version), {"track": track, "version": version}
+        if name.replace("_v", "-v") not in parallel_registry:
+            enter("parallel", name, entry_point=f"{home}:parallel_env", kwargs=options)
+            enter("aec", name, entry_point=f"{home}:aec_env", kwargs=options)

@@ -14,7 +14,7 @@ from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
 from wildscav_engine.envs.settings.episodes import Episodes
-from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
 RENDER_MODES = ["rgb_array", "depth_array", "human"]
@@ -36,7 +36,8 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         Raises:
             ValueError: An option is invalid.
         """
-        self.config, self._options = single_agent_config(track, options), options
+        self.config = single_agent_config(track, options)
+        self._options: dict[str, Any] = {**options}
         self.render_mode = self.config.render_mode
         self.observation_space: Space[Any] = observation_space(self.config)
         self._arena = Arena(self.config)
@@ -57,7 +58,7 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
 
         Args:
             seed: 0 or more; determines all following episodes.
-            options: ``start``, ``target`` and ``map`` of this episode only.
+            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only.
 
         Raises:
             ValueError: An option is invalid.
@@ -69,6 +70,19 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         output = self._arena.read()
         self._renderer.begin(self._arena)
         return _of_first(output), {**info_of(self._arena, 0, 0, output.rows[0, 0], ended=False)}
+
+    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
+        """Change options from the next episode on, for instance as a learner gets better.
+
+        Args:
+            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
+                0; new terms are not possible, because infos have one structure.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid.
+        """
+        self.config = self._arena.set_options(changes)
+        self._options |= {name: getattr(self.config, name) for name in changes}
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Play one step.

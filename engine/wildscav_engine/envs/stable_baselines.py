@@ -36,11 +36,23 @@ class StableVector(VecEnv):
 
     def reset(self) -> Any:
         """Start new episodes, with the seeds given to ``seed`` if there are any."""
-        # Stable-Baselines3 keeps a dictionary of options per environment; here they share one.
-        observation, _ = self.vector.reset(seed=list(self._seeds), options=self._options[0])
+        observation, _ = self.vector.reset(seed=list(self._seeds))
         self._reset_seeds()
-        self._reset_options()
         return observation
+
+    def set_options(self, options: Any = None) -> None:
+        """Change options from the next episode of each environment on, until they are changed again.
+
+        Args:
+            options: The fields of ``EpisodeOptions`` as a dictionary; or a list of equal dictionaries.
+
+        Raises:
+            ValueError: An option cannot change, its value is invalid, or the environments are to differ.
+        """
+        chosen = options if isinstance(options, list) else [options or {}]
+        if any(one != chosen[0] for one in chosen):
+            raise ValueError("the environments share their options: give one dictionary")
+        self.vector.set_options(**chosen[0])
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Store the next actions."""

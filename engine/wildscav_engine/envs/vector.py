@@ -12,7 +12,7 @@ from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.batched import Outcome, Resetter
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
-from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_agent_config
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
@@ -94,6 +94,18 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         chosen = self._all_rows if rows is None else np.asarray(mask).copy()
         self._show()
         return _squeezed(output.observation), self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)
+
+    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
+        """Change options from the next episode on of each environment, for instance as a learner gets better.
+
+        Args:
+            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
+                0; new terms are not possible, because infos have one structure.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid.
+        """
+        self.config = self.arena.set_options(changes)
 
     def _checked(self, mask: Any) -> NDArray[np.bool_]:
         """Return a validated mask of environments to reset.

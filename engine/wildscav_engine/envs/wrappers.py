@@ -24,7 +24,7 @@ class FlatObservations(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Re
         space: Any = env.observation_space
         if not isinstance(space, Dict) or not all(isinstance(box, Box) for box in space.values()):
             raise TypeError(f"the observation space is {space}, must be a Dict of Boxes")
-        self._flattener = Flattener(space)
+        self._flattener = Flattener(space, getattr(getattr(env.unwrapped, "config", None), "version", 0))
         self.observation_space = self._flattener.space
 
     def observation(self, observation: Readings) -> NDArray[np.float32]:

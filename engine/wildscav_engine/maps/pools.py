@@ -125,9 +125,13 @@ def random_maps(
         size: Number of maps.
         unseen: Whether the maps for testing hold only types of houses and plans of towns that no map for
             training holds.
+
+    Raises:
+        ValueError: There are no unseen pieces of such maps; see ``check_unseen``.
     """
     config = kind if isinstance(kind, MapConfig) else LEVELS[kind]
     if unseen:
+        check_unseen(config)
         config = config.model_copy(update={"pieces": "seen" if split == "train" else "unseen"})
     numbers = range(size)
     return MapPool(
@@ -136,6 +140,18 @@ def random_maps(
             for number in numbers
         ]
     )
+
+
+def check_unseen(config: MapConfig) -> None:
+    """Check that maps for testing can hold pieces that no map for training holds.
+
+    Raises:
+        ValueError: The config has neither houses nor towns of random types, or chooses the pieces itself.
+    """
+    if config.pieces != "all":
+        raise ValueError(f"unseen is True, but the map config chooses the pieces itself: {config.pieces!r}")
+    if config.houses == 0 and (config.country is None or config.country.towns == 0):
+        raise ValueError("unseen is True, but the map config has no houses and no towns that could be unseen")
 
 
 def _map_seed(seed: int, split: Split, number: int, attempt: int) -> int:

@@ -1,15 +1,17 @@
 """Moving objects as images show them: solids with their instance and colour."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.rendering.tracing.solids import Solids
+from wildscav_engine.rendering.tracing.packing import Packed, pack_shapes
+from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
 
 
 class DynamicObjects(Solids):
-    """S solids, the parts of agents and supply boxes."""
+    """S solids, the parts of agents and supply boxes; nobody changes them once an image shows them."""
 
     instance: NDArray[np.int32]  # (S,) the seat of an agent, the serial number of a box
     color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255
@@ -32,3 +34,8 @@ class DynamicObjects(Solids):
         A kernel that read these objects themselves would be compiled once more, for another type.
         """
         return Solids(*self)
+
+    @cached_property
+    def packed(self) -> Packed:
+        """The solids in the form for tracing, for all images that show these objects."""
+        return pack_shapes(all_shapes_of(self.solids))

@@ -77,7 +77,10 @@ def allocate_hits(count: int, height: int, width: int) -> Hits:
 
 
 def _pack(moving: Solids) -> Packed:
-    return pack_shapes(all_shapes_of(moving)) if len(moving.kind) else NOTHING_MOVES
+    if not len(moving.kind):
+        return NOTHING_MOVES
+    packed: Packed | None = getattr(moving, "packed", None)  # ``DynamicObjects`` keep it
+    return packed or pack_shapes(all_shapes_of(moving))
 
 
 NOTHING_MOVES = pack_nothing()

@@ -7,6 +7,7 @@ from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.camera import ColorCamera
 from wildscav_engine.sensors.compass import Compass
 from wildscav_engine.sensors.depth import DepthCamera
+from wildscav_engine.sensors.hot_spot import HotSpotSensor
 from wildscav_engine.sensors.lidar import Lidar
 from wildscav_engine.sensors.nearby_supplies import NearbySupplies
 from wildscav_engine.sensors.normals import NormalCamera
@@ -22,6 +23,7 @@ __all__ = [
     "ColorCamera",
     "Compass",
     "DepthCamera",
+    "HotSpotSensor",
     "Lidar",
     "NearbySupplies",
     "NormalCamera",

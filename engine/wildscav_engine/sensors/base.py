@@ -43,20 +43,6 @@ class Column(NamedTuple):
     meaning: str  # a phrase for the tables of the documentation
 
 
-INF = np.inf
-# Where another agent is and how it moves, relative to the agent that reads the sensor.
-MOTION_COLUMNS = (
-    Column("x", "m", -INF, INF, "position east of the agent's soles"),
-    Column("y", "m", -INF, INF, "position above the agent's soles"),
-    Column("z", "m", -INF, INF, "position north of the agent's soles"),
-    Column("distance", "m", 0, INF, "distance from the agent's soles"),
-    Column("velocity_x", "m/s", -INF, INF, "its velocity to the east"),
-    Column("velocity_y", "m/s", -INF, INF, "its velocity upwards"),
-    Column("velocity_z", "m/s", -INF, INF, "its velocity to the north"),
-    Column("yaw", "degrees", -180, 180, "where it faces: 0 is north, 90 is east"),
-)
-
-
 class Sensor(ABC):
     """Base class of sensors: reads one array per seat from a match, without changing the match."""
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, sensor, table_space
 from wildscav_engine.sensors.batched import BatchedSensor
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
@@ -55,12 +56,46 @@ class NearbySupplies(BatchedSensor):
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 6)."""
         boxes, position = state.supplies, state.agents.position
-        match, reader, place = np.nonzero(np.arange(self.limit) < seen.supply_count[:, seats, None])
-        slots = seen.supplies[match, seats[reader], place]
-        x, y, z = (boxes.position[match, slots] - position[match, seats[reader]]).T
-        distance = np.sqrt(x * x + y * y + z * z)
-        columns = np.stack((np.ones(len(slots)), boxes.quantity[match, slots], x, y, z, distance), axis=-1)
-        near = distance <= self.range
         readings = np.zeros((len(seen.supplies), len(seats), self.limit, 6), np.float32)
-        readings[match[near], reader[near], place[near]] = columns[near]
+        _write_boxes(
+            *(seen.supplies, seen.supply_count, boxes.position, boxes.quantity),
+            *(position, self.range, seats, readings),
+        )
         return readings
+
+
+@kernel
+def _write_boxes(
+    slots: NDArray[np.int32],
+    count: NDArray[np.int32],
+    place_of_box: NDArray[np.float32],
+    quantity: NDArray[np.int32],
+    position: NDArray[np.float64],
+    reach: float,
+    seats: NDArray[np.int64],
+    readings: NDArray[np.float32],
+) -> None:
+    """Write what some seats of all matches see of supply boxes.
+
+    Args:
+        slots: (B, A, 32) the slots of the boxes in sight of each seat, nearest first.
+        count: (B, A) how many.
+        place_of_box: (B, N, 3) m.
+        quantity: (B, N) supplies in them.
+        position: (B, A, 3) m, of agents.
+        reach: m, beyond which boxes are left out.
+        seats: (S,) that read.
+        readings: (B, S, limit, 6) of zeros, written.
+    """
+    for match in range(readings.shape[0]):
+        for reader in range(seats.shape[0]):
+            own = position[match, seats[reader]]
+            for place in range(min(readings.shape[2], count[match, seats[reader]])):
+                slot, row = slots[match, seats[reader], place], readings[match, reader, place]
+                x = place_of_box[match, slot, 0] - own[0]
+                y = place_of_box[match, slot, 1] - own[1]
+                z = place_of_box[match, slot, 2] - own[2]
+                distance = np.sqrt(x * x + y * y + z * z)
+                if distance <= reach:
+                    row[0], row[1] = 1.0, quantity[match, slot]
+                    row[2], row[3], row[4], row[5] = x, y, z, distance

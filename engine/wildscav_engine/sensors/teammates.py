@@ -12,8 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import MOTION_COLUMNS, Column, sensor, table_space
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.sensors.base import Column, sensor, table_space
 from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.motion import MOTION_COLUMNS, write_motion
+from wildscav_engine.simulation.systems.visibility import insert_nearest
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -63,30 +66,76 @@ class Teammates(BatchedSensor):
     ) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 13)."""
         agents = state.agents
-        order, counts = self._nearest(state, seats)
-        match, reader, place = np.nonzero(np.arange(self.limit) < counts[..., None])
-        mates, own = order[match, reader, place], seats[reader]
-        x, y, z = (agents.position[match, mates] - agents.position[match, own]).T
-        columns = (
-            *(np.ones(len(mates)), mates, x, y, z, np.sqrt(x * x + y * y + z * z)),
-            *agents.velocity[match, mates].T,
-            *(agents.yaw[match, mates], agents.health[match, mates]),
-            *(agents.invincible_left[match, mates] > 0, agents.supplies[match, mates]),
+        readings = np.zeros((len(agents.team), len(seats), self.limit, len(COLUMNS)), np.float32)
+        _write_teammates(
+            *(state.matches.seats, agents.team, agents.position, agents.velocity, agents.yaw, agents.health),
+            *(agents.invincible_left, agents.supplies, seats),
+            *(np.empty(self.limit), np.empty(self.limit, np.int32), readings),
         )
-        readings = np.zeros((*counts.shape, self.limit, len(COLUMNS)), np.float32)
-        readings[match, reader, place] = np.stack(columns, axis=-1)
         return readings
 
-    def _nearest(
-        self, state: "State", seats: NDArray[np.int64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return the nearest teammates of each seat, (B, S, up to limit), and the number of all, (B, S).
 
-        If a seat has fewer teammates than columns, the other columns are meaningless.
-        """
-        agents, every = state.agents, np.arange(state.agents.team.shape[1])
-        mates = agents.team[:, None] == agents.team[:, seats, None]
-        mates &= (every != seats[:, None]) & (every < state.matches.seats[:, None, None])
-        offsets = agents.position[:, None] - agents.position[:, seats, None]
-        squares = np.where(mates, (offsets * offsets).sum(axis=-1), np.inf)
-        return np.argsort(squares, axis=-1, kind="stable")[..., : self.limit], mates.sum(axis=-1)
+@kernel
+def _write_teammates(
+    seats_of_match: NDArray[np.int64],
+    team: NDArray[np.int32],
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    health: NDArray[np.int32],
+    invincible_left: NDArray[np.int32],
+    supplies: NDArray[np.int32],
+    seats: NDArray[np.int64],
+    squares: NDArray[np.float64],
+    nearest: NDArray[np.int32],
+    readings: NDArray[np.float32],
+) -> None:
+    """Write where the teammates of some seats of all matches are.
+
+    Args:
+        seats_of_match: (B,) the number of seats of each match.
+        team: (B, A)
+        position: (B, A, 3) m.
+        velocity: (B, A, 3) m/s.
+        yaw: (B, A) degrees.
+        health: (B, A) hp.
+        invincible_left: (B, A) frames.
+        supplies: (B, A) that each agent carries.
+        seats: (S,) that read.
+        squares: (limit,) scratch, squared distances of teammates in m².
+        nearest: (limit,) scratch, their seats.
+        readings: (B, S, limit, columns) of zeros, written.
+    """
+    for match in range(readings.shape[0]):
+        for reader in range(seats.shape[0]):
+            seat = seats[reader]
+            count = _find_teammates(
+                team[match, : seats_of_match[match]], position[match], seat, squares, nearest
+            )
+            for place in range(count):
+                mate, row = nearest[place], readings[match, reader, place]
+                row[0], row[1] = 1.0, mate
+                write_motion(position[match], velocity[match], yaw[match], seat, mate, row[2:10])
+                row[10] = health[match, mate]
+                row[11] = invincible_left[match, mate] > 0
+                row[12] = supplies[match, mate]
+
+
+@kernel
+def _find_teammates(
+    team: NDArray[np.int32],
+    position: NDArray[np.float64],
+    seat: int,
+    squares: NDArray[np.float64],
+    nearest: NDArray[np.int32],
+) -> int:
+    """Find the nearest teammates of a seat, in sight or not, and return their number."""
+    count = 0
+    for mate in range(team.shape[0]):
+        if mate == seat or team[mate] != team[seat]:
+            continue
+        x = position[mate, 0] - position[seat, 0]
+        y = position[mate, 1] - position[seat, 1]
+        z = position[mate, 2] - position[seat, 2]
+        count = insert_nearest(x * x + y * y + z * z, mate, count, squares, nearest)
+    return count

@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.sensors.base import MOTION_COLUMNS, Column, sensor, table_space
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.sensors.base import Column, sensor, table_space
 from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.motion import MOTION_COLUMNS, write_motion
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 
 if TYPE_CHECKING:
@@ -58,16 +60,47 @@ class VisibleAgents(BatchedSensor):
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 13)."""
         agents = state.agents
-        match, reader, place = np.nonzero(np.arange(self.limit) < seen.agent_count[:, seats, None])
-        others, own = seen.agents[match, seats[reader], place], seats[reader]
-        x, y, z = (agents.position[match, others] - agents.position[match, own]).T
-        columns = (
-            *(np.ones(len(others)), others, agents.team[match, others]),
-            *(x, y, z, np.sqrt(x * x + y * y + z * z)),
-            *agents.velocity[match, others].T,
-            *(agents.yaw[match, others], agents.health[match, others]),
-            agents.invincible_left[match, others] > 0,
-        )
         readings = np.zeros((len(seen.agents), len(seats), self.limit, len(COLUMNS)), np.float32)
-        readings[match, reader, place] = np.stack(columns, axis=-1)
+        _write_agents(
+            *(seen.agents, seen.agent_count, agents.team, agents.position, agents.velocity, agents.yaw),
+            *(agents.health, agents.invincible_left, seats, readings),
+        )
         return readings
+
+
+@kernel
+def _write_agents(
+    others: NDArray[np.int32],
+    count: NDArray[np.int32],
+    team: NDArray[np.int32],
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    health: NDArray[np.int32],
+    invincible_left: NDArray[np.int32],
+    seats: NDArray[np.int64],
+    readings: NDArray[np.float32],
+) -> None:
+    """Write what some seats of all matches see of other agents.
+
+    Args:
+        others: (B, A, 16) the seats in sight of each seat, nearest first.
+        count: (B, A) how many.
+        team: (B, A)
+        position: (B, A, 3) m.
+        velocity: (B, A, 3) m/s.
+        yaw: (B, A) degrees.
+        health: (B, A) hp.
+        invincible_left: (B, A) frames.
+        seats: (S,) that read.
+        readings: (B, S, limit, columns) of zeros, written.
+    """
+    for match in range(readings.shape[0]):
+        for reader in range(seats.shape[0]):
+            seat = seats[reader]
+            for place in range(min(readings.shape[2], count[match, seat])):
+                other, row = others[match, seat, place], readings[match, reader, place]
+                row[0], row[1], row[2] = 1.0, other, team[match, other]
+                write_motion(position[match], velocity[match], yaw[match], seat, other, row[3:11])
+                row[11] = health[match, other]
+                row[12] = invincible_left[match, other] > 0

@@ -83,11 +83,15 @@ def opponent_views(
 
 
 def _opponents(board: LadderBoard, records: Mapping[str, PairRecord]) -> list[OpponentView]:
-    known = {entrant_name(row): _entrant(entrant_name(row), row) for row in board.rows}
-    known |= {name: _unlisted(name) for name in records.keys() - known.keys()}
+    rows = {entrant_name(row): row for row in board.rows}
     ordered = sorted(records.items(), key=lambda one: (-one[1].count, one[0]))
     return [
-        OpponentView(opponent=known[name], **asdict(record), share=record.share) for name, record in ordered
+        OpponentView(
+            opponent=_entrant(name, rows[name]) if name in rows else _unlisted(name),
+            **asdict(record),
+            share=record.share,
+        )
+        for name, record in ordered
     ]
 
 

@@ -12,6 +12,7 @@ MOST_ROWS, MOST_POINTS = 12, 250  # ranks that get a row of their own, and point
 NEAREST = 17.0  # pixels between two labels
 TICKS = 4
 LONG = timedelta(days=2)  # from here on, days are marked instead of hours
+SHORT = timedelta(minutes=TICKS)  # up to here, seconds are marked, too
 
 
 @dataclass
@@ -129,6 +130,6 @@ def _rank_marks(frame: _Frame) -> list[tuple[float, int]]:
 
 def _time_marks(frame: _Frame) -> list[tuple[float, str]]:
     whole = frame.end - frame.begin
-    form = "%-d %b" if whole >= LONG else "%H:%M"
+    form = "%-d %b" if whole >= LONG else "%H:%M" if whole > SHORT else "%H:%M:%S"
     times = [frame.begin + whole * (number / TICKS) for number in range(TICKS + 1)]
     return [(frame.x(at), at.strftime(form)) for at in times]

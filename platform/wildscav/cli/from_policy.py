@@ -29,18 +29,22 @@ def policy_files(
 
     if choose not in list(Choose):
         raise UserError(f"--choose is {choose!r}, must be {' or '.join(Choose)}", exit_code=2)
-    given = dict(map(_read_option, options))
+    given = dict(map(read_option, options))
     trained = read_model(model, activation)
     tables = policy_tables(trained, _track(track, given), given)
     return submission_files(trained, tables, name, Choose(choose))
 
 
-def _read_option(text: str) -> tuple[str, Any]:
+def read_option(text: str, option: str = "--option") -> tuple[str, Any]:
+    """Return the name and the value of NAME=VALUE; the value is JSON, or a word.
+
+    Raises:
+        UserError: It is something else.
+    """
     name, equals, value = text.partition("=")
     if not equals or not name:
-        raise UserError(
-            f"--option is {text!r}, must be NAME=VALUE, such as frames_per_action=15", exit_code=2
-        )
+        example = "frames_per_action=15" if option == "--option" else "entropy=0.01"
+        raise UserError(f"{option} is {text!r}, must be NAME=VALUE, such as {example}", exit_code=2)
     try:
         return name, json.loads(value)
     except ValueError:

@@ -79,7 +79,7 @@ def init(
         from wildscav.cli.from_policy import policy_files
 
         content = policy_files(from_policy, name, track, option or [], choose, activation)
-    _write(folder, content)
+    write_files(folder, content)
     _print_next_steps(folder, name)
 
 
@@ -120,7 +120,7 @@ def _from_template(name: str) -> dict[str, bytes]:
     return {file: text.replace("my-agent", name).encode() for file, text in texts.items()}
 
 
-def _write(folder: Path, content: Mapping[str, bytes]) -> None:
+def write_files(folder: Path, content: Mapping[str, bytes]) -> None:
     """Write all files into a folder, or none."""
     is_new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)

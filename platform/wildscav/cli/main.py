@@ -24,6 +24,7 @@ from wildscav.version import __version__
 GROUP = "wildscav.commands"
 OWN = {
     "init": "wildscav.cli.init:init",
+    "train": "wildscav.cli.train:train",
     "verify": "wildscav.cli.verify:verify",
     "replay": "wildscav.cli.replay:replay",
     "serve": "wildscav.cli.serve:serve",
@@ -33,7 +34,7 @@ OWN = {
 }
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
-    "Agents": ("init", "play", "check", "build"),
+    "Agents": ("init", "train", "play", "check", "build"),
     "Evaluations": (
         *("evaluate", "compare", "tournament", "leaderboard"),
         *("replay", "verify", "rescore", "audit", "replay-agent"),
@@ -70,7 +71,9 @@ EXTRAS = {
     "sqlalchemy": "leaderboard",
     "standardwebhooks": "leaderboard",
     "structlog": "engine",
+    "tensorboardX": "training",
     "tomli_w": "leaderboard",
+    "torch": "training",
     "trimesh": "maps",
     "uvicorn": "leaderboard",
 }

@@ -17,8 +17,8 @@ def policy_tables(trained: TrainedModel, track: str, options: Mapping[str, Any])
     Args:
         trained: The model.
         track: The track that it was trained for.
-        options: Options of the environment. ``flat`` and ``action_mode`` are inferred from the model if they
-            are not given.
+        options: Options of the environment. ``flat``, ``action_mode`` and ``version`` are inferred from the
+            model if they are not given.
 
     Returns:
         The tables "environment" and "network" of ``policy.json``.
@@ -30,7 +30,7 @@ def policy_tables(trained: TrainedModel, track: str, options: Mapping[str, Any])
     modes = (given["action_mode"],) if "action_mode" in given else MODES
     fitting = []
     for mode in modes:
-        description = _describe(track, {**given, "action_mode": mode})
+        description = _of_fitting_version(trained, track, {**given, "action_mode": mode})
         head = _head(trained, action_mode(description["actions"]))
         if head is not None:
             fitting.append((description, head))
@@ -42,6 +42,16 @@ def policy_tables(trained: TrainedModel, track: str, options: Mapping[str, Any])
         "environment": description | ({} if stack is None else {"stack": stack}),
         "network": {**trained.network, "head": head},
     }
+
+
+def _of_fitting_version(trained: TrainedModel, track: str, options: dict[str, Any]) -> dict[str, Any]:
+    """Return the environment in the oldest version whose observations the model takes."""
+    from wildscav_engine.envs.registry import VERSIONS
+
+    if "version" in options:
+        return _describe(track, options)
+    versions = [_describe(track, {**options, "version": version}) for version in VERSIONS]
+    return next((one for one in versions if None not in _stacks(trained, one)), versions[0])
 
 
 def _describe(track: str, options: dict[str, Any]) -> dict[str, Any]:
@@ -92,18 +102,14 @@ def _stack(trained: TrainedModel, description: Mapping[str, Any]) -> dict[str, A
     Raises:
         UserError: The model's inputs do not fit the environment.
     """
-    shapes = {str(part["name"]): tuple(part["shape"]) for part in description["observations"]}
-    wanted = trained.inputs
-    if isinstance(wanted, Mapping):
-        if missing := sorted(set(wanted) - set(shapes)):
-            raise UserError(
-                f"{trained.source} takes {missing[0]!r}; the environment with these options returns "
-                f"{', '.join(shapes)}: give the sensors, --option 'sensors={{…}}'",
-                exit_code=2,
-            )
-        found = {_ratio(shape, shapes[name]) for name, shape in wanted.items()}
-    else:
-        found = {_ratio(wanted, (sum(_count(shape) for shape in shapes.values()),))}
+    shapes, wanted = _shapes(description), trained.inputs
+    if isinstance(wanted, Mapping) and (missing := sorted(set(wanted) - set(shapes))):
+        raise UserError(
+            f"{trained.source} takes {missing[0]!r}; the environment with these options returns "
+            f"{', '.join(shapes)}: give the sensors, --option 'sensors={{…}}'",
+            exit_code=2,
+        )
+    found = _stacks(trained, description)
     if len(found) == 1 and (stack := found.pop()) is not None:
         count, axis = stack
         padding = "zero" if axis == "last" else "first"
@@ -115,6 +121,18 @@ def _stack(trained: TrainedModel, description: Mapping[str, Any]) -> dict[str, A
         'such as --option \'sensors={"depth": {"width": 10, "height": 10}}\'',
         exit_code=2,
     )
+
+
+def _shapes(description: Mapping[str, Any]) -> dict[str, Shape]:
+    return {str(part["name"]): tuple(part["shape"]) for part in description["observations"]}
+
+
+def _stacks(trained: TrainedModel, description: Mapping[str, Any]) -> set[tuple[int, str] | None]:
+    """Return how each of a model's inputs stacks an environment's observations; None if it does not fit."""
+    shapes, wanted = _shapes(description), trained.inputs
+    if isinstance(wanted, Mapping):
+        return {_ratio(shape, shapes[name]) if name in shapes else None for name, shape in wanted.items()}
+    return {_ratio(wanted, (sum(_count(shape) for shape in shapes.values()),))}
 
 
 def _ratio(wanted: Shape, single: Shape) -> tuple[int, str] | None:

@@ -1,12 +1,13 @@
-"""Submissions as opponents in training environments, in the same process.
+"""Submissions as opponents in training environments, in the same process, and an agent that knows the map.
 
     from wildscav.opponents import submission
 
     env = SingleEnv("battle", opponents=(submission("submissions/hunter"), "fighter"))
 
-Its code runs with all rights of this process: use only submissions that you trust.
+A submission's code runs with all rights of this process: use only submissions that you trust.
 """
 
+from wildscav.opponents.oracle import Oracle
 from wildscav.opponents.submission import SubmissionOpponent, submission
 
-__all__ = ["SubmissionOpponent", "submission"]
+__all__ = ["Oracle", "SubmissionOpponent", "submission"]

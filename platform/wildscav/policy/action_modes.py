@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav.agent import Action
+from wildscav.policy.elementary_functions import arctangent
 from wildscav.policy.errors import PolicyError
-from wildscav.policy.trig import arctangent
 
 FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")
 

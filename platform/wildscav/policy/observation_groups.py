@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav.agent import MatchInfo, Observation
+from wildscav.policy.directions import COLUMNS, direction
+from wildscav.policy.elementary_functions import cosine, sine
 from wildscav.policy.errors import PolicyError
-from wildscav.policy.trig import cosine, sine
 
 Readings = dict[str, NDArray[Any]]  # by the names of groups and sensors
 Values = tuple[float, ...]
@@ -86,6 +87,19 @@ def _weapon(now: Moment) -> Values:
     return seen.clip, seen.spare_ammo, seen.reload_in, events.fired, events.hit, events.was_hit
 
 
+def _to_target(now: Moment) -> Values:
+    return direction(now.seen, now.seen.target)
+
+
+def _to_box(now: Moment) -> Values:
+    return direction(now.seen, next((box.position for box in now.seen.supply_boxes), None))
+
+
+def _to_enemy(now: Moment) -> Values:
+    enemies = (agent.position for agent in now.seen.agents if agent.team != now.match.team)
+    return direction(now.seen, next(enemies, None))
+
+
 # With the engine's names of columns. Tests check that the numbers equal those of the environments.
 GROUPS: dict[str, Group] = {
     "position": Group(("x", "y", "z"), lambda now: now.seen.position),
@@ -100,6 +114,9 @@ GROUPS: dict[str, Group] = {
     ),
     "supplies": Group(("carried", "picked up in the step", "carried by the team", "can_pick_up"), _supplies),
     "vitals": Group(("health", "respawn_left", "invincible_left"), _vitals),
+    "to_target": Group(COLUMNS, _to_target),
+    "to_box": Group(COLUMNS, _to_box),
+    "to_enemy": Group(COLUMNS, _to_enemy),
     "weapon": Group(("clip", "spare_ammo", "reload_left", "fired", "hit", "was_hit"), _weapon),
 }
 

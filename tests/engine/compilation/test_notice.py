@@ -27,7 +27,7 @@ TELLING = USE.replace(
 )
 FIRST_STEP = """
 import gymnasium
-env = gymnasium.make("wildscav_engine:WildScav/Navigation-v0", level="easy")
+env = gymnasium.make("wildscav_engine:WildScav/Navigation-v1", level="easy")
 env.reset(seed=1)
 env.step(env.action_space.sample())
 """

@@ -132,6 +132,12 @@ def test_what_plays_a_frame_depends_on_files_that_it_imports_through_others() ->
     assert "wildscav_engine/view/__init__.py" not in files
 
 
+@pytest.mark.parametrize("robot", ["walker", "gatherer", "fighter", "seeker", "hunter_squad", "cover"])
+def test_what_plays_a_frame_depends_on_every_robot_though_they_are_found_by_name(robot: str) -> None:
+    files = sources.closure(ENGINE / "simulation" / "step.py")
+    assert ENGINE / "simulation" / "robots" / f"{robot}.py" in files
+
+
 def test_kernels_of_other_packages_depend_on_the_engine_too() -> None:
     encoding = ENGINE.parents[1] / "platform/wildscav/server/hosting/observation_encoding.py"
     files = {sources.name_of(path) for path in sources.closure(encoding)}

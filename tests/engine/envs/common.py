@@ -32,7 +32,7 @@ def many_options(track: str, **more: Any) -> dict[str, Any]:
 
 
 def env_id(track: str) -> str:
-    return f"wildscav_engine.envs:WildScav/{track.capitalize()}-v0"
+    return f"wildscav_engine.envs:WildScav/{track.capitalize()}-v1"
 
 
 def digest(value: Any) -> Any:

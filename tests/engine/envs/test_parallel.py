@@ -133,9 +133,9 @@ def test_actions_have_to_be_for_those_who_act() -> None:
 
 def test_pettingzoo_knows_the_tracks_by_name() -> None:
     for track in TRACK_NAMES:
-        assert f"wildscav/{track}-v0" in pettingzoo.parallel_registry
-    env = pettingzoo.make("parallel", "wildscav/battle_v0", **many_options("battle"))
-    assert str(env) == "wildscav_battle_v0"
+        assert {f"wildscav/{track}-v0", f"wildscav/{track}-v1"} <= set(pettingzoo.parallel_registry)
+    env = pettingzoo.make("parallel", "wildscav/battle_v1", **many_options("battle"))
+    assert str(env) == "wildscav_battle_v1"
     assert env.possible_agents == ["agent_0", "agent_1", "agent_2"]
 
 

@@ -15,6 +15,7 @@ from wildscav_engine.envs.spaces.actions import MODES
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import SENSORS
+from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.tracks import TRACKS
 
 TINY = {"depth": {"width": 4, "height": 3}, "camera": {"width": 8, "height": 6}, "lidar": {"azimuths": 8}}
@@ -117,8 +118,29 @@ def test_train_and_test_episodes_share_neither_seeds_nor_maps(split: str, odd: i
 
 
 @pytest.mark.parametrize(
+    ("split", "unseen", "pieces"),
+    [("train", True, "seen"), ("test", True, "unseen"), ("train", False, "all"), ("test", False, "all")],
+)
+def test_pieces_of_maps_for_testing_are_unseen_in_training_if_wished(
+    split: str, unseen: bool, pieces: str
+) -> None:
+    env = SingleEnv("navigation", map=SMALL.config, split=split, unseen=unseen, random_maps=2, sensors={})
+    env.reset(seed=1)
+    assert env.arena.batch is not None
+    assert env.arena.batch.specs[0].map.config.pieces == pieces
+
+
+@pytest.mark.parametrize(
     ("wrong", "message"),
     [
+        ({"unseen": True, "map": 104}, "unseen is True, but map names fixed maps; only random maps"),
+        ({"unseen": True, "map": (104, 105)}, "unseen is True, but map names fixed maps; only random maps"),
+        ({"unseen": True, "map": SMALL}, "unseen is True, but map names fixed maps; only random maps"),
+        ({"unseen": True, "map": OPEN.config}, "the map config has no houses and no towns"),
+        (
+            {"unseen": True, "map": MapConfig(pieces="seen")},
+            "unseen is True, but the map config chooses the pieces itself: 'seen'",
+        ),
         ({"sensors": {"sonar": {}}}, "there is no sensor 'sonar'"),
         ({"rewards": {"luck": 1.0}}, "there is no reward term 'luck'"),
         (

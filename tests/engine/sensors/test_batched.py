@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.engine.envs.common import OPEN
+from tests.engine.envs.common import FEW_BOXES, OPEN
+from tests.engine.sensors.array_sensors import ARRAY_SENSORS
 
 from wildscav_engine.envs import BatchedArena
 from wildscav_engine.sensors import SENSORS
@@ -36,4 +37,35 @@ def test_a_match_reads_the_same_alone_and_in_a_batch(name: str, options: dict[st
 
 
 def test_the_lists_of_the_default_sensors_are_among_them() -> None:
-    assert BATCHED == ["visible_agents", "teammates", "nearby_supplies"]
+    assert BATCHED == ["visible_agents", "teammates", "nearby_supplies"] == list(ARRAY_SENSORS)
+
+
+@pytest.mark.parametrize("name", BATCHED)
+@pytest.mark.parametrize("options", [{}, {"limit": 1}, {"limit": 3}])
+def test_kernels_read_what_array_expressions_read_bit_for_bit(name: str, options: dict[str, Any]) -> None:
+    rough = {"respawn_time": 0.4, "start_health": 20, "invincible_time": 0.3}
+    arena = BatchedArena(
+        "battle",
+        3,
+        agents=5,
+        teams=(0, 1, 0, 0, 1, 0, 2),
+        opponents=("fighter-hard", "gatherer"),
+        map=OPEN,
+        supplies=FEW_BOXES,
+        rules=rough,
+        sensors={},
+        action_mode="multidiscrete",
+    )
+    arena.reset(seed=5)
+    arena.action_space.seed(5)
+    sensor, seats = SENSORS[name](**options), np.array([4, 0, 6])
+    found = []
+    for _ in range(60):
+        arena.step(arena.action_space.sample())
+        batch: Any = arena.arena.batch
+        ours = sensor.read_batch(batch.state, batch.seen, seats)  # type: ignore[attr-defined]
+        wanted = ARRAY_SENSORS[name](sensor, batch.state, batch.seen, seats)
+        assert (ours.dtype, ours.shape) == (wanted.dtype, wanted.shape)
+        assert ours.tobytes() == wanted.tobytes()
+        found.append(ours)
+    assert np.any(found, axis=(0, 1, 3)).any()

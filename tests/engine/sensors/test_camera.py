@@ -100,3 +100,21 @@ def test_its_options_are_checked() -> None:
         ColorCamera(shadows="perhaps")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="there is no option 'colour'"):
         ColorCamera(colour=True)  # type: ignore[call-arg]
+
+
+def test_the_objects_of_a_state_are_made_once_and_anew_for_every_change_of_it() -> None:
+    match = duel()
+    supplies, agents = match.state.supplies, match.state.agents
+    before = dynamic_objects_of(match)
+    assert dynamic_objects_of(match) is before
+    assert before.packed is before.packed
+    supplies.quantity[0, 0], supplies.appears[0, 0] = 3, 0
+    with_box = dynamic_objects_of(match)
+    assert len(with_box.kind) > len(before.kind)
+    agents.yaw[0, 1] += 90.0
+    turned = dynamic_objects_of(match)
+    assert (turned.faces != with_box.faces).any()
+    agents.invincible_left[0, 1] = 5
+    assert (dynamic_objects_of(match).color != turned.color).any()
+    agents.health[0, 1] = 0
+    assert len(dynamic_objects_of(match).kind) < len(turned.kind)

@@ -192,7 +192,7 @@ def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
 
         match = make_match("gathering")
         match.step()
-        for name in ("visible_agents", "teammates", "nearby_supplies", "compass", "zone"):
+        for name in ("visible_agents", "teammates", "nearby_supplies", "compass", "zone", "hot_spot"):
             SENSORS[name]().read(match, [0])
         print("scene" in vars(match.game_map))
         SENSORS["depth"]().read(match, [0])

@@ -15,6 +15,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, build_world
 from wildscav_engine.maps import GameMap, generate_map, map_spec
 from wildscav_engine.maps.base import Base, save_base
+from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.record.format import RecordError, decode, encode, record_of
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS
@@ -42,6 +43,7 @@ MAPS = {
     "lakes": MapSpec(config=MapConfig(size=80, houses=0, water=0.4, relief=0.6), seed=11),
     "plain": MapSpec(config=MapConfig(size=60, houses=3, relief=0.0, water=0.0, vegetation=0.1), seed=3),
     "number 104": map_spec(104),
+    "country": MapSpec(config=LEVELS["expert"], seed=1),
 }
 
 ROBOT_SEATS = ("fighter", "gatherer-hard", "seeker", "walker-easy", "fighter-hard", "gatherer", "seeker-easy")

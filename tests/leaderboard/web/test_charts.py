@@ -87,3 +87,17 @@ def test_a_long_history_is_thinned_and_keeps_its_last_point() -> None:
 
     assert len(corners(line.path)) <= 2 * MOST_POINTS + 2
     assert line.end[1] == y[7]
+
+
+@pytest.mark.parametrize(
+    ("span", "marks"),
+    [
+        (timedelta(minutes=2), ["12:00:00", "12:00:30", "12:01:00", "12:01:30", "12:02:00"]),
+        (timedelta(hours=4), ["12:00", "13:00", "14:00", "15:00", "16:00"]),
+        (timedelta(days=4), ["1 Jun", "2 Jun", "3 Jun", "4 Jun", "5 Jun"]),
+    ],
+)
+def test_no_two_marks_of_the_time_say_the_same(span: timedelta, marks: list[str]) -> None:
+    chart = drawn([("owls", [point(0, 1), point(0, 2)])], NOON + span)
+
+    assert [text for _, text in chart.times] == marks

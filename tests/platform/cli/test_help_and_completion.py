@@ -145,6 +145,25 @@ WRONG = [
     "init new --name A/B",
     "init new --from-policy {file}",
     "init new --from homing --from-policy {file}",
+    "train --track swimming",
+    "train --algorithm dqn",
+    "train --preset tunned",
+    "train --preset paper --track battle",
+    "train --level easy --map 101",
+    "train --level simple",
+    "train --option flat",
+    "train --option speed=3",
+    "train --set entropy",
+    "train --set entropie=1",
+    "train --set minibatch=0",
+    "train --steps 0",
+    "train --seeds 0",
+    "train --curriculum 5,2",
+    "train --curriculum far",
+    "train --curriculum 5 --track battle",
+    "train --out {file}",
+    "train --out {broken}",
+    "train --submission {broken}",
     "play {nothing}",
     "play {file}",
     "play {broken}",
@@ -171,6 +190,7 @@ WRONG = [
     "make-maps",
     "make-maps --level easy --suite quick",
     "make-maps --suite quick --track swimming",
+    "make-maps --suite quick --unseen",
     "make-maps --level easy --address localhost:1",
     "compare homing {empty}",
     "tournament homing --track battle",
@@ -338,7 +358,7 @@ def test_init_quotes_what_it_suggests_and_copies_a_baseline(tmp_path: Path) -> N
     assert "  wildscav login URL --register --invitation KEY  # " in done.stdout
     assert "  wildscav submit 'My Agent' --wait  # " in done.stdout
     assert 'name = "my-agent"' in (tmp_path / "My Agent" / "submission.toml").read_text()
-    assert (tmp_path / "My Agent" / "steering.py").is_file()
+    assert (tmp_path / "My Agent" / "README.md").is_file()
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])

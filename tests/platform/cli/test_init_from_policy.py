@@ -1,9 +1,10 @@
 """``wildscav init --from-policy``: layers and ONNX; models of Stable-Baselines3 have a test of their own."""
 
 import asyncio
+import json
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from typer.testing import CliRunner
 from wildscav.cli.main import app
 from wildscav.policy import Policy
 from wildscav.server import MatchServer
-from wildscav_engine.envs import SingleEnv
+from wildscav_engine.envs import SingleEnv, describe
 
 SENSORS: dict[str, Any] = {"depth": {"width": 3, "height": 2}}
 SHORT: dict[str, Any] = {"map": OPEN, "time_limit": 1.0, "sensors": SENSORS, "flat": True}
@@ -89,6 +90,16 @@ def test_what_the_submission_does_is_what_the_policy_does_in_the_environment(
     assert [np.ravel(choice).tolist() for choice in played.choices] == chosen
     for ours, theirs in zip(told, played.observations, strict=True):
         assert_same(ours, theirs)
+
+
+@pytest.mark.parametrize(("inputs", "version"), [(WIDTH, 0), (WIDTH + 9, 1)])
+def test_the_version_of_the_observations_is_told_by_the_shape(
+    inputs: int, version: Literal[0, 1], tmp_path: Path
+) -> None:
+    folder = made(layers(tmp_path / "model.npz", inputs=inputs), tmp_path / "agent")
+    description = json.loads((folder / "policy.json").read_text())["environment"]
+    env = SingleEnv("navigation", action_mode="multidiscrete", version=version, **SHORT)
+    assert description == json.loads(json.dumps(describe(env.config)))
 
 
 def test_the_folder_plays_as_an_agent_in_a_process_of_its_own(tmp_path: Path) -> None:

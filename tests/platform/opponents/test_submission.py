@@ -184,7 +184,7 @@ def test_a_copy_loads_the_submission_anew(copied: Any) -> None:
 
 def test_gymnasium_makes_an_environment_with_a_submission() -> None:
     env = gymnasium.make(
-        "wildscav_engine:WildScav/Battle-v0", opponents=(submission(SUBMISSIONS / "homing"),), **OPTIONS
+        "wildscav_engine:WildScav/Battle-v1", opponents=(submission(SUBMISSIONS / "homing"),), **OPTIONS
     )
     env.reset(seed=0)
     env.step(env.action_space.sample())

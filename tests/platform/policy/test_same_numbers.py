@@ -1,7 +1,7 @@
 """What the SDK makes of what arrives is what the environments return, bit for bit, on every track."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -11,7 +11,7 @@ from tests.platform.helpers.policy_matches import assert_same, observed, play_en
 
 from wildscav_engine.envs import SingleEnv, describe
 from wildscav_engine.envs.spaces.actions import MODES
-from wildscav_engine.envs.spaces.columns import GROUPS
+from wildscav_engine.envs.spaces.columns import groups_of
 from wildscav_engine.sensors import SENSORS
 
 SMALL = {"width": 4, "height": 3}
@@ -27,6 +27,7 @@ EVERY_SENSOR: dict[str, dict[str, Any]] = {
     "nearby_supplies": {"limit": 4},
     "compass": {},
     "zone": {},
+    "hot_spot": {},
 }
 MORE: dict[str, dict[str, Any]] = {
     "gathering": {"teammates": ("gatherer",)},
@@ -57,10 +58,12 @@ def test_the_test_covers_every_sensor() -> None:
     assert EVERY_SENSOR.keys() == SENSORS.keys()
 
 
-@pytest.mark.parametrize("flat", [False, True], ids=["dict", "flat"])
+# Flat rows hold the same arrays; version 1 has all groups of version 0.
+@pytest.mark.parametrize(("version", "flat"), [(0, False), (1, False), (1, True)])
 @pytest.mark.parametrize("track", TRACK_NAMES)
-def test_every_track_and_sensor(track: str, flat: bool, tmp_path: Path) -> None:
-    env = SingleEnv(track, **everything_of(track, flat=flat, action_mode="multidiscrete"))
+def test_every_track_and_sensor(track: str, version: Literal[0, 1], flat: bool, tmp_path: Path) -> None:
+    chosen = everything_of(track, version=version, flat=flat, action_mode="multidiscrete")
+    env = SingleEnv(track, **chosen)
     played = play_env(env, seed=4)
     told = observed(tmp_path, describe(env.config), played)
     assert len(told) == len(played.observations) >= 10
@@ -81,7 +84,8 @@ def test_every_action_mode_plays_the_same_match(mode: str, track: str, tmp_path:
 
 def test_a_rough_battle_in_which_every_column_takes_values(tmp_path: Path) -> None:
     """Health, weapon and returns are the columns that a quiet match leaves at 0."""
-    env = SingleEnv("battle", **(options("battle", sensors={}, action_mode="multidiscrete") | ROUGH))
+    chosen = options("battle", sensors={}, action_mode="multidiscrete", version=1)
+    env = SingleEnv("battle", **(chosen | ROUGH))
     generator = np.random.default_rng(1)
 
     def shoot_often(_: Any) -> Any:
@@ -93,8 +97,8 @@ def test_a_rough_battle_in_which_every_column_takes_values(tmp_path: Path) -> No
     told = observed(tmp_path, describe(env.config), played)
     for ours, theirs in zip(told, played.observations, strict=True):
         assert_same(ours, theirs)
-    for group in ("vitals", "weapon"):
-        columns = next(one.columns for one in GROUPS.values() if one.name == group)
+    for group in ("vitals", "weapon", "to_box", "to_enemy"):
+        columns = next(one.columns for one in groups_of(1).values() if one.name == group)
         for column, values in zip(columns, np.array([one[group] for one in told]).T, strict=True):
             if column.name != "hit":  # random shots hit nobody
                 assert len(set(values.tolist())) > 1, column.name

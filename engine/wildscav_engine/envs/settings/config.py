@@ -36,6 +36,7 @@ class EnvConfig(Spec):
     level: Level = "normal"
     split: Split = "train"
     random_maps: Annotated[int, Field(ge=1, le=100_000)] = 64
+    unseen: bool = False  # random maps of the split "test" hold only pieces that those of "train" lack
     start: Position | None = None  # m, of the first seat; None: a random place
     starts: tuple[Position | None, ...] | None = None  # m, of every seat
     start_range: Annotated[float, Field(ge=0, le=2000)] | None = None  # m, distance of starts from the target
@@ -53,6 +54,7 @@ class EnvConfig(Spec):
     supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
     zone: ZoneConfig | None = None  # None: the track's default
     # Observations, actions and rewards.
+    version: Literal[0, 1] = 0  # of the observations: the number after v in ids
     sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's default
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
     action_mode: ActionMode = "dict"
@@ -137,8 +139,19 @@ class EnvConfig(Spec):
             return parse_sensors(self.sensors)
         teams = self.match_spec().team_of_seats
         mates = max(teams.count(teams[seat]) for seat in range(self.agents)) - 1
-        additional = {"teammates": {"limit": min(mates, MAX_TEAMMATES)}} if mates else {}
+        additional: dict[str, dict[str, Any]] = {"hot_spot": {}} if self._has_hot_spot() else {}
+        if mates:
+            additional["teammates"] = {"limit": min(mates, MAX_TEAMMATES)}
         return parse_sensors(TRACKS[self.track].sensors | additional)
+
+    def _has_hot_spot(self) -> bool:
+        """Return whether there is a hot spot in the environment's matches."""
+        spec = self.match_spec()
+        if isinstance(self.map, MapSpec | MapConfig):
+            chosen = self.map if isinstance(self.map, MapSpec) else MapSpec(config=self.map)
+            spec = spec.model_copy(update={"map": chosen})
+        supplies = TRACKS[self.track].supplies(spec)
+        return supplies is not None and supplies.hot_spot is not None
 
     def match_spec(self) -> MatchSpec:
         """Return the spec of the match, without its map and its seed.
@@ -161,6 +174,44 @@ class EnvConfig(Spec):
             zone=self.zone,
             rules=self.rules,
         )
+
+
+# What ``set_options`` may change from the next episode on: neither spaces, nor players, nor rules.
+CHANGEABLE = (
+    *("map", "level", "split", "random_maps", "unseen", "start", "starts", "start_range", "target"),
+    *("time_limit", "supplies", "supply_goal", "zone", "rewards"),
+)
+
+
+def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
+    """Return the options of an environment with changes that it can make between episodes.
+
+    Args:
+        config: The present options.
+        changes: New values by the names in ``CHANGEABLE``. Terms of the reward that are not named get the
+            weight 0.
+
+    Raises:
+        ValueError: An option cannot change, or its value is invalid; the message is one line.
+    """
+    if fixed := sorted(changes.keys() - set(CHANGEABLE)):
+        raise ValueError(
+            f"{fixed[0]} cannot change between episodes; these options can: {', '.join(CHANGEABLE)}"
+        )
+    fields = {name: getattr(config, name) for name in EnvConfig.model_fields if name != "track"}
+    changed = read_config(config.track, {**fields, **changes})
+    if changed.read_sensors() != config.read_sensors():
+        raise ValueError(
+            "a hot spot that comes or goes would change what is observed by default: name the sensors where "
+            "the environment is made, with hot_spot among them"
+        )
+    terms, weights = config.reward_weights, changed.reward_weights
+    if missing := sorted(weights.keys() - terms.keys()):
+        raise ValueError(
+            f"rewards: {missing[0]!r} is not among the terms with which the environment was made "
+            f"({', '.join(terms)}): name it there, with the weight 0"
+        )
+    return changed.model_copy(update={"rewards": {term: weights.get(term, 0.0) for term in terms}})
 
 
 def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvConfig:

@@ -5,7 +5,7 @@ the names are equal.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict
+from typing import Any, Literal, TypedDict
 
 from wildscav_engine.envs.settings.config import ActionMode, RenderMode, RenderView
 from wildscav_engine.envs.settings.players import Player, Policy, Sampler, StatefulPolicy
@@ -20,6 +20,25 @@ Entry = Player | Policy | StatefulPolicy | Sampler  # what fills a seat; see ``s
 Table = Mapping[str, Any]  # fields of a spec by name that differ from their defaults
 
 
+class EpisodeOptions(TypedDict, total=False):
+    """The options that an environment can change between episodes; see ``config.CHANGEABLE``."""
+
+    map: int | Sequence[int] | MapSpec | MapConfig | None
+    level: Level
+    split: Split
+    random_maps: int
+    unseen: bool
+    start: Position | None
+    starts: Sequence[Position | None] | None
+    start_range: float | None
+    target: Position | None
+    time_limit: float | None
+    supplies: SupplyConfig | Table | None
+    supply_goal: int | None
+    zone: ZoneConfig | Table | None
+    rewards: Mapping[str, float] | None
+
+
 class EnvOptions(TypedDict, total=False):
     """The options of an environment besides its track. All of them are optional."""
 
@@ -29,6 +48,7 @@ class EnvOptions(TypedDict, total=False):
     level: Level
     split: Split
     random_maps: int
+    unseen: bool
     start: Position | None
     starts: Sequence[Position | None] | None
     start_range: float | None
@@ -46,6 +66,7 @@ class EnvOptions(TypedDict, total=False):
     supply_goal: int | None
     zone: ZoneConfig | Table | None
     # Observations, actions and rewards
+    version: Literal[0, 1]
     sensors: Mapping[str, Table] | None
     rewards: Mapping[str, float] | None
     action_mode: ActionMode

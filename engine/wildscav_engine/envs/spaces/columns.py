@@ -5,6 +5,7 @@ by numbers that are not part of the observation: the outcome of the step, the ev
 its reward.
 """
 
+from collections.abc import Mapping
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -17,6 +18,9 @@ FAST = 1000.0  # m/s, faster than any agent
 LONG = 100_000.0  # s, longer than any match
 MANY = 2.0**31  # above all counts
 YES = "0 or 1"  # the unit of boolean columns
+SHARE = "of 1"  # of numbers from -1 to 1
+LOG_DISTANCE = "ln m"
+FARTHEST = 10.0  # ln m, of any distance on maps
 
 
 class Group(NamedTuple):
@@ -41,6 +45,9 @@ class Part(IntEnum):
     OUTCOME = 9
     EVENTS = 10
     TERMS = 11
+    TO_TARGET = 12
+    TO_BOX = 13
+    TO_ENEMY = 14
 
 
 PARTS = len(Part)
@@ -131,19 +138,60 @@ GROUPS: dict[Part, Group] = {
     ),
 }
 
+
+def _direction(name: str, to: str, known: str) -> Group:
+    """Return a group about the way to something: its direction, and its distance where near matters."""
+    return Group(
+        name,
+        (
+            Column("known", YES, 0.0, 1.0, f"{known}; the rest is 0 if not"),
+            Column("east", SHARE, -1.0, 1.0, f"unit vector from the soles to {to}: its part to the east"),
+            Column("up", SHARE, -1.0, 1.0, "the same vector's part upwards"),
+            Column("north", SHARE, -1.0, 1.0, "the same vector's part to the north"),
+            Column("right", SHARE, -1.0, 1.0, "the same vector's part to the right of the yaw"),
+            Column("ahead", SHARE, -1.0, 1.0, "the same vector's part along the yaw"),
+            Column("above the view", SHARE, -1.0, 1.0, "sine of how far it is above where the agent looks"),
+            Column("nearness", SHARE, 0.0, 1.0, "1 at no distance, 0.37 at 5 m, 0.02 at 20 m: exp(-m / 5)"),
+            Column("log distance", LOG_DISTANCE, 0.0, FARTHEST, "logarithm of 1 m + the distance"),
+        ),
+    )
+
+
+_VIEW = GROUPS[Part.VIEW]
+# What learners of version 1 observe besides, or in other units.
+_NEW_GROUPS: dict[Part, Group] = {
+    Part.VIEW: Group(
+        _VIEW.name,
+        (*_VIEW.columns[:2], *(column._replace(unit=SHARE) for column in _VIEW.columns[2:])),
+    ),
+    Part.TO_TARGET: _direction("to_target", "the target", "whether the target is known"),
+    Part.TO_BOX: _direction("to_box", "the nearest supply box", "whether a supply box is in sight"),
+    Part.TO_ENEMY: _direction(
+        "to_enemy", "the nearest agent of another team", "whether an agent of another team is in sight"
+    ),
+}
+
 # The outcome of a step for a learner.
 OUTCOME = ("terminated", "truncated", "reward")
 # Counts of a learner's events in the step.
 EVENTS = ("shots", "hits", "was_hit", "supplies", "kills", "deaths", "respawns")
 
 
-def parts_of(track: Track) -> tuple[Part, ...]:
-    """Return the groups that learners of a track observe."""
+def groups_of(version: int) -> Mapping[Part, Group]:
+    """Return all groups of a version of the observations."""
+    return GROUPS if version == 0 else GROUPS | _NEW_GROUPS
+
+
+def parts_of(track: Track, version: int) -> tuple[Part, ...]:
+    """Return the groups that learners of a track observe in a version of the observations."""
     fights = Field.SHOOT in track.fields
     wanted = {
         Part.TARGET: track.has_target,
         Part.SUPPLIES: track.has_supplies,
         Part.VITALS: fights or track.has_zone,
         Part.WEAPON: fights,
+        Part.TO_TARGET: track.has_target,
+        Part.TO_BOX: track.has_supplies,
+        Part.TO_ENEMY: fights,
     }
-    return tuple(part for part in GROUPS if wanted.get(part, True))
+    return tuple(part for part in groups_of(version) if wanted.get(part, True))

@@ -9,9 +9,18 @@ from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.array_tables import Addresses, reader
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.envs.spaces.columns import Part
-from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED, Agents, Ending, Matches, allocate_state
+from wildscav_engine.envs.spaces.directions import WIDTH, write_to_box, write_to_enemy, write_to_target
+from wildscav_engine.simulation.state import (
+    NOBODY,
+    NOT_ELIMINATED,
+    Agents,
+    Ending,
+    Matches,
+    Supplies,
+    allocate_state,
+)
 from wildscav_engine.simulation.systems.supplies import team_supplies
-from wildscav_engine.simulation.systems.visibility import allocate_seen
+from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
 from wildscav_engine.specs.rules import FRAME
 from wildscav_engine.tracks.rewards import FACTS, Fact, Facts, RewardSum, TermArrays, write_facts, write_terms
 
@@ -21,6 +30,7 @@ POSITION, VELOCITY, VIEW, BODY = int(Part.POSITION), int(Part.VELOCITY), int(Par
 TIME, TARGET, SUPPLIES, VITALS = int(Part.TIME), int(Part.TARGET), int(Part.SUPPLIES), int(Part.VITALS)
 WEAPON = int(Part.WEAPON)
 OUTCOME, EVENTS, TERMS = int(Part.OUTCOME), int(Part.EVENTS), int(Part.TERMS)
+TO_TARGET, TO_BOX, TO_ENEMY = int(Part.TO_TARGET), int(Part.TO_BOX), int(Part.TO_ENEMY)
 TIME_UP = int(Ending.TIME_UP)
 KILLS, DEATHS, HITS, HEALTH = int(Fact.KILLS), int(Fact.DEATHS), int(Fact.HITS), int(Fact.HEALTH)
 
@@ -32,7 +42,7 @@ class RowWorkspace(NamedTuple):
     start: NDArray[np.int64]  # (PARTS,) the first column of each part, or -1 if absent
     fact: NDArray[np.int64]  # (T,) with the next two fields: the reward terms, as in ``TermArrays``
     change: NDArray[np.int64]  # (T,)
-    weight: NDArray[np.float32]  # (T,)
+    weight: NDArray[np.float32]  # (B, T)
     before: Facts  # (B, A, FACTS) of the previous step
     after: Facts  # (B, A, FACTS) of this step, written
     is_new: NDArray[np.bool_]  # (B,) matches started since the previous step; cleared
@@ -49,7 +59,7 @@ def allocate_row_workspace(
         start=start,
         fact=terms.fact,
         change=terms.change,
-        weight=terms.weight,
+        weight=np.tile(terms.weight, (matches, 1)),
         before=facts[0],
         after=facts[1],
         is_new=np.ones(matches, np.bool_),
@@ -60,6 +70,7 @@ def allocate_row_workspace(
 _EXAMPLE = allocate_row_workspace(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).term_arrays)
 # Kernels that read the arrays from their tables.
 agents_at = reader(allocate_state(1, 1, 1, 1, 1).agents)
+supplies_at = reader(allocate_state(1, 1, 1, 1, 1).supplies)
 matches_at = reader(allocate_state(1, 1, 1, 1, 1).matches)
 seen_at = reader(allocate_seen(1, 1))
 workspace_at = reader(_EXAMPLE)
@@ -67,27 +78,39 @@ workspace_at = reader(_EXAMPLE)
 
 @kernel
 def write_rows(
-    agents: Addresses, matches: Addresses, seen: Addresses, workspace: Addresses, rows: NDArray[np.float32]
+    agents: Addresses,
+    supplies: Addresses,
+    matches: Addresses,
+    seen: Addresses,
+    workspace: Addresses,
+    rows: NDArray[np.float32],
 ) -> None:
     """Write the rows of all learners.
 
     Args:
         agents: The table of the batch's agents.
+        supplies: The table of its boxes.
         matches: The table of its matches.
         seen: The table of what is seen.
         workspace: The table of the ``RowWorkspace``.
         rows: (B, L, width), written.
     """
     _write_rows(
-        agents_at(agents), matches_at(matches), seen_at(seen).can_pick_up, workspace_at(workspace), rows
+        agents_at(agents),
+        supplies_at(supplies),
+        matches_at(matches),
+        seen_at(seen),
+        workspace_at(workspace),
+        rows,
     )
 
 
 @kernel
 def _write_rows(
     agents: Agents,
+    supplies: Supplies,
     matches: Matches,
-    can_pick_up: NDArray[np.bool_],
+    seen: Seen,
     workspace: RowWorkspace,
     rows: NDArray[np.float32],
 ) -> None:
@@ -97,7 +120,8 @@ def _write_rows(
             seat = workspace.learners[learner]
             row = rows[match, learner]
             _write_body(agents, match, seat, workspace.start, row)
-            _write_task(agents, matches, can_pick_up, match, seat, workspace.start, row)
+            _write_task(agents, matches, seen.can_pick_up, match, seat, workspace.start, row)
+            _write_directions(agents, supplies, matches, seen, match, seat, workspace.start, row)
             if workspace.start[WEAPON] >= 0:
                 _write_weapon(agents, match, seat, row[workspace.start[WEAPON] :])
             _write_outcome(agents, matches, match, learner, workspace, row)
@@ -176,6 +200,26 @@ def _write_target(agents: Agents, matches: Matches, match: int, seat: int, targe
 
 
 @kernel
+def _write_directions(
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    seen: Seen,
+    match: int,
+    seat: int,
+    start: NDArray[np.int64],
+    row: Row,
+) -> None:
+    """Write the ways to the target, the nearest box and the nearest enemy that the observation has."""
+    if start[TO_TARGET] >= 0:
+        write_to_target(agents, matches, match, seat, row[start[TO_TARGET] : start[TO_TARGET] + WIDTH])
+    if start[TO_BOX] >= 0:
+        write_to_box(agents, supplies, seen, match, seat, row[start[TO_BOX] : start[TO_BOX] + WIDTH])
+    if start[TO_ENEMY] >= 0:
+        write_to_enemy(agents, seen, match, seat, row[start[TO_ENEMY] : start[TO_ENEMY] + WIDTH])
+
+
+@kernel
 def _write_weapon(agents: Agents, match: int, seat: int, weapon: Row) -> None:
     weapon[0] = agents.clip[match, seat]
     weapon[1] = agents.spare_ammo[match, seat]
@@ -203,7 +247,9 @@ def _write_outcome(
     if workspace.done[match, learner]:
         terms[:] = 0.0
     else:
-        write_terms(TermArrays(workspace.fact, workspace.change, workspace.weight), before, after, terms)
+        write_terms(
+            TermArrays(workspace.fact, workspace.change, workspace.weight[match]), before, after, terms
+        )
     total = np.float32(0.0)
     for term in range(terms.shape[0]):
         total += terms[term]

@@ -8,7 +8,7 @@ from gymnasium.spaces import Box, Dict, Space
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.spaces.columns import EVENTS, GROUPS, OUTCOME, PARTS, Part, parts_of
+from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, PARTS, Part, groups_of, parts_of
 from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.parallel.threads import share
@@ -46,9 +46,9 @@ def layout_of(config: EnvConfig) -> Layout:
     """Return the layout of the rows of an environment."""
     start = np.full(PARTS, -1, np.int64)
     groups, column = [], 0
-    for part in parts_of(TRACKS[config.track]):
+    for part in parts_of(TRACKS[config.track], config.version):
         start[part] = column
-        name, columns = GROUPS[part]
+        name, columns = groups_of(config.version)[part]
         width = len(columns)
         groups.append((name, column, column + width))
         column += width
@@ -66,7 +66,7 @@ def layout_of(config: EnvConfig) -> Layout:
 def observation_space(config: EnvConfig) -> Dict | Box:
     """Return the space of one learner's observation."""
     space = readings_space(config)
-    return Flattener(space).space if config.flat else space
+    return Flattener(space, config.version).space if config.flat else space
 
 
 def part_of(observation: Observation, index: Any) -> Observation:
@@ -80,8 +80,8 @@ def part_of(observation: Observation, index: Any) -> Observation:
 def readings_space(config: EnvConfig) -> Dict:
     """Return the space of one learner's readings by name."""
     spaces: dict[str, Space[Any]] = {}
-    for part in parts_of(TRACKS[config.track]):
-        name, columns = GROUPS[part]
+    for part in parts_of(TRACKS[config.track], config.version):
+        name, columns = groups_of(config.version)[part]
         low = np.array([column.low for column in columns], np.float32)
         high = np.array([column.high for column in columns], np.float32)
         spaces[name] = Box(low, high, dtype=np.float32)

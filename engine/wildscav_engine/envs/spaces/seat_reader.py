@@ -1,6 +1,6 @@
 """Reads the observations of the same seats in all matches of a batch."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,11 +43,13 @@ class SeatReader:
         """
         self.layout = layout_of(config)
         self._sensors = SensorReader(config.read_sensors(), seats, config.threads)
-        self._flattener = Flattener(readings_space(config)) if config.flat else None
+        self._flattener = Flattener(readings_space(config), config.version) if config.flat else None
         terms = RewardSum(config.reward_weights).term_arrays
+        self._weights = terms.weight  # of matches that start from now on
         workspace = allocate_row_workspace(matches, len(config.seats), len(seats), self.layout.start, terms)
         workspace = workspace._replace(learners=np.array(seats, np.int64))
         self.done, self._is_new = workspace.done, workspace.is_new
+        self._weights_of_matches = workspace.weight
         # The facts after one step are those before the next, so the two arrays swap roles.
         self._workspace, self._next_workspace = (
             ArrayTable(workspace),
@@ -61,10 +63,15 @@ class SeatReader:
         self._sensors.set_maps(batch.maps)
         if batch.state is not self._state:
             self._state = batch.state
-            parts = (batch.state.agents, batch.state.matches, batch.seen)
+            parts = (*batch.state, batch.seen)
             self._tables = tuple(ArrayTable(part) for part in parts)
+        self._weights_of_matches[list(rows)] = self._weights
         self.done[list(rows)] = False
         self._is_new[list(rows)] = True
+
+    def set_rewards(self, weights: Mapping[str, float]) -> None:
+        """Set the weights of the same reward terms for the matches that start from now on."""
+        self._weights = RewardSum(weights).term_arrays.weight
 
     def read(
         self, batch: "Batch", view: Callable[[int], MatchInBatch]
@@ -81,8 +88,8 @@ class SeatReader:
         """
         rows = np.empty((*self.done.shape, self.layout.width), np.float32)
         _ = batch.seen  # updates the arrays to which the table points
-        agents, matches, seen = self._tables
-        write_rows(agents.addresses, matches.addresses, seen.addresses, self._workspace.addresses, rows)
+        agents, supplies, matches, seen = (table.addresses for table in self._tables)
+        write_rows(agents, supplies, matches, seen, self._workspace.addresses, rows)
         self._workspace, self._next_workspace = self._next_workspace, self._workspace
         found: Readings = {name: rows[..., first:last] for name, first, last in self.layout.groups}
         self._sensors.read(batch, view, found)

@@ -47,7 +47,7 @@ class Path:
         return float(np.sqrt(offsets[:, 0] * offsets[:, 0] + offsets[:, 1] * offsets[:, 1]).sum())
 
 
-def find_path(graph: WalkGraph, start: Place, end: Place) -> Path | None:
+def find_path(graph: WalkGraph, start: Place, end: Place, *, straight: bool = True) -> Path | None:
     """Return the shortest known path between two places of a map.
 
     The shortest route over the graph is straightened wherever a straight walk also arrives, and its turns are
@@ -58,6 +58,7 @@ def find_path(graph: WalkGraph, start: Place, end: Place) -> Path | None:
         graph: Of the map.
         start: x, y, z in m, soles.
         end: The same.
+        straight: Whether to straighten it. A path that goes from node to node keeps more distance from walls.
 
     Returns:
         The path; None if there is none, or if no body can stand at one of the places.
@@ -78,7 +79,8 @@ def find_path(graph: WalkGraph, start: Place, end: Place) -> Path | None:
     if not _is_at(end, places[last]):
         places = np.concatenate([places, [end]])
         route, is_leap = np.append(route, len(places) - 1), [*is_leap, False]
-    return Path(_triple(start), tuple(_legs(graph, places, route.astype(np.int32), is_leap)))
+    legs = _legs(graph, places, route.astype(np.int32), is_leap, straight=straight)
+    return Path(_triple(start), tuple(legs))
 
 
 def is_reached(graph: WalkGraph, place: Place, distance: float) -> bool:
@@ -147,14 +149,21 @@ def _leads_to(graph: WalkGraph, start: Point, end: Point) -> bool:
 
 
 def _legs(
-    graph: WalkGraph, places: NDArray[np.float64], route: NDArray[np.int32], is_leap: Sequence[bool]
+    graph: WalkGraph,
+    places: NDArray[np.float64],
+    route: NDArray[np.int32],
+    is_leap: Sequence[bool],
+    *,
+    straight: bool,
 ) -> list[Leg]:
-    """Return the legs along a route: its leaps unchanged, the walks between them straightened."""
+    """Return the legs along a route: its leaps unchanged, the walks between them straightened if asked."""
     legs = []
     first = 0
     for at, leaps in enumerate([*is_leap, True]):
         if leaps:
-            legs += [Leg(_triple(turn)) for turn in pulled(graph, places, route[first : at + 1])[1:]]
+            walked = route[first : at + 1]
+            turns = pulled(graph, places, walked) if straight else places[walked]
+            legs += [Leg(_triple(turn)) for turn in turns[1:]]
             first = at + 1
             if first < len(route):
                 jump = _begins_with_jump(graph, int(route[at]), int(route[first]))

@@ -9,9 +9,10 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World, cell_of
 from wildscav_engine.rendering.palette import of_terrain
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed
-from wildscav_engine.rendering.shading.noise import noise
+from wildscav_engine.rendering.shading.noise import endless_noise, noise
 from wildscav_engine.rendering.shading.surfaces import sharpness
 
+ONE = np.float32(1.0)
 SHORE = 3  # cells around water that show sand
 
 
@@ -55,57 +56,101 @@ def _write_dryness(dryness: NDArray[np.float64]) -> None:
     """Write the dryness of each cell corner, 0-1: soft patches with a little grain."""
     for row in range(dryness.shape[0]):
         for column in range(dryness.shape[1]):
-            wide = noise(column / 23.0, row / 23.0) + 0.6 * noise(column / 9.0 + 40.0, row / 9.0)
-            fine = noise(column + 0.5, row + 80.5) - 0.5
+            wide = endless_noise(column / 23.0, row / 23.0) + 0.6 * endless_noise(
+                column / 9.0 + 40.0, row / 9.0
+            )
+            fine = endless_noise(column + 0.5, row + 80.5) - 0.5
             dryness[row, column] = min(1.0, max(0.0, 1.7 * (wide / 1.6 - 0.5) + 0.42 + 0.3 * fine))
 
 
-@inlined_kernel
-def ground_color(world: World, appearance: GroundAppearance, place: Vector, pixel: float) -> Color:
-    """Return the colour of the ground at a place, with its grain; ``pixel`` is a pixel's size there in m."""
-    x, _, z = place
-    row, column, north, east = _in_cell(world, x, z)
-    color = (
-        _between(appearance.color, row, column, north, east, 0),
-        _between(appearance.color, row, column, north, east, 1),
-        _between(appearance.color, row, column, north, east, 2),
-    )
-    grain = 1.0
-    for size, strength in ((0.11, 0.34), (0.45, 0.26), (2.3, 0.20)):
-        seen = strength * sharpness(size, pixel)
-        if seen > 0.0:
-            grain += seen * (noise(x / size, z / size) - 0.5)
-    return dimmed(color, grain)
+def packed_ground(appearance: GroundAppearance) -> NDArray[np.float32]:
+    """Return (R + 1, C + 1, 8) for kernels: of each corner its colour, its normal and two zeros.
+
+    What belongs to a corner lies together in memory, because a pixel reads all of it.
+    """
+    packed = np.zeros((*appearance.color.shape[:2], 8), np.float32)
+    packed[..., :3], packed[..., 3:6] = appearance.color, appearance.normal
+    return packed
+
+
+class GroundCell(NamedTuple):
+    """Where a place is on the ground."""
+
+    row: int  # of its cell
+    column: int
+    north: float  # position in the cell, 0-1
+    east: float
 
 
 @inlined_kernel
-def ground_normal(world: World, appearance: GroundAppearance, place: Vector) -> Vector:
-    """Return the unit normal of the ground at a place, smooth across the edges of its triangles."""
-    row, column, north, east = _in_cell(world, place[0], place[2])
-    x = _between(appearance.normal, row, column, north, east, 0)
-    y = _between(appearance.normal, row, column, north, east, 1)
-    z = _between(appearance.normal, row, column, north, east, 2)
-    length = np.sqrt(x * x + y * y + z * z)
-    return x / length, y / length, z / length
-
-
-@inlined_kernel
-def _in_cell(world: World, x: float, z: float) -> tuple[int, int, float, float]:
-    """Return the row and column of a place's cell, and its position in it northwards and eastwards, 0-1."""
+def cell_at(world: World, x: float, z: float) -> GroundCell:
+    """Return the cell of a place and its position in it."""
     rows, columns = world.water.shape
     row, column = cell_of(world.corner[1], z, rows), cell_of(world.corner[0], x, columns)
     north = (z - world.corner[1]) / CELL - row
     east = (x - world.corner[0]) / CELL - column
-    return row, column, clipped(north, 0.0, 1.0), clipped(east, 0.0, 1.0)
+    return GroundCell(row, column, clipped(north, 0.0, 1.0), clipped(east, 0.0, 1.0))
 
 
 @inlined_kernel
-def _between(
-    corners: NDArray[np.float32], row: int, column: int, north: float, east: float, channel: int
-) -> float:
-    """Return the bilinear interpolation of the values at the four corners of a cell."""
-    south_west, south_east = corners[row, column, channel], corners[row, column + 1, channel]
-    north_west, north_east = corners[row + 1, column, channel], corners[row + 1, column + 1, channel]
-    south = south_west + (south_east - south_west) * east
-    top = north_west + (north_east - north_west) * east
-    return float(south + (top - south) * north)
+def ground_color(ground: NDArray[np.float32], cell: GroundCell, place: Vector, pixel: float) -> Color:
+    """Return the colour of the ground at a place, with its grain.
+
+    Args:
+        ground: As ``packed_ground`` returns it.
+        cell: Of the place.
+        place: m.
+        pixel: m, the size of a pixel there.
+    """
+    grain = (
+        _grain(place, 0.11, 0.34, pixel) + _grain(place, 0.45, 0.26, pixel) + _grain(place, 2.3, 0.20, pixel)
+    )
+    return dimmed(_between(ground, cell, 0), 1.0 + grain)
+
+
+@inlined_kernel
+def _grain(place: Vector, size: float, strength: float, pixel: float) -> float:
+    """Return how much brighter the ground is for details of one size in m."""
+    seen = strength * sharpness(size, pixel)
+    if seen == 0.0:
+        return 0.0
+    return seen * (noise(place[0] * (1.0 / size), place[2] * (1.0 / size)) - 0.5)
+
+
+@inlined_kernel
+def ground_normal(ground: NDArray[np.float32], cell: GroundCell) -> Vector:
+    """Return the unit normal of the ground at a place, smooth across the edges of its triangles."""
+    x, y, z = _between(ground, cell, 3)
+    # Its length is nearly 1, so this is nearly the reciprocal of it, by Newton's method.
+    scale = 1.5 - 0.5 * (x * x + y * y + z * z)
+    return x * scale, y * scale, z * scale
+
+
+@inlined_kernel
+def _between(ground: NDArray[np.float32], cell: GroundCell, first: int) -> Vector:
+    """Return the bilinear interpolation of three successive values at the four corners of a cell."""
+    row, column, north, east = cell
+    south_west, south_east = ground[row, column], ground[row, column + 1]
+    north_west, north_east = ground[row + 1, column], ground[row + 1, column + 1]
+    east32, north32 = np.float32(east), np.float32(north)
+    to_north_east, to_south_east = north32 * east32, east32 - north32 * east32
+    to_north_west, to_south_west = north32 - to_north_east, ONE - north32 - to_south_east
+    x = (
+        to_south_west * south_west[first]
+        + to_south_east * south_east[first]
+        + to_north_west * north_west[first]
+        + to_north_east * north_east[first]
+    )
+    y = (
+        to_south_west * south_west[first + 1]
+        + to_south_east * south_east[first + 1]
+        + to_north_west * north_west[first + 1]
+        + to_north_east * north_east[first + 1]
+    )
+    z = (
+        to_south_west * south_west[first + 2]
+        + to_south_east * south_east[first + 2]
+        + to_north_west * north_west[first + 2]
+        + to_north_east * north_east[first + 2]
+    )
+    return float(x), float(y), float(z)

@@ -1,7 +1,6 @@
 """Light on a surface: from the sun and the sky, and what blocks it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.rays import (
@@ -12,20 +11,17 @@ from wildscav_engine.geometry.rays import (
     meet_solid,
     meet_terrain,
 )
-from wildscav_engine.geometry.world import BLOCK, Kind, World, cell_of
+from wildscav_engine.geometry.world import BLOCK, World
 from wildscav_engine.rendering.palette import SKYLIGHT, SUNLIGHT
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, dot
+from wildscav_engine.rendering.shading.columns import BLOCKED, CLEAR, UNKNOWN, Columns, is_blocked
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
-from wildscav_engine.rendering.tracing.solids import Solids
 
 SUN_COLOR = (float(SUNLIGHT[0]), float(SUNLIGHT[1]), float(SUNLIGHT[2]))
 DIRECT = 0.90  # share of the palette's sunlight: less contrast, so that pictures show more of shaded places
 SKY_COLOR = (float(SKYLIGHT[0]), float(SKYLIGHT[1]), float(SKYLIGHT[2]))
 SIDE_LIGHT = (-0.10, -0.04)  # additional ambient light on surfaces that face east, and north
 SHADOW_REACH = 80.0  # m, up to which an object casts a shadow
-MOVING_REACH = 40.0  # m from the eye, up to which moving solids cast shadows
-FLOOR, ROOF = int(Kind.FLOOR), int(Kind.ROOF)
-LIFT = 0.004  # m off the surface, where a shadow ray starts
 
 
 @inlined_kernel
@@ -59,7 +55,7 @@ def skylight(normal: Vector, roofed: bool) -> float:
     return 0.90 + 0.30 * normal[1] + aside
 
 
-@inlined_kernel
+@kernel
 def sun_is_clear(world: World, place: Vector) -> bool:
     """Return whether the static world leaves the line from a place to the sun free.
 
@@ -95,82 +91,15 @@ def _is_stopped(world: World, ray: Ray, step: Step, leave: float) -> bool:
 
 
 @inlined_kernel
-def is_roofed(world: World, place: Vector) -> bool:
-    """Return whether there is a floor or a roof above a place."""
-    x, y, z = place
-    rows, columns = world.water.shape
-    cell = cell_of(world.corner[1], z, rows) * columns + cell_of(world.corner[0], x, columns)
-    for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
-        solid = world.cell_solids[item]
-        kind = world.solid_kind[solid]
-        if (kind != FLOOR and kind != ROOF) or not _is_below(world, solid, place):
-            continue
-        ray = make_ray(world, x, y, z, 0.0, 1.0, 0.0)
-        if meet_solid(world, solid, ray, np.inf)[0] < np.inf:
-            return True
-    return False
+def is_roofed(upwards: Columns, world: World, place: Vector) -> bool:
+    """Return whether there is a floor or a roof above a place, given the columns of these."""
+    return is_blocked(upwards, world, place) == BLOCKED
 
 
 @inlined_kernel
-def _is_below(world: World, solid: int, place: Vector) -> bool:
-    """Return whether a place is in or below the box around a solid."""
-    low, high = world.solid_low, world.solid_high
-    return bool(
-        place[1] <= high[solid, 1]
-        and low[solid, 0] <= place[0] <= high[solid, 0]
-        and low[solid, 2] <= place[2] <= high[solid, 2]
-    )
-
-
-@kernel
-def find_shadow_casters(moving: Solids, eye: NDArray[np.float64], casters: NDArray[np.int64]) -> int:
-    """Write the moving solids that are near enough to an eye to cast shadows; return how many.
-
-    Args:
-        moving: S solids.
-        eye: (3,) m.
-        casters: (S,) indices of solids, written.
-    """
-    count = 0
-    for solid in range(moving.kind.shape[0]):
-        dx, dz = moving.low[solid, 0] - eye[0], moving.low[solid, 2] - eye[2]
-        if dx * dx + dz * dz < MOVING_REACH * MOVING_REACH:
-            casters[count] = solid
-            count += 1
-    return count
-
-
-@inlined_kernel
-def is_shaded_by(moving: Solids, casters: NDArray[np.int64], count: int, place: Vector) -> bool:
-    """Return whether one of the first ``count`` casters stands between a place and the sun."""
-    for item in range(count):
-        solid = casters[item]
-        above = moving.high[solid, 1] - place[1]
-        if above < 0.0:
-            continue
-        # The horizontal position of the ray to the sun at the height of the solid's top.
-        along = above / SUN_DIRECTION[1]
-        x, z = place[0] + SUN_DIRECTION[0] * along, place[2] + SUN_DIRECTION[2] * along
-        if max(x, place[0]) < moving.low[solid, 0] or min(x, place[0]) > moving.high[solid, 0]:
-            continue
-        if max(z, place[2]) < moving.low[solid, 2] or min(z, place[2]) > moving.high[solid, 2]:
-            continue
-        if _blocks_sun(moving, solid, place):
-            return True
-    return False
-
-
-@inlined_kernel
-def _blocks_sun(moving: Solids, solid: int, place: Vector) -> bool:
-    """Return whether a solid blocks the ray to the sun, clipped as in ``geometry.rays.meet_solid``."""
-    enter, leave = 0.0, np.inf
-    for face in range(moving.face_start[solid], moving.face_start[solid + 1]):
-        normal = (moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2])
-        outside, speed = dot(normal, place) - moving.faces[face, 3], dot(normal, SUN_DIRECTION)
-        if speed < 0.0:
-            enter = max(enter, -outside / speed)
-        elif outside > 0.0:
-            return False
-        elif speed > 0.0:
-            leave = min(leave, -outside / speed)
-    return enter < leave
+def sun_shines(to_sun: Columns, world: World, place: Vector) -> bool:
+    """Return the same as ``sun_is_clear`` for a place above the ground, given the columns towards the sun."""
+    found = is_blocked(to_sun, world, place)
+    if found == UNKNOWN:
+        return sun_is_clear(world, place)
+    return found == CLEAR

@@ -1,12 +1,13 @@
 """The rays of one camera's pixels, the same as those of ``trace``."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
 
@@ -20,6 +21,8 @@ class View(NamedTuple):
     sin_pitch: float
     cos_pitch: float
     pixel: float  # side of a pixel at distance 1 m along the axis, m
+    left: float  # tangent of the angle to the right of the view axis of the first column's pixels
+    top: float  # the same upwards of the first row
     height: int  # pixels
     width: int
 
@@ -30,7 +33,8 @@ def view_of(cameras: Cameras, image: int, height: int, width: int) -> View:
     yaw, pitch = cameras.yaws[image], cameras.pitches[image]
     eye = (cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2])
     pixel = 2.0 * cameras.half_width / width
-    return View(eye, sine(yaw), cosine(yaw), sine(pitch), cosine(pitch), pixel, height, width)
+    left, top = (0.5 - 0.5 * width) * pixel, (0.5 * height - 0.5) * pixel
+    return View(eye, sine(yaw), cosine(yaw), sine(pitch), cosine(pitch), pixel, left, top, height, width)
 
 
 @kernel
@@ -47,14 +51,36 @@ def direction_of(view: View, row: int, column: int) -> Vector:
     )
 
 
-@kernel
-def write_directions(view: View, directions: NDArray[np.float64]) -> None:
-    """Write (H, W, 3) the unit vectors of all rays."""
-    for row in range(view.height):
-        for column in range(view.width):
-            directions[row, column, 0], directions[row, column, 1], directions[row, column, 2] = direction_of(
-                view, row, column
-            )
+@lru_cache(maxsize=4)
+def cosines_of(half_width: float, height: int, width: int) -> NDArray[np.float32]:
+    """Return (H, W) the cosines of the angles between the view axis and the rays."""
+    pixel = 2.0 * half_width / width
+    right = (np.arange(width) + 0.5 - 0.5 * width) * pixel
+    above = (0.5 * height - np.arange(height) - 0.5) * pixel
+    return (1.0 / np.sqrt(1.0 + above[:, None] ** 2 + right**2)).astype(np.float32)
+
+
+class Ways(NamedTuple):
+    """The unit vectors of the rays of one row of pixels, (W,) each."""
+
+    east: NDArray[np.float32]
+    up: NDArray[np.float32]
+    north: NDArray[np.float32]
+
+
+@inlined_kernel
+def write_ways(view: View, row: int, cosines: NDArray[np.float32], ways: Ways) -> None:
+    """Write the rays of a row, given (W,) the cosines of their angles to the view axis."""
+    above = view.top - row * view.pixel
+    level = np.float32(view.cos_pitch + view.sin_pitch * above)
+    rise = np.float32(view.cos_pitch * above - view.sin_pitch)
+    sin_yaw, cos_yaw = np.float32(view.sin_yaw), np.float32(view.cos_yaw)
+    left, pixel = np.float32(view.left), np.float32(view.pixel)
+    for column in range(cosines.shape[0]):
+        right = left + pixel * np.float32(np.int32(column))
+        ways.east[column] = (sin_yaw * level + cos_yaw * right) * cosines[column]
+        ways.up[column] = rise * cosines[column]
+        ways.north[column] = (cos_yaw * level - sin_yaw * right) * cosines[column]
 
 
 @kernel

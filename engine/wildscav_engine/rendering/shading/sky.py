@@ -1,11 +1,15 @@
 """The sky: a gradient, the sun's disc, a few clouds, and the haze that distant surfaces fade into."""
 
 import math
+from functools import cache
 
-from wildscav_engine.compilation.kernel import kernel
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dot, mixed
-from wildscav_engine.rendering.shading.noise import noise
+from wildscav_engine.rendering.shading.noise import endless_noise
 
 ZENITH, HORIZON = (84.0, 138.0, 206.0), (200.0, 217.0, 232.0)
 BELOW = (168.0, 182.0, 192.0)  # below the horizon, beyond the edge of the map
@@ -16,6 +20,10 @@ SUN_DIRECTION = (
     float(SUN[1]) / _LENGTH,
     float(SUN[2]) / _LENGTH,
 )  # unit vector to the sun
+CLOUDS_FROM = 0.04  # sine of the elevation above which there are clouds
+FLATTENED = 0.12  # added to that sine, so that clouds do not shrink without end towards the horizon
+CLOUDS_REACH = 10.0  # greatest coordinate of a cloud, on the plane that they are drawn on
+CLOUDS_STEP = 0.0625  # between two numbers of the clouds' map
 DISC, GLOW = 0.9994, 0.97  # cosines of the angles from the sun's centre where its disc and its glow end
 
 
@@ -28,12 +36,12 @@ def haze(direction: Vector) -> Color:
     return mixed(ZENITH, HORIZON, rest * rest * rest * rest)
 
 
-@kernel
-def sky(direction: Vector) -> Color:
-    """Return the colour of the sky along a unit vector."""
+@inlined_kernel
+def sky(direction: Vector, clouds: NDArray[np.float32]) -> Color:
+    """Return the colour of the sky along a unit vector, given the map of the clouds."""
     color = haze(direction)
-    if direction[1] > 0.04:
-        color = mixed(color, CLOUD, _cloud(direction))
+    if direction[1] > CLOUDS_FROM:
+        color = mixed(color, CLOUD, _cloud(direction, clouds))
     to_sun = dot(direction, SUN_DIRECTION)
     if to_sun > GLOW:
         glow = (to_sun - GLOW) / (1.0 - GLOW)
@@ -41,9 +49,35 @@ def sky(direction: Vector) -> Color:
     return color
 
 
+@inlined_kernel
+def _cloud(direction: Vector, clouds: NDArray[np.float32]) -> float:
+    """Return how much of the sky clouds cover, 0-1, less towards the horizon."""
+    scale = 1.6 / (direction[1] + FLATTENED)
+    x = (direction[0] * scale + CLOUDS_REACH) * (1.0 / CLOUDS_STEP)
+    z = (direction[2] * scale + CLOUDS_REACH) * (1.0 / CLOUDS_STEP)
+    last = clouds.shape[0] - 2
+    column, row = min(last, max(0, int(x))), min(last, max(0, int(z)))
+    east, north = x - column, z - row
+    south = clouds[row, column] + (clouds[row, column + 1] - clouds[row, column]) * east
+    top = clouds[row + 1, column] + (clouds[row + 1, column + 1] - clouds[row + 1, column]) * east
+    cover = float(south + (top - south) * north)
+    return cover * clipped((direction[1] - CLOUDS_FROM) * 6.0, 0.0, 1.0)
+
+
+@cache
+def clouds() -> NDArray[np.float32]:
+    """Return (N, N) how much clouds cover, 0-1, on a plane high above, from south-west to north-east."""
+    count = int(2.0 * CLOUDS_REACH / CLOUDS_STEP) + 2
+    cover = np.empty((count, count), np.float32)
+    _write_clouds(cover)
+    return cover
+
+
 @kernel
-def _cloud(direction: Vector) -> float:
-    """Return the cloud cover, 0-1: noise on a plane high above, thinner towards the horizon."""
-    x, z = 1.6 * direction[0] / (direction[1] + 0.12), 1.6 * direction[2] / (direction[1] + 0.12)
-    cover = 0.56 * noise(x, z) + 0.29 * noise(2.1 * x + 9.0, 2.1 * z) + 0.15 * noise(4.3 * x, 4.3 * z + 5.0)
-    return 0.75 * clipped((cover - 0.50) * 3.2, 0.0, 1.0) * clipped((direction[1] - 0.04) * 6.0, 0.0, 1.0)
+def _write_clouds(clouds: NDArray[np.float32]) -> None:
+    for row in range(clouds.shape[0]):
+        for column in range(clouds.shape[1]):
+            x, z = column * CLOUDS_STEP - CLOUDS_REACH, row * CLOUDS_STEP - CLOUDS_REACH
+            wide, fine = endless_noise(x, z), endless_noise(4.3 * x, 4.3 * z + 5.0)
+            cover = 0.56 * wide + 0.29 * endless_noise(2.1 * x + 9.0, 2.1 * z) + 0.15 * fine
+            clouds[row, column] = 0.75 * clipped((cover - 0.50) * 3.2, 0.0, 1.0)

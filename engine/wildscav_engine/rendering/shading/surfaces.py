@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed, mixed
 from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
@@ -56,39 +56,42 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
     return color
 
 
-@kernel
+# Where a size is constant, so are these quotients: the compiler then replaces divisions, which are slow.
+
+
+@inlined_kernel
 def sharpness(size: float, pixel: float) -> float:
     """Return how visible a detail of some size in m is, 0-1, at a pixel size in m."""
-    return clipped(1.6 - 2.4 * pixel / size, 0.0, 1.0)
+    return clipped(1.6 - pixel * (2.4 / size), 0.0, 1.0)
 
 
-@kernel
+@inlined_kernel
 def _mottled(color: Color, size: float, strength: float, place: Vector, pixel: float) -> Color:
     seen = strength * sharpness(size, pixel)
     if seen == 0.0:
         return color
-    return dimmed(
-        color, 1.0 + seen * (noise_in_space(place[0] / size, place[1] / size, place[2] / size) - 0.5)
-    )
+    scale = 1.0 / size
+    spots = noise_in_space(place[0] * scale, place[1] * scale, place[2] * scale)
+    return dimmed(color, 1.0 + seen * (spots - 0.5))
 
 
-@kernel
+@inlined_kernel
 def _line(coordinate: float, spacing: float, width: float, pixel: float) -> float:
     """Return the share of a pixel that evenly spaced lines cover, 0-1; all lengths in m."""
-    phase = coordinate / spacing
+    phase = coordinate * (1.0 / spacing)
     aside = abs(phase - math.floor(phase + 0.5)) * spacing
     soft = max(0.5 * pixel, 0.25 * width)
     return clipped((0.5 * width + soft - aside) / (2.0 * soft), 0.0, 1.0) * sharpness(spacing, pixel)
 
 
-@kernel
+@inlined_kernel
 def _boarded(color: Color, across: float, along: float, width: float, pixel: float) -> Color:
     """Return the colour of boards side by side, each of its own brightness, with dark joints."""
-    board = math.floor(across / width)
-    length = math.floor(along / 2.6 + grain(board, 7, 3))
+    board = math.floor(across * (1.0 / width))
+    length = math.floor(along * (1.0 / 2.6) + grain(board, 7, 3))
     own = 1.0 + 0.18 * (grain(board, length, 11) - 0.5) * sharpness(width, pixel)
     joint = _line(across, width, 0.014, pixel)
-    fibre = 0.10 * (noise(across / 0.03, along / 0.5) - 0.5) * sharpness(0.05, pixel)
+    fibre = 0.10 * (noise(across * (1.0 / 0.03), along * 2.0) - 0.5) * sharpness(0.05, pixel)
     return dimmed(color, (own + fibre) * (1.0 - 0.40 * joint))
 
 
@@ -98,10 +101,10 @@ def _plastered(color: Color, normal: Vector, place: Vector, pixel: float) -> Col
     across = math.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
     if across < 0.5:
         return _mottled(color, 0.5, 0.08, place, pixel)
-    course = math.floor(place[1] / 0.32)
+    course = math.floor(place[1] * (1.0 / 0.32))
     along = (normal[2] * place[0] - normal[0] * place[2]) / across + 0.31 * (course & 1)
     joint = max(_line(place[1], 0.32, 0.016, pixel), _line(along, 0.62, 0.016, pixel))
-    own = 1.0 + 0.07 * (grain(course, math.floor(along / 0.62), 5) - 0.5) * sharpness(0.32, pixel)
+    own = 1.0 + 0.07 * (grain(course, math.floor(along * (1.0 / 0.62)), 5) - 0.5) * sharpness(0.32, pixel)
     return _mottled(dimmed(color, own * (1.0 - 0.13 * joint)), 0.9, 0.07, place, pixel)
 
 

@@ -1,12 +1,13 @@
 """The appearance of water: the bed seen through it, bluer with depth, and the sky reflected in ripples."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dot, mixed
-from wildscav_engine.rendering.shading.ground import GroundAppearance, ground_color
+from wildscav_engine.rendering.shading.ground import cell_at, ground_color
 from wildscav_engine.rendering.shading.light import lit
 from wildscav_engine.rendering.shading.noise import noise
 from wildscav_engine.rendering.shading.sky import sky
@@ -23,7 +24,8 @@ MURK = 9.0  # m, the range of sight under water
 @kernel
 def water_color(
     world: World,
-    appearance: GroundAppearance,
+    ground: NDArray[np.float32],
+    clouds: NDArray[np.float32],
     place: Vector,
     direction: Vector,
     sun: float,
@@ -34,7 +36,8 @@ def water_color(
 
     Args:
         world: The static world.
-        appearance: The appearance of its ground.
+        ground: The appearance of its ground; see ``packed_ground``.
+        clouds: The map of the clouds.
         place: m, on the surface.
         direction: Unit vector of the incoming ray.
         sun: Share of the sun's light that reaches it, 0-1.
@@ -42,7 +45,7 @@ def water_color(
         pixel: m, the size of a pixel there.
     """
     depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
-    bed = ground_color(world, appearance, place, pixel)
+    bed = ground_color(ground, cell_at(world, place[0], place[2]), place, pixel)
     clear = CLEAR / (CLEAR + depth)
     body = lit(mixed(DEEP, bed, clear * clear), UP, 0.6 + 0.4 * sun, ambient)
     normal = _rippled(place, pixel)
@@ -55,7 +58,7 @@ def water_color(
         max(0.02, direction[1] + 2.0 * facing * normal[1]),
         direction[2] + 2.0 * facing * normal[2],
     )
-    return mixed(body, sky(mirrored), min(0.75, reflected))
+    return mixed(body, sky(mirrored, clouds), min(0.75, reflected))
 
 
 @kernel

@@ -12,7 +12,7 @@ from wildscav_engine.rendering.tracing.hit_buffer import allocate_rays, allocate
 from wildscav_engine.rendering.tracing.packing import Packed, pack_nothing
 
 MOST_CACHED = 8  # workspaces per thread and scene
-LARGEST_CACHED = 2**16  # rays of the largest image whose workspace is cached
+LARGEST_CACHED = 2**16  # rays of the largest image whose workspace is cached in its scene
 
 
 class Size(NamedTuple):
@@ -107,9 +107,33 @@ class Workspaces(threading.local):
 
     def make(self, scene: Packed, size: Size) -> WorkspaceTable:
         """Allocate a workspace that is not cached yet."""
+        if size.height * size.width > LARGEST_CACHED:
+            return latest_large.of(scene, size)
         workspace = WorkspaceTable(allocate_workspace(scene, size))
-        if size.height * size.width <= LARGEST_CACHED:
-            if len(self.cached) >= MOST_CACHED:
-                self.cached.clear()
-            self.cached[size] = workspace
+        if len(self.cached) >= MOST_CACHED:
+            self.cached.clear()
+        self.cached[size] = workspace
         return workspace
+
+
+class LatestLarge(threading.local):
+    """The workspace of the latest large image of each thread, whichever scene it showed.
+
+    Those that show one large image after another need no new one, and no more than one takes memory.
+    """
+
+    def __init__(self) -> None:
+        self._size: Size | None = None
+        self._workspace: WorkspaceTable | None = None
+
+    def of(self, scene: Packed, size: Size) -> WorkspaceTable:
+        """Return the workspace for images of a size in a scene."""
+        workspace = self._workspace
+        if workspace is None or self._size != size or workspace.arrays.numbers is not scene.numbers:
+            self._workspace = None  # so that its memory is free before more is taken
+            workspace = WorkspaceTable(allocate_workspace(scene, size))
+            self._size, self._workspace = size, workspace
+        return workspace
+
+
+latest_large = LatestLarge()

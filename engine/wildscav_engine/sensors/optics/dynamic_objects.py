@@ -5,6 +5,7 @@ legs, a torso in the colour of its team, a helmet with a dark visor, a rifle and
 the agent faces.
 """
 
+import threading
 from functools import lru_cache
 from typing import Protocol
 
@@ -17,7 +18,7 @@ from wildscav_engine.geometry.world import Kind, write_plane
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.palette import SUPPLY_BOX, of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
-from wildscav_engine.simulation.state import State, Supplies
+from wildscav_engine.simulation.state import Agents, State, Supplies
 from wildscav_engine.simulation.systems.supplies import is_present
 
 FACES, CORNERS = 6, 8  # of a part
@@ -69,12 +70,42 @@ class DrawableMatch(Protocol):
 
 
 def dynamic_objects_of(match: DrawableMatch) -> DynamicObjects:
-    """Return the living agents of a match and its present boxes; the owner of a body is its seat."""
+    """Return the living agents of a match and its present boxes; the owner of a body is its seat.
+
+    They are made once for a state, and must not be changed.
+    """
     agents = match.state.agents
     supplies = Supplies(*(array[0] for array in match.state.supplies))
+    seen = (
+        agents.present[0],
+        agents.health[0],
+        agents.team[0],
+        agents.position[0],
+        agents.yaw[0],
+        agents.invincible_left[0],
+    )
+    # All sensors and agents of a step ask for the same objects, one after another.
+    state = match.frame, *(array.tobytes() for array in (*seen, *supplies))
+    if latest.state != state:
+        latest.state, latest.objects = state, _make_objects(agents, supplies, match.frame)
+    return latest.objects
+
+
+class Latest(threading.local):
+    """The objects that each thread made last, and everything of the state that they depend on."""
+
+    def __init__(self) -> None:
+        self.state: tuple[object, ...] = ()
+        self.objects: DynamicObjects
+
+
+latest = Latest()
+
+
+def _make_objects(agents: Agents, supplies: Supplies, frame: int) -> DynamicObjects:
     seats = np.nonzero(agents.present[0] & (agents.health[0] > 0))[0]
     slots = np.empty(len(supplies.quantity), np.int64)
-    slots = slots[: _find_boxes(supplies, match.frame, slots)]
+    slots = slots[: _find_boxes(supplies, frame, slots)]
     bodies, crates = len(seats) * len(BODY), len(slots) * len(CRATE)
     solids = allocate_parts(bodies + crates)
     write_parts(AGENT, BODY, agents.position[0], agents.yaw[0], seats, 0, solids)

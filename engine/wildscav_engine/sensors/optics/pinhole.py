@@ -3,6 +3,7 @@
 Row 0 is at the top, column 0 at the left.
 """
 
+import threading
 from abc import abstractmethod
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -21,7 +22,27 @@ if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
 
 
-MAX_RAYS_AT_ONCE = 2**20
+MAX_RAYS_AT_ONCE = 2**17  # whose hits stay in the cache until they become pixels
+MOST_KEPT = 2**18  # rays whose hits are kept for the next images
+
+
+class LatestHits(threading.local):
+    """The hits that each thread wrote last, kept because fresh memory takes longer than used one."""
+
+    def __init__(self) -> None:
+        self._hits = allocate_hits(0, 0, 0)
+
+    def of(self, most: int, count: int, height: int, width: int) -> Hits:
+        """Return space for the hits of ``count`` images, out of that for ``most`` of them."""
+        hits = self._hits
+        if hits.distance.shape[1:] != (height, width) or len(hits.distance) < count:
+            hits = allocate_hits(most, height, width)
+            if most * height * width <= MOST_KEPT:
+                self._hits = hits
+        return Hits(hits.distance[:count], hits.solid[:count], hits.face[:count])
+
+
+latest_hits = LatestHits()
 
 
 @lru_cache(maxsize=64)
@@ -80,7 +101,7 @@ class RayHitCamera(PinholeCamera):
         for first in range(0, len(images), batch_size):
             part = slice(first, first + batch_size)
             some = cameras if batch_size >= len(images) else select_cameras(cameras, part)
-            hits = allocate_hits(len(some.yaws), self.height, self.width)
+            hits = latest_hits.of(min(batch_size, len(images)), len(some.yaws), self.height, self.width)
             if not trace(game_map.scene, moving, some, hits, with_water=self.sees_water):
                 return False
             self.write_pixels(game_map, moving, some, hits, images[part])

@@ -172,7 +172,7 @@ def wander(now: Situation, action: NDArray[np.float32]) -> None:
 def gather(now: Situation, action: NDArray[np.float32]) -> bool:
     """Walk to the nearest box and pick it up; return False if there is none or it seems out of reach."""
     action[Field.PICK_UP] = 1.0
-    if now.seen.supply_count[now.seat] == 0 or _gives_up(now):
+    if now.seen.supply_count[now.seat] == 0 or gives_up(now):
         return False
     box = now.supplies.position[now.seen.supplies[now.seat, 0]]
     go_to(now, box[0], box[2], action)
@@ -217,7 +217,7 @@ def go_to(now: Situation, x: float, z: float, action: NDArray[np.float32]) -> No
 
 
 @kernel
-def _gives_up(now: Situation) -> bool:
+def gives_up(now: Situation) -> bool:
     """Return whether to ignore the boxes in sight, because the nearest one may be out of reach."""
     memory = now.agents.memory[now.seat]
     if memory[Memory.DISTRACTED_LEFT] > 0.0:

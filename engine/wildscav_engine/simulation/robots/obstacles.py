@@ -48,6 +48,12 @@ def feel_way_to(now: Situation, x: float, z: float, action: NDArray[np.float32])
 
 
 @kernel
+def forget_obstacle(memory: NDArray[np.float64]) -> None:
+    """Begin a new way: nothing is known of what is on it."""
+    memory[Memory.NEAREST], memory[Memory.DETOURS], memory[Memory.DETOUR_LEFT] = 0.0, 0.0, 0.0
+
+
+@kernel
 def _notice_progress(memory: NDArray[np.float64], left: float) -> None:
     """Forget the current obstacle if the target is nearer than it was in front of it."""
     if memory[Memory.NEAREST] == 0.0 or left < memory[Memory.NEAREST] - PROGRESS:

@@ -1,15 +1,20 @@
 """The seeker: it searches for the target, walks there once it is known, and picks up boxes on the way.
 
-The hard one feels its way around obstacles; the others try detours in any direction.
+The hard one searches square after square and feels its way around obstacles; the others wander about until
+they know the target, and try detours in any direction.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.simulation.robots.base import Situation, go_to, keep_safe, levels_of, wander
-from wildscav_engine.simulation.robots.obstacles import feel_way_to
+from wildscav_engine.simulation.robots.base import Memory, Situation, go_to, keep_safe, levels_of, wander
+from wildscav_engine.simulation.robots.obstacles import feel_way_to, forget_obstacle
+from wildscav_engine.simulation.robots.search import Search, search, stop_search
 from wildscav_engine.specs.actions import Field
+
+LOST = 8.0  # detours around one obstacle after which it tries from elsewhere
+AWAY = 40.0  # steps for which it wanders away from there
 
 
 @kernel
@@ -18,8 +23,28 @@ def find(now: Situation, action: NDArray[np.float32]) -> None:
     if keep_safe(now, action):
         return
     action[Field.PICK_UP] = 1.0
-    if not _seek(now, action):
+    if now.skill.follows_obstacles:
+        _seek_well(now, action)
+    elif not _seek(now, action):
         wander(now, action)
+
+
+@kernel
+def _seek_well(now: Situation, action: NDArray[np.float32]) -> None:
+    """Search for the target, or feel the way to it; where that leads nowhere, try again from elsewhere."""
+    memory, target = now.agents.memory[now.seat], now.matches.target[now.match]
+    if not now.agents.knows_target[now.seat]:
+        search(now, action)
+        return
+    stop_search(now)
+    if memory[Memory.DETOURS] >= LOST:
+        memory[Search.AWAY_LEFT] = AWAY
+        forget_obstacle(memory)
+    if memory[Search.AWAY_LEFT] > 0.0:
+        memory[Search.AWAY_LEFT] -= 1.0
+        wander(now, action)
+        return
+    feel_way_to(now, target[0], target[2], action)
 
 
 @kernel
@@ -28,10 +53,7 @@ def _seek(now: Situation, action: NDArray[np.float32]) -> bool:
     if not now.agents.knows_target[now.seat]:
         return False
     target = now.matches.target[now.match]
-    if now.skill.follows_obstacles:
-        feel_way_to(now, target[0], target[2], action)
-    else:
-        go_to(now, target[0], target[2], action)
+    go_to(now, target[0], target[2], action)
     return True
 
 

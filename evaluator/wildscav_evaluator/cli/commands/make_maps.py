@@ -16,6 +16,9 @@ def make_maps(
     ] = None,
     count: Annotated[int, typer.Option(help="Maps of the pool.", min=1, max=1_000_000)] = 64,
     split: Annotated[Literal["train", "test"], typer.Option(help="What the pool is for.")] = "train",
+    unseen: Annotated[
+        bool, typer.Option("--unseen", help="Those for testing have houses and towns that others lack.")
+    ] = False,
     suite: Annotated[
         str | None,
         typer.Option(help="Make the maps of this suite instead: its name or its file.", show_default=False),
@@ -44,9 +47,11 @@ def make_maps(
 
     if (level is None) == (suite is None):
         raise UserError("name either --level, for environments, or --suite, for evaluations", exit_code=2)
+    if suite is not None and unseen:
+        raise UserError("--unseen is for pools (--level); a suite names its own maps", exit_code=2)
     first = suite_seed(seed, secret).value
     if level is not None:
-        choices = choices_of_pool(level, split, first, count)
+        choices = choices_of_pool(level, split, first, count, unseen=unseen)
     else:
         choices = choices_of_suite(find_suite(str(suite)), track or [], first)
     with executor_of(executor, address, jobs) as machines:

@@ -12,7 +12,7 @@ Submissions = Annotated[
     list[Path],
     typer.Argument(
         help="Folders with a submission.toml, archives of such folders, image:NAME, or the baselines random, "
-        "homing and hunter.",
+        "homing, hunter, scavenger, commando, navigator and mapper.",
         metavar="SUBMISSION",
         show_default=False,
     ),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import tomli_w
 
-from wildscav.baselines import NAMES, baseline_folder
+from wildscav.baselines import ALL_ROUND, baseline_folder
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.choose import choose
@@ -44,7 +44,7 @@ class Login:
 
 
 def make_demo(folder: Path, port: int, sandbox: str | None = None) -> tuple[Season, tuple[Login, ...]]:
-    """Make a season in a new folder, in which each baseline is the submission of a team.
+    """Make a season in a new folder, in which the all-round baselines are the submissions of the teams.
 
     Args:
         folder: The folder, which must be missing or empty.
@@ -63,8 +63,8 @@ def make_demo(folder: Path, port: int, sandbox: str | None = None) -> tuple[Seas
     database = season.database()
     try:
         database.upgrade()
-        logins = (_organizer(database, now), *(_team(database, name, now) for name in NAMES))
-        for name in NAMES:
+        logins = (_organizer(database, now), *(_team(database, name, now) for name in ALL_ROUND))
+        for name in ALL_ROUND:
             _hand_in(season, database, name, now)
     finally:
         database.close()

@@ -42,7 +42,7 @@ def test_rows_of_a_vector_are_those_of_single_environments() -> None:
         flat=True,
         **SHORT,
     )
-    singles = [SingleEnv("navigation", flat=True, **SHORT) for _ in range(2)]
+    singles = [SingleEnv("navigation", flat=True, version=1, **SHORT) for _ in range(2)]
     rows, _ = vector.reset(seed=8)
     np.testing.assert_array_equal(rows, [env.reset(seed=8 + row)[0] for row, env in enumerate(singles)])
     actions = np.ones((2, 5), np.float32) * 0.7

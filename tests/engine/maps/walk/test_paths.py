@@ -114,6 +114,19 @@ def test_the_length_of_a_path_is_what_an_agent_walks() -> None:
     assert walked == pytest.approx(path.length, rel=0.01)
 
 
+def test_a_path_that_is_not_straightened_goes_from_node_to_node_and_is_walked_to_its_end() -> None:
+    game_map = generate_map(MapConfig(size=60, houses=1), 5)
+    start, end = game_map.outdoor[0], game_map.indoor[-1]
+    path, straight = (find_path(game_map.graph, start, end, straight=wanted) for wanted in (False, True))
+    assert path is not None
+    assert straight is not None
+    nodes = {tuple(place) for place in game_map.graph.positions().tolist()}
+    assert all(leg.end in nodes for leg in path.legs[:-1])
+    assert len(path.legs) > len(straight.legs)
+    assert path.length >= straight.length
+    assert Walker(game_map.world, *path.start).follow(path, 5.0)
+
+
 def test_there_is_no_path_to_where_nobody_can_stand() -> None:
     graph = build_graph(flat_world(solids=[box((-2, 0, -2), (2, 3, 2))]))
     assert find_path(graph, (-10, 0, 0), (0, 0, 0)) is None

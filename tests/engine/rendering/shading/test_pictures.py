@@ -17,8 +17,15 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.light import SHADOW_REACH, sun_is_clear
-from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
-from wildscav_engine.rendering.shading.pixel_rays import direction_of, point_along, view_of
+from wildscav_engine.rendering.shading.noise import PERIOD, endless_noise, grain, noise, noise_in_space
+from wildscav_engine.rendering.shading.pixel_rays import (
+    Ways,
+    cosines_of,
+    direction_of,
+    point_along,
+    view_of,
+    write_ways,
+)
 from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_DIRECTION, haze
 from wildscav_engine.rendering.trace import allocate_hits, trace
 from wildscav_engine.rendering.tracing.solids import gather_solids
@@ -250,6 +257,25 @@ def test_noise_is_even_smooth_and_unlike_at_neighbours() -> None:
     assert abs(values.mean() - 0.5) < 0.03
     assert len(np.unique(values)) == len(values)
     for x in (-3.0, 0.0, 7.0):
-        assert noise(x, 2.0) == grain(int(x), 2, 0)
+        assert endless_noise(x, 2.0) == grain(int(x), 2, 0)
         assert noise(x - 1e-9, 2.5) == pytest.approx(noise(x + 1e-9, 2.5), abs=1e-6)
         assert noise_in_space(x, x - 1e-9, 1.5) == pytest.approx(noise_in_space(x, x + 1e-9, 1.5), abs=1e-6)
+
+
+@pytest.mark.parametrize(("x", "z"), [(0.0, 0.0), (3.0, 127.0), (5.25, 9.75), (127.5, 126.9)])
+def test_quick_noise_is_that_of_a_square_repeated_without_end(x: float, z: float) -> None:
+    if max(x, z) < PERIOD - 1:  # beyond, it returns to the first row and column
+        assert noise(x, z) == pytest.approx(endless_noise(x, z), abs=1e-6)
+    for east, north in ((PERIOD, 0), (-PERIOD, 3 * PERIOD)):
+        assert noise(x + east, z + north) == pytest.approx(noise(x, z), abs=1e-6)
+
+
+def test_the_rays_of_a_row_are_those_of_its_pixels() -> None:
+    camera = ColorCamera(width=9, height=5, field_of_view=90.0)
+    cameras = camera._cameras([(0.0, 0.0, 0.0)], [31.0], [-12.0], None)
+    view = view_of(cameras, 0, 5, 9)
+    for row in range(5):
+        ways = Ways(*np.empty((3, 9), np.float32))
+        write_ways(view, row, cosines_of(cameras.half_width, 5, 9)[row], ways)
+        wanted = np.array([direction_of(view, row, column) for column in range(9)])
+        assert np.stack(ways, axis=1) == pytest.approx(wanted, abs=1e-6)

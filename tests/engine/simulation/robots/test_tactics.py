@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from tests.builders import box, flat_world, map_from, place
+from tests.builders import box, flat_world, lay_boxes, map_from, place
 
 from wildscav_engine.geometry.rays import sight_is_clear
 from wildscav_engine.maps import generate_map
 from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.equipment import Equipment
 from wildscav_engine.specs.map_spec import MapConfig
@@ -148,3 +149,59 @@ def test_a_hard_seeker_finds_its_way_around_a_wide_wall(width: float) -> None:
             reached[robot] += match.result().ending == "goal"
     assert reached["seeker-hard"] >= 5
     assert reached["seeker-hard"] >= reached["seeker"]
+
+
+def searched(robot: str, seats: int, seconds: float) -> float:
+    """The share of a bare map of 120 m that a team had in sight in some time, with a target out of reach."""
+    world = map_from(flat_world(size=120))
+    spec = MatchSpec(
+        track="capture", map=world.spec, seats=(robot,) * seats, time_limit=seconds, target=(15, 0, 15)
+    )
+    match, middles = Match(spec, world), np.arange(-57.5, 60.0, 5.0)
+    match.state.matches.target[0] = 0, 500, 0
+    seen = np.zeros((len(middles), len(middles)), bool)
+    while not match.over:
+        match.step()
+        for x, _, z in match.state.agents.position[0].tolist():
+            seen |= np.hypot(middles[:, None] - x, middles[None, :] - z) < 20.0
+    return float(seen.mean())
+
+
+@pytest.mark.parametrize(("seats", "seconds"), [(1, 75.0), (4, 25.0)])  # 16 squares of 30 m, shared
+def test_hard_seekers_search_the_whole_map_one_part_each(seats: int, seconds: float) -> None:
+    assert searched("seeker-hard", seats, seconds) > max(0.85, 1.2 * searched("seeker", seats, seconds))
+
+
+def test_a_squad_shares_the_boxes() -> None:
+    match = squad_of_three()
+    place(match, 0, (0.0, 0.0, 0.0))
+    place(match, 1, (0.0, 0.0, -3.0))
+    place(match, 2, (-9.0, 0.0, 0.0))
+    # The first box is nearest to both of the first two, the other is left to the second member.
+    lay_boxes(match, (0.0, 0.0, 3.0), (6.0, 0.0, -6.0))
+    for _ in range(12):
+        match.step()
+    assert (match.state.agents.picked_up[0] > 0).tolist() == [True, True, False]
+
+
+def test_a_member_that_is_hit_by_somebody_unseen_looks_all_around() -> None:
+    match = squad_of_three()
+    match.step()
+    match.state.agents.health[0, 0] -= 20
+    for _ in range(15):
+        match.step()
+    turned = np.array(match.actions_played)[1:, :, Field.TURN].sum(axis=0) * match.spec.frames_per_action
+    assert turned[0] >= 360.0
+    assert (turned[1:] < 360.0).all()
+
+
+def test_a_member_far_away_comes_to_the_squad_and_not_the_squad_to_it() -> None:
+    match = squad_of_three()
+    place(match, 0, (-18.0, 0.0, -18.0))
+    place(match, 1, (18.0, 0.0, 18.0))
+    place(match, 2, (16.0, 0.0, 18.0))
+    for _ in range(20):
+        match.step()
+    (x, _, z), *others = match.state.agents.position[0].tolist()
+    assert x + z > -21.0
+    assert all(x + z > 0.0 for x, _, z in others)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav.baselines import NAMES
+from wildscav.baselines import ALL_ROUND
 from wildscav.errors import UserError
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_leaderboard.accounts.passwords import matches
@@ -36,7 +36,7 @@ def test_each_baseline_is_the_submission_of_a_team(made: Made, database: Databas
     season, _ = made
     with database.reading() as session:
         submissions = list_submissions(session)
-        assert [one.name for one in reversed(submissions)] == list(NAMES)
+        assert [one.name for one in reversed(submissions)] == list(ALL_ROUND)
         for one in submissions:
             team = find_team(session, one.name)
             assert (one.team_id, members_of(session, team)) == (team.id, [one.name])

@@ -1,0 +1,269 @@
+"""``wildscav train``: train a policy, measure it, and make a submission of it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav.errors import UserError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wildscav.training.run import Report, Result
+    from wildscav.training.settings import TrainingSettings
+
+ALGORITHMS = ("ppo",)
+MOST_SEEDS, MOST_EPISODES = 100, 10_000
+SILENCE = 30.0  # s between two lines of progress where there is no terminal
+
+Algorithm = Annotated[str, typer.Option(help="Algorithm: ppo, one file to read and to start from.")]
+Preset = Annotated[
+    str,
+    typer.Option(help="Hyperparameters and environment: tuned (learns in few steps) or paper (the paper's)."),
+]
+Level = Annotated[str | None, typer.Option(help="Random maps: easy, normal, hard or expert.")]
+Map = Annotated[
+    int | None, typer.Option("--map", help="A numbered map instead of random ones.", min=1, max=999)
+]
+Options = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--option", metavar="NAME=VALUE", help="An option of the environment, its value as JSON; repeatable."
+    ),
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A hyperparameter to change, as JSON; repeatable."),
+]
+Stages = Annotated[
+    str | None,
+    typer.Option(
+        "--curriculum",
+        metavar="M,M,…",
+        help="Start at most so many metres from the target, and farther away at 80 % success; last anywhere.",
+    ),
+]
+Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=1, max=10**12)]
+Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
+Seeds = Annotated[int, typer.Option(help="Number of runs, one after the other.", min=1, max=MOST_SEEDS)]
+Out = Annotated[Path, typer.Option(help="Folder of the results; each run has a folder in it.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue what an interruption left in that folder.")]
+Episodes = Annotated[
+    int, typer.Option(help="Matches that each score is a mean of.", min=1, max=MOST_EPISODES)
+]
+Submission = Annotated[
+    Path | None,
+    typer.Option(help="Folder to create: the first run's policy as a submission, which needs NumPy alone."),
+]
+
+
+def train(
+    track: Annotated[str, typer.Option(help="Track to learn.")] = "navigation",
+    algorithm: Algorithm = "ppo",
+    preset: Preset = "tuned",
+    level: Level = None,
+    map_number: Map = None,
+    option: Options = None,
+    changes: Changes = None,
+    curriculum: Stages = None,
+    steps: Steps = 100_000,
+    seed: Seed = 0,
+    seeds: Seeds = 1,
+    out: Out = Path("out/training"),
+    resume: Resume = False,
+    episodes: Episodes = 100,
+    submission: Submission = None,
+    as_json: AsJson = False,
+) -> None:
+    """Train a policy, measure it on maps of training and of testing, and make a submission of it.
+
+    It learns on one processor core; a run writes its figures for TensorBoard, and can be continued.
+    """
+    options = _environment(level, map_number, option)
+    runs = [
+        _settings(algorithm, preset, track, options, changes, curriculum, steps, each)
+        for each in range(seed, seed + seeds)
+    ]
+    _check_folders(out, submission, resume=resume)
+    results = _train_all(runs, out, episodes, resume=resume)
+    from wildscav.terminal.console import console, print_json
+
+    console.print(_table(results))
+    if submission is not None:
+        _write_submission(out, runs[0], submission)
+    if as_json:
+        print_json({"folder": str(out), "runs": [result.as_json() for result in results]})
+
+
+def _environment(level: str | None, map_number: int | None, option: list[str] | None) -> dict[str, Any]:
+    """Return the options of the environment that were given.
+
+    Raises:
+        UserError: They contradict each other, or cannot be read.
+    """
+    from wildscav.cli.from_policy import read_option
+
+    given = dict(map(read_option, option or []))
+    if level is not None and map_number is not None:
+        raise UserError("--level and --map are both given: train on random maps or on a numbered one", 2)
+    for name, value in (("level", level), ("map", map_number)):
+        if value is not None and given.setdefault(name, value) != value:
+            raise UserError(f"--{name} and --option {name} differ", exit_code=2)
+    return given
+
+
+def _settings(
+    algorithm: str,
+    preset: str,
+    track: str,
+    options: Mapping[str, Any],
+    changes: list[str] | None,
+    curriculum: str | None,
+    steps: int,
+    seed: int,
+) -> "TrainingSettings":
+    """Return the settings of a run.
+
+    Raises:
+        UserError: One is wrong.
+    """
+    from wildscav.cli.from_policy import read_option
+    from wildscav.terminal.suggestions import did_you_mean
+    from wildscav.training.settings import TrainingSettings, changed, preset_settings
+    from wildscav_engine.envs.batched import multi_agent_config
+    from wildscav_engine.tracks import TRACKS
+
+    for name, value, known in (("algorithm", algorithm, ALGORITHMS), ("track", track, tuple(TRACKS))):
+        if value not in known:
+            raise UserError(
+                f"--{name} is {value!r}{did_you_mean(value, known)}, must be one of {', '.join(known)}", 2
+            )
+    hyperparameters, all_options = preset_settings(preset, track, options)
+    hyperparameters = changed(hyperparameters, dict(read_option(text, "--set") for text in changes or []))
+    try:
+        multi_agent_config(track, all_options)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"the options of the environment: {error}", exit_code=2) from None
+    if curriculum is not None and not TRACKS[track].has_target:
+        raise UserError(f"--curriculum is for tracks with a target, not for {track}", exit_code=2)
+    stages = () if curriculum is None else _stages(curriculum)
+    return TrainingSettings(track, all_options, steps, seed, hyperparameters, stages, algorithm)
+
+
+def _stages(text: str) -> tuple[float, ...]:
+    """Return the start ranges of a curriculum, m.
+
+    Raises:
+        UserError: They are not numbers from 0 to 2000 that rise.
+    """
+    try:
+        stages = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        stages = ()
+    rises = all(before < after for before, after in zip((0.0, *stages), (*stages, 2000.5), strict=True))
+    if not stages or not rises:
+        raise UserError(
+            f"--curriculum is {text!r}, must be metres that rise, at most 2000, such as 5,15,40", exit_code=2
+        )
+    return stages
+
+
+def _check_folders(out: Path, submission: Path | None, *, resume: bool) -> None:
+    """Refuse folders that are in use before anything is trained.
+
+    Raises:
+        UserError: One is not empty.
+    """
+    for name, path in (("--out", None if resume else out), ("--submission", submission)):
+        if path is not None and path.exists() and (not path.is_dir() or any(path.iterdir())):
+            hint = ", or continue with --resume" if name == "--out" and path.is_dir() else ""
+            raise UserError(f"{name}: {path} is not an empty folder; name another{hint}", exit_code=2)
+
+
+def _train_all(runs: "list[TrainingSettings]", out: Path, episodes: int, *, resume: bool) -> "list[Result]":
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from wildscav.terminal.console import error_console
+    from wildscav.terminal.engine_progress import preparing
+    from wildscav.training.run import train as train_one
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[figures]}"),
+    )
+    results = []
+    with preparing(error_console), Progress(*columns, console=error_console, transient=True) as progress:
+        for settings in runs:
+            task = progress.add_task(f"seed {settings.seed}", total=settings.steps, figures="")
+            report = _reporter(progress, task, settings)
+            folder = out / f"seed-{settings.seed}"
+            results.append(train_one(settings, folder, report, resume=resume, episodes=episodes))
+    return results
+
+
+def _reporter(progress: Any, task: Any, settings: "TrainingSettings") -> "Report":
+    """Return what shows the figures of each iteration: a bar in a terminal, else a line now and then."""
+    import time
+
+    said = time.monotonic()
+
+    def report(figures: Mapping[str, float]) -> None:
+        nonlocal said
+        shown = _shown(figures)
+        progress.update(task, completed=figures["steps"], figures=shown)
+        if not progress.console.is_terminal and time.monotonic() - said > SILENCE:
+            progress.console.print(f"seed {settings.seed}: {shown}")
+            said = time.monotonic()
+
+    return report
+
+
+def _shown(figures: Mapping[str, float]) -> str:
+    """Return figures of an iteration in one line."""
+    names = {"return": "return", "success": "success in training", "supplies": "supplies"}
+    parts = [f"{int(figures['steps']):,} steps", f"{figures['cpu_seconds']:.0f} CPU s"]
+    parts += [f"{title} {figures[name]:.2f}" for name, title in names.items() if name in figures]
+    stage = int(figures["stage"])
+    return ", ".join(parts + ([f"stage {stage + 1}"] if stage else []))
+
+
+def _table(results: "list[Result]") -> "Table":
+    """Return a table with a row for each run: what it took, and the first metric that says how good it is."""
+    from wildscav.terminal.tables import FittingTable
+
+    metrics = results[0].scores[0].metrics
+    metric = "success" if "success" in metrics else next(iter(metrics))
+    table = FittingTable(f"{metric}, means of {results[0].scores[0].episodes} episodes")
+    for title in ("seed", "steps", "CPU s", "wall s"):
+        table.add_column(title, justify="right", no_wrap=True)
+    for score in results[0].scores:
+        table.add_column(f"{score.split}\n{score.choose}", justify="right", no_wrap=True)
+    for result in results:
+        took = (
+            str(result.seed),
+            f"{result.steps:,}",
+            f"{result.cpu_seconds:.0f}",
+            f"{result.wall_seconds:.0f}",
+        )
+        table.add_row(*took, *(f"{score.metrics[metric]:.2f}" for score in result.scores))
+    return table
+
+
+def _write_submission(out: Path, settings: "TrainingSettings", folder: Path) -> None:
+    """Write the policy of a run as a submission, and say what to do with it."""
+    import shlex
+
+    from wildscav.cli.init import submission_name, write_files
+    from wildscav.policy.networks import Choose
+    from wildscav.terminal.console import console
+    from wildscav.training.submission import policy_submission
+
+    name = submission_name(folder.resolve().name)
+    write_files(folder, policy_submission(out / f"seed-{settings.seed}", settings, name, Choose.SAMPLED))
+    command = f"wildscav evaluate {shlex.quote(str(folder))} --track {settings.track}"
+    console.print(f"{folder} holds the policy as a submission. Next: {command}", soft_wrap=True)

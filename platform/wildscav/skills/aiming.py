@@ -1,0 +1,101 @@
+"""Aiming: at the nearest enemy, ahead of one that moves, and shooting when the shot will hit."""
+
+import math
+from typing import NamedTuple
+
+from wildscav.agent import Observation, Vector, VisibleAgent
+from wildscav.geometry import BODY_HEIGHT, BODY_RADIUS, direction_to, flat_distance, moved, pitch_to, turn_to
+
+MAX_TURN = 36.0  # degrees per frame: half a turn in a step of 5 frames; the game has no limit
+SCAN_TURN = 9.0  # degrees per frame, to look around
+TURN_ROUND = 110.0  # degrees in a step, to find an enemy that was felt and is not in sight
+SURE_SHOT = 0.8  # of the body: the largest aiming error for a shot
+AIM_HEIGHT = 1.3  # m above the soles: chests are seen over more than middles are
+LOOKS_AT = 20.0  # degrees off an agent, within which an enemy may be aiming at it
+FRAMES_PER_SECOND = 50
+
+
+class Aim(NamedTuple):
+    """How to turn and look during a step, and whether to shoot."""
+
+    turn: float  # degrees per frame
+    look: float  # degrees per frame
+    shoot: bool = False  # in this step
+
+
+def enemies_in_sight(observation: Observation, team: int) -> list[VisibleAgent]:
+    """Return the enemies in sight that can be hurt, nearest first."""
+    return [agent for agent in observation.agents if agent.team != team and not agent.invincible]
+
+
+def threats_first(observation: Observation, enemies: list[VisibleAgent]) -> list[VisibleAgent]:
+    """Return enemies by their danger: who has just hit the agent, then who looks at it, then who is near."""
+
+    def harmlessness(enemy: VisibleAgent) -> tuple[bool, bool]:
+        off = turn_to(enemy.yaw, direction_to(enemy.position, observation.position))
+        return enemy.seat != observation.hit_by_seat, abs(off) > LOOKS_AT
+
+    return sorted(enemies, key=harmlessness)
+
+
+def aim_at(observation: Observation, enemy: VisibleAgent, own_velocity: Vector, frames: int) -> Aim:
+    """Turn to where an enemy will be after this step, as seen from where the agent will be.
+
+    It shoots if it hits from the first frame to the last.
+
+    Args:
+        observation: The current observation.
+        enemy: The enemy to aim at.
+        own_velocity: The velocity at which the agent will walk in this step, m/s.
+        frames: Frames in a step.
+    """
+    first, last = (_view_of(observation, enemy, own_velocity, frame) for frame in (1, frames))
+    turn = _limited(turn_to(observation.yaw, last.direction) / frames)
+    look = _limited((last.pitch - observation.pitch) / frames)
+    hits = all(
+        abs(turn_to(observation.yaw + turn * frame, view.direction)) < view.half_width
+        and abs(view.pitch - observation.pitch - look * frame) < view.half_height
+        for frame, view in ((1, first), (frames, last))
+    )
+    return Aim(turn, look, hits)
+
+
+def look_around(observation: Observation, frames: int) -> Aim:
+    """Keep turning with a level view; after a hit by an agent that is not in sight, turn round quickly."""
+    turn = SCAN_TURN if observation.hit_by_seat is None else TURN_ROUND / frames
+    return Aim(turn, _limited(-observation.pitch / frames))
+
+
+def velocity_of(direction: float, speed: float) -> Vector:
+    """Return the velocity of walking in a compass direction (degrees) at a speed, m/s."""
+    return moved((0.0, 0.0, 0.0), direction, speed)
+
+
+class _View(NamedTuple):
+    """Where an enemy is seen, and how large."""
+
+    direction: float  # degrees, compass
+    pitch: float  # degrees, positive downwards
+    half_width: float  # degrees
+    half_height: float  # degrees
+
+
+def _view_of(observation: Observation, enemy: VisibleAgent, own_velocity: Vector, frame: int) -> _View:
+    seconds = frame / FRAMES_PER_SECOND
+    here, there = observation.position, enemy.position
+    middle: Vector = (
+        there[0] + (enemy.velocity[0] - own_velocity[0]) * seconds,
+        there[1] + AIM_HEIGHT,
+        there[2] + (enemy.velocity[2] - own_velocity[2]) * seconds,
+    )
+    way = max(flat_distance(here, middle), 0.1)
+    return _View(
+        direction_to(here, middle),
+        pitch_to(here, middle),
+        math.degrees(math.atan2(BODY_RADIUS, way)) * SURE_SHOT,
+        math.degrees(math.atan2(BODY_HEIGHT - AIM_HEIGHT, way)) * SURE_SHOT,
+    )
+
+
+def _limited(turn: float) -> float:
+    return max(-MAX_TURN, min(MAX_TURN, turn))

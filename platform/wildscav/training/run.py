@@ -1,0 +1,117 @@
+"""A training run from its first step to its score, with checkpoints on the way."""
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from tensorboardX import SummaryWriter
+
+from wildscav.training.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
+from wildscav.training.evaluation import Score, evaluate
+from wildscav.training.ppo import PPO
+from wildscav.training.settings import TrainingSettings
+
+EVERY = 60.0  # s between two checkpoints
+Report = Callable[[Mapping[str, float]], None]  # gets the figures of each iteration
+
+
+class Result(NamedTuple):
+    """What a run reached, and what it took."""
+
+    seed: int
+    steps: int
+    cpu_seconds: float  # of training, in all sittings
+    wall_seconds: float
+    scores: list[Score]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result as values for JSON."""
+        scores = [{**score._asdict(), "metrics": dict(score.metrics)} for score in self.scores]
+        return {**self._asdict(), "scores": scores}
+
+
+def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: bool, episodes: int) -> Result:
+    """Train a policy, measure it, and write both into a folder.
+
+    Args:
+        settings: The run.
+        folder: Its folder, empty or new; with ``resume`` one with a run of the same settings.
+        report: Called after every iteration.
+        resume: Whether to continue the run in the folder, if there is one.
+        episodes: Matches for each score.
+
+    Raises:
+        UserError: The folder or the settings cannot be used.
+    """
+    torch.set_num_threads(
+        1
+    )  # more only slow networks of this size down, and bits would depend on their number
+    place = RunFolder(folder)
+    place.begin(settings, resume=resume)
+    learner = PPO(settings)
+    spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
+    cpu, wall = _learn(learner, place, report, spent)
+    weights, biases = learner.layers()
+    _save_layers(folder / WEIGHTS, weights, biases)
+    scores = evaluate(learner.policy, settings, episodes)
+    result = Result(settings.seed, learner.steps, round(cpu, 1), round(wall, 1), scores)
+    write_json(folder / RESULT, result.as_json())
+    return result
+
+
+def _continue(learner: PPO, place: RunFolder) -> tuple[float, float]:
+    """Restore a learner, and return the processor time and the time that were spent on it, s."""
+    state = place.load()
+    learner.restore(state["learner"])
+    place.forget_figures_after(learner.steps)
+    cpu, wall = state["spent"]
+    return cpu, wall
+
+
+def _learn(learner: PPO, place: RunFolder, report: Report, spent: tuple[float, float]) -> tuple[float, float]:
+    """Iterate to the end; return the processor time and the time spent in all sittings, s."""
+    cpu_start, wall_start = time.process_time() - spent[0], time.monotonic() - spent[1]
+
+    def now() -> tuple[float, float]:
+        return time.process_time() - cpu_start, time.monotonic() - wall_start
+
+    saved = time.monotonic()
+    with _TensorBoard(place.path, learner.steps) as board:
+        while learner.rollouts < learner.total:
+            figures = learner.iterate()
+            figures = {"steps": learner.steps, "cpu_seconds": now()[0], **figures}
+            place.append_figures(figures)
+            board.add(figures)
+            report(figures)
+            is_last = learner.rollouts == learner.total
+            if is_last or time.monotonic() - saved > EVERY:
+                place.save({"learner": learner.state(), "spent": list(now())})
+                saved = time.monotonic()
+    return now()
+
+
+class _TensorBoard:
+    """Writes figures for TensorBoard, into the folder of the run."""
+
+    def __init__(self, folder: Path, steps: int) -> None:
+        self._folder, self._steps = folder, steps
+
+    def __enter__(self) -> "_TensorBoard":
+        # Figures after the checkpoint are hidden, since they come again.
+        self._writer = SummaryWriter(str(self._folder / "tensorboard"), purge_step=self._steps + 1)
+        return self
+
+    def add(self, figures: Mapping[str, float]) -> None:
+        for name, value in figures.items():
+            self._writer.add_scalar(name, value, int(figures["steps"]))
+
+    def __exit__(self, *_: object) -> None:
+        self._writer.close()
+
+
+def _save_layers(path: Path, weights: list[Any], biases: list[Any]) -> None:
+    arrays = {f"weight_{layer}": weight for layer, weight in enumerate(weights)}
+    np.savez(path, **arrays, **{f"bias_{layer}": bias for layer, bias in enumerate(biases)})

@@ -1,0 +1,163 @@
+"""What a training run is: its environment, its algorithm and the settings of that, and presets of both."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from wildscav.errors import UserError
+from wildscav.terminal.suggestions import did_you_mean
+
+MODES = ("multidiscrete", "baseline")  # the action modes that our PPO learns
+LONGEST = 10**12  # steps
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """The settings of PPO. The defaults are those that learned the tasks here in the fewest steps."""
+
+    matches: int = 64  # played at the same time
+    rollout: int = 64  # steps of each match between two updates
+    minibatch: int = 256  # steps of one learner
+    epochs: int = 5  # passes over the steps of a rollout
+    learning_rate: float = 7e-4
+    anneal: bool = True  # let the learning rate fall to 0 over the run, in a straight line
+    discount: float = 0.99  # of the reward one step later
+    trace: float = 0.95  # lambda of generalized advantage estimation
+    clip: float = 0.2  # how far the probability of an action may move in an update
+    entropy: float = 0.003  # weight of the entropy
+    value: float = 0.5  # weight of the squared error of the value
+    divergence: float = 0.0  # first weight of the KL divergence from the policy before; 0: without
+    gradient_norm: float = 0.5  # longest gradient
+    layers: tuple[int, ...] = (64, 64)  # width of each hidden layer, of the policy and of the value alike
+
+    def rollouts(self, steps: int, learners: int) -> int:
+        """Return how many rollouts a number of steps needs.
+
+        Args:
+            steps: Steps of all learners together.
+            learners: Learners in a match.
+        """
+        return max(1, -(-steps // (self.matches * self.rollout * learners)))
+
+
+# The paper's table of PPO, on RLlib; what it does not name is RLlib's default: 30 epochs, lambda 1, clip 0.3.
+PAPER = Hyperparameters(
+    matches=80,
+    rollout=400,
+    minibatch=256,
+    epochs=30,
+    learning_rate=1e-5,
+    anneal=False,
+    trace=1.0,
+    clip=0.3,
+    entropy=0.0,
+    value=1.0,
+    divergence=0.2,
+    gradient_norm=1e9,
+    layers=(256, 256),
+)
+PRESETS: dict[str, Hyperparameters] = {"tuned": Hyperparameters(), "paper": PAPER}
+# Who learns in a match: teams learn together, and elsewhere one learner meets the track's own opponents.
+ALONE: dict[str, Any] = {"agents": 1, "opponents": None}
+SEATS: dict[str, dict[str, Any]] = {
+    "gathering": {"agents": 4, "teams": [0, 0, 0, 0]},
+    "capture": {"agents": 4},
+}
+# Rewards of the preset "tuned", where they are not the track's own.
+SHAPED: dict[str, dict[str, Any]] = {
+    "navigation": {"rewards": {"target_reached": 1.0, "approach": 0.01}},
+    "capture": {"rewards": {"target_reached": 1.0, "approach": 0.01}},
+}
+
+
+@dataclass(frozen=True)
+class TrainingSettings:
+    """A training run."""
+
+    track: str
+    options: Mapping[str, Any]  # of the environment, those that differ from its defaults
+    steps: int  # of all learners together
+    seed: int
+    hyperparameters: Hyperparameters
+    curriculum: tuple[float, ...] = ()  # m, the start range of each stage but the last, which has none
+    algorithm: str = "ppo"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the settings as values for JSON."""
+        return {**asdict(self), "curriculum": list(self.curriculum), "options": dict(self.options)} | {
+            "hyperparameters": asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
+        }
+
+
+def preset_settings(
+    preset: str, track: str, options: Mapping[str, Any]
+) -> tuple[Hyperparameters, dict[str, Any]]:
+    """Return the hyperparameters of a preset, and its environment with some options changed.
+
+    Args:
+        preset: A name in ``PRESETS``.
+        track: The track.
+        options: Options of the environment that differ from the preset's.
+
+    Raises:
+        UserError: There is no such preset, or it has no environment of this track.
+    """
+    from wildscav_engine.envs import PRESETS as ENVIRONMENTS
+
+    if preset not in PRESETS:
+        raise UserError(
+            f"--preset is {preset!r}{did_you_mean(preset, PRESETS)}; the presets are {', '.join(PRESETS)}",
+            exit_code=2,
+        )
+    base: dict[str, Any] = {"flat": True, **SEATS.get(track, ALONE)}
+    if preset == "tuned":
+        base |= {"version": 1, "action_mode": "multidiscrete", **SHAPED.get(track, {})}
+    elif f"paper-{track}" in ENVIRONMENTS:
+        base |= {"preset": f"paper-{track}"}
+    else:
+        tracks = [name.removeprefix("paper-") for name in ENVIRONMENTS if name.startswith("paper-")]
+        raise UserError(
+            f"--preset paper is for the tracks of the paper's experiments, {', '.join(tracks)}, not {track}",
+            exit_code=2,
+        )
+    return PRESETS[preset], {**base, **options}
+
+
+def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
+    """Return hyperparameters with some changed.
+
+    Raises:
+        UserError: One does not exist, or has a wrong value.
+    """
+    known = asdict(hyperparameters)
+    for name, value in changes.items():
+        if name not in known:
+            raise UserError(
+                f"--set: there is no {name!r}{did_you_mean(name, known)}; there are {', '.join(known)}", 2
+            )
+        _check(name, value, known[name])
+    made: Any = {name: tuple(value) if name == "layers" else value for name, value in changes.items()}
+    return replace(hyperparameters, **made)
+
+
+def _check(name: str, value: object, default: object) -> None:
+    """Check the value of a hyperparameter by the kind of its default.
+
+    Raises:
+        UserError: It has another kind, or is negative or not finite.
+    """
+    if isinstance(default, bool):
+        allowed, is_good = "true or false", isinstance(value, bool)
+    elif isinstance(default, tuple):
+        is_list = isinstance(value, list) and 1 <= len(value) <= 16
+        allowed = "a list of 1 to 16 widths from 1 to 4096, such as [64,64]"
+        is_good = is_list and all(type(width) is int and 1 <= width <= 4096 for width in value)  # type: ignore[attr-defined]
+    elif isinstance(default, int):
+        allowed, is_good = "an integer from 1 to 100,000", type(value) is int and 1 <= value <= 100_000
+    else:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        highest = 1.0 if name in {"discount", "trace"} else 1e9
+        allowed = f"a number from 0 to {highest:g}"
+        is_good = is_number and 0.0 <= value <= highest  # type: ignore[operator]
+    if not is_good:
+        raise UserError(f"--set: {name} is {value!r}, must be {allowed}", exit_code=2)

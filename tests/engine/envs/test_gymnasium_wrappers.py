@@ -1,0 +1,65 @@
+"""Gymnasium's own wrappers for statistics and videos take the environments as they are."""
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.wrappers import RecordEpisodeStatistics, RecordVideo
+from gymnasium.wrappers import vector as of_vectors
+from tests.engine.envs.common import env_id, options
+
+STEPS = 5  # of an episode
+CHOSEN: dict[str, Any] = options("navigation", sensors={}, action_mode="multidiscrete", time_limit=STEPS / 10)
+
+
+def vector(mode: str, **more: Any) -> Any:
+    made: dict[str, Any] = {"num_envs": 2, "vectorization_mode": "vector_entry_point", "autoreset_mode": mode}
+    return gymnasium.make_vec(env_id("navigation"), **made, **CHOSEN, rewards={"step": 1.0}, **more)
+
+
+def test_statistics_of_a_single_environment() -> None:
+    env = RecordEpisodeStatistics(gymnasium.make(env_id("navigation"), **CHOSEN, rewards={"step": 1.0}))
+    env.reset(seed=1)
+    for _ in range(STEPS):
+        *_, info = env.step(env.action_space.sample())
+    assert (info["episode"]["r"], info["episode"]["l"]) == (STEPS, STEPS)
+
+
+# In the next-step mode, a step in which an environment is reset belongs to no episode.
+@pytest.mark.parametrize(("mode", "ends"), [("SameStep", [5, 10]), ("NextStep", [5, 11])])
+def test_statistics_of_a_vector(mode: str, ends: list[int]) -> None:
+    envs = of_vectors.RecordEpisodeStatistics(vector(mode))
+    envs.reset(seed=1)
+    told = []
+    for step in range(1, 12):
+        *_, infos = envs.step(envs.action_space.sample())
+        if "episode" in infos:
+            told.append(step)
+            assert infos["episode"]["r"].tolist() == infos["episode"]["l"].tolist() == [STEPS, STEPS]
+    assert told == ends
+
+
+@pytest.mark.slow
+def test_videos(tmp_path: Path) -> None:
+    pytest.importorskip("moviepy")
+    picture = {"render_mode": "rgb_array", "render_view": "top", "render_size": (32, 32)}
+    env = RecordVideo(
+        gymnasium.make(env_id("navigation"), **CHOSEN, **picture), str(tmp_path / "one"), disable_logger=True
+    )
+    env.reset(seed=1)
+    for _ in range(STEPS):
+        env.step(env.action_space.sample())
+    env.close()
+    envs = of_vectors.RecordVideo(
+        vector("NextStep", **picture), str(tmp_path / "many"), video_aspect_ratio=(1, 1), disable_logger=True
+    )
+    envs.reset(seed=1)
+    for _ in range(STEPS + 1):
+        envs.step(np.tile(np.array([1, 1, 3, 2, 0]), (2, 1)))
+    envs.close()
+    for folder in ("one", "many"):
+        films = list((tmp_path / folder).glob("*.mp4"))
+        assert films, folder
+        assert all(film.stat().st_size > 0 for film in films)

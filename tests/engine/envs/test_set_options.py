@@ -1,0 +1,171 @@
+"""Options that change between episodes: what a curriculum needs, without a new environment."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.engine.envs.common import FEW_BOXES, OPEN, SMALL, digest, many_options, options
+
+from wildscav_engine.envs import BatchedArena, SingleEnv, parallel_env
+from wildscav_engine.envs.vector import VectorArena
+
+BARE: dict[str, Any] = {"sensors": {}, "action_mode": "multidiscrete"}
+
+
+def away(observation: Any) -> Any:
+    """The distance of the target, m."""
+    return observation["target"][..., 7]
+
+
+def end(env: SingleEnv) -> None:
+    over = False
+    while not over:
+        *_, terminated, truncated, _ = env.step(env.action_space.sample())
+        over = terminated or truncated
+
+
+def test_learners_start_nearer_and_then_farther() -> None:
+    env = SingleEnv("navigation", **options("navigation", **BARE, start_range=3.0))
+    near = [away(env.reset(seed=seed)[0]) for seed in range(8)]
+    env.set_options(start_range=None)
+    far = [away(env.reset(seed=seed)[0]) for seed in range(8)]
+    assert max(near) < np.mean(far)
+    assert env.config.start_range is None
+
+
+def test_what_was_changed_is_as_if_made_so() -> None:
+    changes: dict[str, Any] = {"map": OPEN, "start_range": 4.0, "time_limit": 0.6, "split": "test"}
+    changed = SingleEnv("navigation", **options("navigation", **BARE))
+    changed.reset(seed=1)
+    changed.set_options(**changes)
+    made = SingleEnv("navigation", **(options("navigation", **BARE) | changes))
+    for env in (changed, made):
+        env.action_space.seed(1)
+    assert digest(changed.reset(seed=4)) == digest(made.reset(seed=4))
+    for _ in range(6):
+        action = made.action_space.sample()
+        assert digest(changed.step(action)) == digest(made.step(action))
+    assert digest(changed.fork().reset(seed=5)) == digest(made.fork().reset(seed=5))
+
+
+def test_boxes_goals_and_zones_change_too() -> None:
+    env = SingleEnv("gathering", **options("gathering", **BARE))
+    env.reset(seed=1)
+    env.set_options(supplies=FEW_BOXES | {"spacing": 3}, supply_goal=1, time_limit=3.0)
+    env.reset(seed=1)
+    assert env.arena.template.supply_goal == 1
+    royale = SingleEnv("royale", **options("royale", **BARE, zone={"phases": ()}))
+    royale.reset(seed=1)
+    royale.set_options(zone=None)
+    royale.reset(seed=1)
+    assert royale.arena.batch is not None
+    assert royale.arena.batch.state.matches.phases[0] > 0
+
+
+def test_a_level_changes_the_maps_and_leaves_those_that_were_made() -> None:
+    env = SingleEnv("navigation", **BARE, level="easy", random_maps=1)
+    easy = env.arena.pool
+    env.set_options(level="normal", start_range=5.0)
+    assert (env.arena.pool.specs(0)[0].config.size, easy.specs(0)[0].config.size) == (200, 100)
+    env.set_options(start_range=6.0)
+    normal = env.arena.pool
+    assert normal.specs(0)[0].config.size == 200
+    env.set_options(level="easy")
+    assert env.arena.pool is easy
+
+
+def test_rewards_change_with_the_next_episode_of_each_row() -> None:
+    rewards = {"walked": 1.0, "step": 0.0}
+    env = VectorArena("navigation", 2, **options("navigation", **BARE, rewards=rewards, time_limit=0.4))
+    env.reset(seed=1)
+    walk = np.tile(np.array([1, 1, 3, 2, 0]), (2, 1))
+    env.reset(options={"reset_mask": np.array([True, False])})
+    env.step(walk)
+    env.reset(options={"reset_mask": np.array([False, True])})  # the rows are one step apart
+    env.set_options(rewards={"step": 2.0})
+    paid = np.array([env.step(walk)[1] for _ in range(7)])
+    first = [(column == 2.0).argmax() for column in paid.T]
+    assert first == [4, 5]  # after what is left of four steps, and one step in which a row is reset
+    for row, begun in enumerate(first):
+        assert (paid[:begun, row] < 2.0).all()
+
+
+def test_rows_stay_single_environments() -> None:
+    chosen = options("navigation", **BARE, time_limit=0.4, rewards={"walked": 1.0, "approach": 0.0})
+    vector = VectorArena("navigation", 3, autoreset_mode="SameStep", **chosen)
+    singles = [SingleEnv("navigation", **chosen) for _ in range(3)]
+    vector.reset(seed=2)
+    for row, env in enumerate(singles):
+        env.reset(seed=2 + row)
+    vector.action_space.seed(0)
+    for step in range(12):
+        if step == 2:
+            for env in (vector, *singles):
+                env.set_options(start_range=2.0, rewards={"approach": 1.0})
+        actions = vector.action_space.sample()
+        observations, rewards, _, truncated, _ = vector.step(actions)
+        for row, env in enumerate(singles):
+            seen, reward, terminated, timed_out, _ = env.step(actions[row])
+            if terminated or timed_out:
+                seen, _ = env.reset()
+            assert (rewards[row], truncated[row]) == (reward, timed_out)
+            assert digest({name: values[row] for name, values in observations.items()}) == digest(seen)
+
+
+def test_several_learners_have_it_too() -> None:
+    chosen = many_options("capture", **BARE, map=SMALL, start_range=3.0)
+    env, batch = parallel_env("capture", **chosen), BatchedArena("capture", 2, **chosen)
+    for one in (env, batch):
+        one.set_options(time_limit=0.4, rewards={})  # type: ignore[attr-defined]
+        assert one.config.time_limit == 0.4  # type: ignore[attr-defined]
+    observations, _ = env.reset(seed=3)
+    arrays: Any = batch.reset(seed=3)
+    np.testing.assert_array_equal(observations["agent_1"]["position"], arrays["position"][0, 1])
+    assert set(env.fork().config.reward_weights.values()) == {0.0}
+
+
+def test_a_reset_sets_the_range_of_starts_for_one_episode() -> None:
+    env = SingleEnv("navigation", **options("navigation", **BARE))
+    near = [away(env.reset(seed=seed, options={"start_range": 2.0})[0]) for seed in range(6)]
+    far = [away(env.reset(seed=seed)[0]) for seed in range(6)]
+    assert max(near) < np.mean(far)
+    envs = VectorArena("navigation", 2, **options("navigation", **BARE))
+    observations, _ = envs.reset(seed=0, options={"start_range": 2.0})
+    assert away(observations).tolist() == near[:2]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"agents": 2}, "^agents cannot change between episodes; these options can: map, level, split"),
+        ({"sensors": {}}, "^sensors cannot change between episodes"),
+        ({"start_range": -1.0}, "start_range: Input should be greater than or equal to 0"),
+        ({"level": "simple"}, "level: Input should be 'easy', 'normal', 'hard' or 'expert'"),
+        ({"unseen": True}, "^unseen is True, but map names fixed maps; only random maps"),
+        ({"rewards": {"luck": 1.0}}, "there is no reward term 'luck'"),
+        (
+            {"rewards": {"step": 1.0}},
+            r"^rewards: 'step' is not among .*\(target_reached\): name it there, with the weight 0$",
+        ),
+    ],
+)
+def test_changes_that_are_impossible_are_refused_and_change_nothing(
+    wrong: dict[str, Any], message: str
+) -> None:
+    env = SingleEnv("navigation", **options("navigation", **BARE))
+    before = env.config
+    with pytest.raises(ValueError, match=message) as raised:
+        env.set_options(**wrong)
+    assert "\n" not in str(raised.value)
+    assert env.config == before
+
+
+def test_a_hot_spot_comes_and_goes_only_where_sensors_are_named() -> None:
+    moving = FEW_BOXES | {"hot_spot": {"boxes": 2, "places": 2}}
+    env = SingleEnv("gathering", **options("gathering", action_mode="box"))
+    with pytest.raises(ValueError, match="a hot spot that comes or goes would change what is observed"):
+        env.set_options(supplies=moving)
+    env = SingleEnv("gathering", **options("gathering", action_mode="box", sensors={"hot_spot": {}}))
+    assert not env.reset(seed=1)[0]["hot_spot"].any()
+    env.set_options(supplies=moving)
+    assert env.reset(seed=1)[0]["hot_spot"].any()

@@ -1,0 +1,43 @@
+"""Workspaces are kept for the next image, and none of it is seen in that image."""
+
+import numpy as np
+from tests.builders import box, flat_world, map_from
+
+from wildscav_engine.rendering.trace import Scene, scene_of
+from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED, Size
+from wildscav_engine.sensors import DepthCamera
+
+LARGE = Size(256, LARGEST_CACHED // 256 + 2, 0.5)
+SMALL = Size(4, 4, 0.5)
+
+
+def scene(height: float = 3.0) -> Scene:
+    return scene_of(flat_world(40, [box((-1, 0, 4), (1, height, 5))]))
+
+
+def test_a_scene_keeps_the_workspaces_of_small_images() -> None:
+    one = scene()
+    assert one.workspaces.of(one.packed, SMALL) is one.workspaces.of(one.packed, SMALL)
+    assert SMALL in one.workspaces.cached
+
+
+def test_only_the_latest_workspace_of_a_large_image_is_kept() -> None:
+    one, other = scene(), scene()
+    first = one.workspaces.of(one.packed, LARGE)
+    assert one.workspaces.of(one.packed, LARGE) is first
+    assert LARGE not in one.workspaces.cached
+    taller = LARGE._replace(height=LARGE.height + 1)
+    assert one.workspaces.of(one.packed, taller) is not first
+    second = other.workspaces.of(other.packed, LARGE)
+    assert second.arrays.numbers is other.packed.numbers
+    assert one.workspaces.of(one.packed, LARGE) is not first
+
+
+def test_large_images_of_two_maps_in_turns_are_those_of_each_alone() -> None:
+    maps = [map_from(flat_world(40, [box((-1, 0, 4), (1, height, 5))])) for height in (1.0, 3.0)]
+    camera = DepthCamera(width=LARGE.width, height=LARGE.height)
+    alone = [camera.render(one, [(0.0, 1.5, 0.0)], [0.0], [0.0]) for one in maps]
+    for turn in range(3):
+        again = camera.render(maps[turn % 2], [(0.0, 1.5, 0.0)], [0.0], [0.0])
+        assert (again == alone[turn % 2]).all()
+    assert (np.asarray(alone[0]) != alone[1]).any()

@@ -1,0 +1,59 @@
+"""The oracle: it knows the map, and what it reaches is the most that anyone can."""
+
+import numpy as np
+import pytest
+
+from wildscav.opponents import Oracle
+from wildscav_engine.envs import SingleEnv
+from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
+from wildscav_engine.simulation.batch import Batch
+from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.map_spec import Country, MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.tracks.path_efficiency import spl_of
+from wildscav_evaluator.suites.suite import suite
+
+VILLAGE = MapSpec(config=MapConfig(size=80, houses=3, storeys=(2, 2), vegetation=0.6), seed=3)
+MAZE = MapSpec(config=MapConfig(size=100, houses=0, country=Country(towns=0)), seed=4)
+
+
+def played(spec: MatchSpec) -> Batch:
+    """A match with the oracle in its first seat, until it is over."""
+    batch, oracle = Batch([spec]), Oracle()
+    match, seat = np.zeros(1, np.int64), np.zeros(1, np.int64)
+    oracle.begin(batch, match, seat)
+    rows = np.zeros((1, len(spec.seats), FIELDS), np.float32)
+    while not batch.state.matches.over[0]:
+        rows[0, 0] = oracle.act(batch, match, seat)[0]
+        batch.step(rows)
+    return batch
+
+
+@pytest.mark.parametrize("game_map", [VILLAGE, MAZE], ids=["village", "maze"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_it_takes_the_shortest_way(game_map: MapSpec, seed: int) -> None:
+    spec = MatchSpec(track="navigation", map=game_map, seed=seed, time_limit=60.0, frames_per_action=1)
+
+    batch = played(spec)
+
+    assert batch.state.agents.reached[0, 0]
+    assert spl_of(MatchInBatch(batch, 0), [0]) > 0.97
+
+
+def test_it_knows_a_hidden_target() -> None:
+    batch = played(MatchSpec(track="capture", map=VILLAGE, seats=(SUBMISSION, "seeker"), seed=5))
+
+    assert batch.state.agents.reached[0, 0]
+
+
+def test_it_plays_no_track_without_a_target() -> None:
+    with pytest.raises(ValueError, match="the oracle plays navigation and capture, not battle"):
+        SingleEnv("battle", opponents=(Oracle(),), map=VILLAGE.config, time_limit=2.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("track", "seed", "number"), [("navigation", 0, 8), ("capture", 2, 23)])
+def test_a_corner_at_which_it_is_a_centimetre_short_does_not_hold_it_up(
+    track: str, seed: int, number: int
+) -> None:
+    assert played(suite(track, "wild", seed)[number]).state.agents.reached[0, 0]

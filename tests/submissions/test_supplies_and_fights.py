@@ -1,0 +1,114 @@
+"""The baselines of supplies and fights play real matches as their pages say."""
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wildscav.baselines import baseline_folder
+from wildscav.opponents import submission
+from wildscav_engine.maps.cache import map_of
+from wildscav_engine.simulation.batch import Batch
+from wildscav_engine.specs.actions import no_actions
+from wildscav_engine.specs.equipment import Equipment
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
+from wildscav_evaluator.submissions.submission import load_submission
+
+NAMES = ("scavenger", "commando")
+HOUSE = MapSpec(
+    config=MapConfig(size=60, houses=1, storeys=(2, 2), relief=0.2, water=0, vegetation=0), seed=4
+)
+INDOORS = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), outdoor_richness=0.0, indoor_richness=100.0),))
+
+
+def play(name: str, spec: MatchSpec) -> Iterator[Batch]:
+    """Play a submission in the first seat; yield the match after each step."""
+    batch, player, first = Batch([spec], [map_of(spec.map)]), submission(name), np.zeros(1, np.int64)
+    player.begin(batch, first, first)
+    actions = no_actions(len(spec.seats))[None]
+    while not batch.state.matches.over[0]:
+        actions[0, 0] = player.act(batch, first, first)[0]
+        batch.step(actions)
+        yield batch
+
+
+FLAT = MapSpec(config=MapConfig(size=100, houses=0, relief=0, water=0, vegetation=0), seed=1)
+
+
+def duel(**changes: Any) -> MatchSpec:
+    """A fight with a robot, 15 m apart on open ground."""
+    fields = {
+        "track": "battle",
+        "map": FLAT,
+        "seats": (SUBMISSION, "fighter"),
+        "starts": ((0.0, 0.0, 0.0), (0.0, 0.0, 15.0)),
+        "seed": 1,
+        "time_limit": 8.0,
+    }
+    return MatchSpec(**{**fields, **changes})
+
+
+def supplies(name: str, spec: MatchSpec) -> int:
+    (*_, last) = play(name, spec)
+    return int(last.state.agents.supplies[0, 0])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_is_a_submission_of_its_own_that_imports_the_sdk_alone(name: str) -> None:
+    folder = baseline_folder(name)
+    own = {path.stem for path in folder.glob("*.py")}
+    trees = [ast.parse(path.read_text()) for path in folder.glob("*.py")]
+    imports = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+
+    assert load_submission(folder).name == name
+    assert {str(node.module).partition(".")[0] for node in imports} <= own | {
+        "wildscav"
+    } | sys.stdlib_module_names
+    assert (Path(folder) / "README.md").exists()
+
+
+def test_scavenger_gathers_upstairs_and_comes_down_again() -> None:
+    spec = MatchSpec(track="gathering", map=HOUSE, seed=1, time_limit=30.0, supplies=INDOORS)
+
+    heights, gained = [], []
+    for batch in play("scavenger", spec):
+        heights.append(float(batch.state.agents.position[0, 0, 1]))
+        gained.append(int(batch.state.agents.supplies[0, 0]))
+
+    ground = min(heights)
+    upstairs = [step for step, height in enumerate(heights) if height > ground + 3.0]
+    assert gained[upstairs[-1]] > gained[upstairs[0]]
+    assert heights[-1] < ground + 2.0
+    assert gained[-1] > 2 * supplies("homing", spec)
+
+
+def test_commando_wins_a_duel_with_a_fighter() -> None:
+    (*_, last) = play("commando", duel())
+
+    assert last.state.agents.kills[0].tolist() == [1, 0]
+
+
+def test_commando_leaves_a_fight_without_ammunition() -> None:
+    unarmed = Equipment(clip_size=0)
+    distances = []
+    for batch in play("commando", duel(equipment=(unarmed, None), time_limit=3.0)):
+        here, there = batch.state.agents.position[0]
+        if batch.state.agents.health[0, 0] > 0:
+            distances.append(float(np.linalg.norm(here - there)))
+
+    assert distances[-1] > 15.0
+
+
+def test_commando_reloads_before_its_clip_is_empty_once_nobody_is_in_sight() -> None:
+    spec = duel(equipment=(None, Equipment(health=160)))  # eight hits
+
+    clips = [int(batch.state.agents.clip[0, 0]) for batch in play("commando", spec)]
+
+    assert 0 < min(clips) < 0.6 * 15
+    assert clips[-1] == 15
