@@ -25,6 +25,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.ground.terrain import water_of_cells
 from wildscav_engine.maps.layout import Layout, lay_out
 from wildscav_engine.maps.locations import Places, choose_places
+from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -57,11 +58,13 @@ def case(size: int, houses: int, density: str, seeds: int) -> Case:
     return Case(f"{size} m, {houses} houses, {density} density", config, seeds)
 
 
-WARM_UP = case(100, 4, "low", 1)
+WARM_UP = Case("level expert", LEVELS["expert"], 1)  # has all pieces
 LARGEST = case(2000, 80, "low", 1)
 CASES = (
     case(100, 4, "low", 7),
     case(200, 8, "low", 7),
+    Case("level hard", LEVELS["hard"], 7),
+    Case("level expert", LEVELS["expert"], 7),
     case(500, 15, "low", 5),
     case(500, 15, "high", 5),
     case(1000, 40, "low", 3),
