@@ -87,3 +87,20 @@ def test_what_to_make_must_be_named(wildscav: Command) -> None:
     assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
     assert "--level" in refused.stderr
     assert "--suite" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("--suite", "quick", "--count", "3"), "--count is for pools"),
+        (("--suite", "quick", "--split", "test"), "--split is for pools"),
+        (("--suite", "quick", "--unseen"), "--unseen is for pools"),
+        (("--level", "easy", "--track", "battle"), "--track is for suites"),
+    ],
+)
+def test_options_of_the_other_way_are_refused_and_not_ignored(
+    wildscav: Command, arguments: tuple[str, ...], named: str
+) -> None:
+    refused = wildscav("make-maps", *arguments)
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    assert named in refused.stderr

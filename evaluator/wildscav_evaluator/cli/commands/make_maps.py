@@ -14,8 +14,14 @@ def make_maps(
         Literal["easy", "normal", "hard", "expert"] | None,
         typer.Option(help="Make a pool of maps of this level for environments.", show_default=False),
     ] = None,
-    count: Annotated[int, typer.Option(help="Maps of the pool.", min=1, max=1_000_000)] = 64,
-    split: Annotated[Literal["train", "test"], typer.Option(help="What the pool is for.")] = "train",
+    count: Annotated[
+        int | None,
+        typer.Option(help="Maps of the pool. Default: 64.", min=1, max=1_000_000, show_default=False),
+    ] = None,
+    split: Annotated[
+        Literal["train", "test"] | None,
+        typer.Option(help="What the pool is for. Default: train.", show_default=False),
+    ] = None,
     unseen: Annotated[
         bool, typer.Option("--unseen", help="Those for testing have houses and towns that others lack.")
     ] = False,
@@ -47,11 +53,15 @@ def make_maps(
 
     if (level is None) == (suite is None):
         raise UserError("name either --level, for environments, or --suite, for evaluations", exit_code=2)
-    if suite is not None and unseen:
-        raise UserError("--unseen is for pools (--level); a suite names its own maps", exit_code=2)
+    of_pools = {"--count": count is not None, "--split": split is not None, "--unseen": unseen}
+    for option, is_given in of_pools.items():
+        if suite is not None and is_given:
+            raise UserError(f"{option} is for pools (--level); a suite names its own maps", exit_code=2)
+    if level is not None and track:
+        raise UserError("--track is for suites (--suite); a pool serves all tracks", exit_code=2)
     first = suite_seed(seed, secret).value
     if level is not None:
-        choices = choices_of_pool(level, split, first, count, unseen=unseen)
+        choices = choices_of_pool(level, split or "train", first, count or 64, unseen=unseen)
     else:
         choices = choices_of_suite(find_suite(str(suite)), track or [], first)
     with executor_of(executor, address, jobs) as machines:
