@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from wildscav.training.ppo import Choices, in_space, make_env, rows_of, sizes_of
 from wildscav.training.settings import TrainingSettings
@@ -30,30 +31,43 @@ def evaluate(policy: Any, settings: TrainingSettings, episodes: int) -> list[Sco
         episodes: Matches for each score.
     """
     return [
-        Score(split, choose, episodes, _play(policy, settings, episodes, split, choose == "deterministic"))
+        Score(split, choose, episodes, _means(policy, settings, episodes, split, choose))
         for split in ("train", "test")
         for choose in ("sampled", "deterministic")
     ]
 
 
-@torch.no_grad()  # type: ignore[untyped-decorator]
-def _play(
-    policy: Any, settings: TrainingSettings, episodes: int, split: str, is_greedy: bool
+def _means(
+    policy: Any, settings: TrainingSettings, episodes: int, split: str, choose: str
 ) -> dict[str, float]:
-    """Return the mean metrics of the first episode in each row.
+    names, played = play_episodes(policy, settings, episodes, split, choose)
+    return dict(zip(names, played.mean(axis=0).tolist(), strict=True))
+
+
+@torch.no_grad()  # type: ignore[untyped-decorator]
+def play_episodes(
+    policy: Any, settings: TrainingSettings, episodes: int, split: str, choose: str
+) -> tuple[tuple[str, ...], NDArray[np.float64]]:
+    """Return the names of the metrics (M,), and the metrics (E, M) of the first episode in each of E rows.
 
     Episodes that end soon would be counted more often if rows played on: the successful ones.
+
+    Args:
+        policy: From rows (N, n) to scores (N, C).
+        settings: The run that it comes from.
+        episodes: E.
+        split: "train" or "test".
+        choose: "sampled" or "deterministic".
     """
     env = make_env(settings, episodes, None, split=split)
     choices, random = Choices(sizes_of(env)), torch.Generator().manual_seed(0)
     seen = rows_of(env.reset(seed=FIRST))
-    found: dict[int, Any] = {}
+    found: dict[int, NDArray[np.float64]] = {}
     while len(found) < episodes:
         scores = policy(seen)
-        action = choices.best(scores) if is_greedy else choices.draw(scores, random)
+        action = choices.best(scores) if choose == "deterministic" else choices.draw(scores, random)
         outcome = env.step(in_space(action, env))
         seen = rows_of(outcome.observation)
         for match, metrics in zip(outcome.ended, outcome.metrics, strict=True):
             found.setdefault(match, metrics.mean(axis=0))
-    means = np.mean(list(found.values()), axis=0)
-    return dict(zip(env.arena.metrics, means.tolist(), strict=True))
+    return tuple(env.arena.metrics), np.array([found[row] for row in range(episodes)])
