@@ -25,6 +25,7 @@ GROUP = "wildscav.commands"
 OWN = {
     "init": "wildscav.cli.init:init",
     "train": "wildscav.cli.train:train",
+    "dataset": "wildscav.cli.dataset:dataset",
     "verify": "wildscav.cli.verify:verify",
     "replay": "wildscav.cli.replay:replay",
     "serve": "wildscav.cli.serve:serve",
@@ -34,7 +35,7 @@ OWN = {
 }
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
-    "Agents": ("init", "train", "play", "check", "build"),
+    "Agents": ("init", "train", "dataset", "play", "check", "build"),
     "Evaluations": (
         *("evaluate", "compare", "tournament", "leaderboard"),
         *("replay", "verify", "rescore", "audit", "replay-agent"),
@@ -57,9 +58,11 @@ EXTRAS = {
     "cryptography": "evaluator",
     "fastapi": "leaderboard",
     "grpc_health": "engine",
+    "h5py": "data",
     "httpx": "leaderboard",
     "jinja2": "leaderboard",
     "limits": "leaderboard",
+    "minari": "data",
     "numba": "engine",
     "prometheus_client": "engine",
     "PIL": "maps",
