@@ -22,6 +22,7 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 
 
 def report() -> list[object]:
@@ -42,8 +43,34 @@ def report() -> list[object]:
     for _ in range(8):
         royale.step(np.zeros((4, FIELDS), np.float32))
     digests.append(str(royale.digest))
+    digests += _robots(game_map)
     generated = generate_map(MapConfig(size=40, houses=1, vegetation=0.5, water=0.2), 3)
     return [digests, readings, generated.digest, _path(generated), _episode(generated)]
+
+
+def _robots(game_map: GameMap) -> list[str]:
+    """Return the digests of a squad and fighters at a hot spot, and of a search in teams, after a while."""
+    hot_spot = HotSpot(interval=1.0, places=2, radius=5.0, boxes=4)
+    waves = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), radius=15.0),), hot_spot=hot_spot)
+    squad, fighters = ("hunter-squad-hard",) * 3, ("fighter-hard",) * 3
+    digests = []
+    for track, seats, steps in (
+        ("battle", squad + fighters, 40),
+        ("capture", ("seeker-hard",) * 2 + ("seeker",) * 2, 12),
+    ):
+        spec = MatchSpec(
+            track=track,
+            map=game_map.spec,
+            seed=6,
+            seats=seats,
+            teams=tuple(seat * 2 // len(seats) for seat in range(len(seats))),
+            supplies=waves if track == "battle" else None,
+        )
+        match = Match(spec, game_map)
+        for _ in range(steps):
+            match.step(np.zeros((len(seats), FIELDS), np.float32))
+        digests.append(str(match.digest))
+    return digests
 
 
 def _path(game_map: GameMap) -> list[float]:

@@ -24,7 +24,7 @@ def test_matches_maps_and_environments_are_the_same_with_kernels_as_plain_python
     )
     found = json.loads(done.stdout)
     assert found == report()
-    assert len(set(found[0])) == 9  # of as many different states
+    assert len(set(found[0])) == 11  # of as many different states
 
 
 def test_without_a_compiler_short_calls_take_the_same_arguments() -> None:
