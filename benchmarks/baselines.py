@@ -90,14 +90,19 @@ def matches_on(where: Where, count: int) -> Iterator[tuple[MatchSpec, GameMap]]:
         yield MatchSpec(track="navigation", map=game_map.spec, seed=number, time_limit=HARD_TIME), game_map
 
 
-def rate(successes: Sequence[bool]) -> str:
-    """Return a success rate with its 95 % interval (Wilson 1927)."""
-    count, share = len(successes), statistics.fmean(successes)
+def wilson(share: float, count: int) -> tuple[float, float]:
+    """Return the 95 % interval of a success rate (Wilson 1927)."""
     middle = (share + SURE * SURE / (2 * count)) / (1 + SURE * SURE / count)
     reach = SURE / (1 + SURE * SURE / count)
     reach *= (share * (1 - share) / count + SURE * SURE / (4 * count * count)) ** 0.5
-    low, high = 100.0 * max(0.0, middle - reach), 100.0 * min(1.0, middle + reach)
-    return f"{100.0 * share:.1f} % ({low:.1f}–{high:.1f})"
+    return max(0.0, middle - reach), min(1.0, middle + reach)
+
+
+def rate(successes: Sequence[bool]) -> str:
+    """Return a success rate with its 95 % interval."""
+    share = statistics.fmean(successes)
+    low, high = wilson(share, len(successes))
+    return f"{100.0 * share:.1f} % ({100.0 * low:.1f}–{100.0 * high:.1f})"
 
 
 def mean(values: Sequence[float], sign: str = "") -> str:

@@ -23,7 +23,7 @@ from wildscav_evaluator.suites.suite import suite
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 NAMES = ("random", "homing", "hunter")
-FINDERS = ("navigator", "mapper")  # of ways: they play navigation alone
+FINDERS = ("navigator", "mapper", "learned-navigator")  # of ways: they play navigation alone
 TRACKS = ("navigation", "gathering", "capture", "battle", "royale")
 FLAT = MapSpec(config=MapConfig(size=100, houses=0, relief=0, water=0, vegetation=0), seed=1)
 
