@@ -15,11 +15,16 @@ if TYPE_CHECKING:
     from wildscav.training.run import Report, Result
     from wildscav.training.settings import TrainingSettings
 
-ALGORITHMS = ("ppo",)
 MOST_SEEDS, MOST_EPISODES = 100, 10_000
 SILENCE = 30.0  # s between two lines of progress where there is no terminal
 
-Algorithm = Annotated[str, typer.Option(help="Algorithm: ppo, one file to read and to start from.")]
+Algorithm = Annotated[
+    str,
+    typer.Option(
+        help="ppo (one file to read and to start from); sb3-ppo or a2c (Stable-Baselines3; A2C is the "
+        "synchronous form of A3C)."
+    ),
+]
 Preset = Annotated[
     str,
     typer.Option(help="Hyperparameters and environment: tuned (learns in few steps) or paper (the paper's)."),
@@ -132,17 +137,19 @@ def _settings(
     """
     from wildscav.cli.from_policy import read_option
     from wildscav.terminal.suggestions import did_you_mean
+    from wildscav.training.algorithms import ALGORITHMS
     from wildscav.training.settings import TrainingSettings, changed, preset_settings
     from wildscav_engine.envs.batched import multi_agent_config
     from wildscav_engine.tracks import TRACKS
 
-    for name, value, known in (("algorithm", algorithm, ALGORITHMS), ("track", track, tuple(TRACKS))):
+    for name, value, known in (("algorithm", algorithm, tuple(ALGORITHMS)), ("track", track, tuple(TRACKS))):
         if value not in known:
             raise UserError(
                 f"--{name} is {value!r}{did_you_mean(value, known)}, must be one of {', '.join(known)}", 2
             )
-    hyperparameters, all_options = preset_settings(preset, track, options)
-    hyperparameters = changed(hyperparameters, dict(read_option(text, "--set") for text in changes or []))
+    hyperparameters, all_options = preset_settings(preset, track, options, algorithm)
+    given = dict(read_option(text, "--set") for text in changes or [])
+    hyperparameters = changed(hyperparameters, given, algorithm)
     try:
         multi_agent_config(track, all_options)
     except (TypeError, ValueError) as error:

@@ -7,7 +7,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from wildscav.training.ppo import Choices, in_space, make_env, rows_of, sizes_of
+from wildscav.training.environment import make_env, sizes_of
+from wildscav.training.ppo import Choices, in_space, rows_of
 from wildscav.training.settings import TrainingSettings
 
 FIRST = 2**63  # seeds of evaluations, above those of training

@@ -16,13 +16,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from wildscav.errors import UserError
 from wildscav.training.curriculum import Curriculum
-from wildscav.training.settings import MODES, TrainingSettings
+from wildscav.training.environment import APART, ROOM, make_env, mean_of, sizes_of
+from wildscav.training.settings import TrainingSettings
 from wildscav_engine.envs.batched import BatchedArena, Outcome
 
-APART = 2**32  # between the seeds of the episodes of two runs
-ROOM = 2**20  # seeds for a stage of the curriculum
 DIVERGENCE = 0.01  # of a policy from the one before, wished for where its weight is not 0
 
 
@@ -315,41 +313,8 @@ class PPO:
         # A reading after set_state has no events, so the observation itself is in the state, too.
         self._seen, self._returns = state["seen"], state["returns"].numpy().copy()
 
-    def layers(self) -> tuple[list[NDArray[np.float32]], list[NDArray[np.float32]]]:
-        """Return the weights (outputs, inputs) and the biases (outputs,) of the policy's layers."""
-        linear = [module for module in self.policy if isinstance(module, nn.Linear)]
-        weights = [module.weight.detach().numpy().copy() for module in linear]
-        return weights, [module.bias.detach().numpy().copy() for module in linear]
 
-
-# --- The environment ------------------------------------------------------------------------------------
-
-
-def make_env(
-    settings: TrainingSettings, matches: int, start_range: float | None, **more: Any
-) -> BatchedArena:
-    """Return the environment of a run.
-
-    Raises:
-        UserError: An option is invalid, or the environment is not one that PPO here learns.
-    """
-    options = {**settings.options, **more}
-    if start_range is not None:
-        options["start_range"] = start_range
-    try:
-        env = BatchedArena(settings.track, matches, autoreset_mode="SameStep", **options)
-    except (TypeError, ValueError) as error:
-        raise UserError(f"the options of the environment: {error}", exit_code=2) from None
-    if not env.config.flat or env.config.action_mode not in MODES:
-        modes = " or ".join(MODES)
-        raise UserError(f"the algorithm ppo needs flat=true and action_mode {modes}", exit_code=2)
-    return env
-
-
-def sizes_of(env: BatchedArena) -> tuple[int, ...]:
-    """Return the number of choices in each dimension of the action space, (D,)."""
-    space: Any = env.single_action_space
-    return tuple(space.nvec.tolist()) if hasattr(space, "nvec") else (int(space.n),)
+# --- From and to the environment ---------------------------------------------------------------------------
 
 
 def rows_of(observation: Any) -> Tensor:
@@ -364,8 +329,3 @@ def in_space(action: Tensor, env: BatchedArena) -> NDArray[np.int64]:
     """Return actions (N, D) as the environment takes them: (B, L, …)."""
     shape = (env.num_matches, env.num_agents, *(env.single_action_space.shape or ()))
     return np.asarray(action.numpy().reshape(shape))
-
-
-def mean_of(rows: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Return the means of numbers by name; without rows nothing."""
-    return {name: sum(row[name] for row in rows) / len(rows) for name in rows[0]} if rows else {}

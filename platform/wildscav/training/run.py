@@ -11,7 +11,7 @@ from tensorboardX import SummaryWriter
 
 from wildscav.training.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
 from wildscav.training.evaluation import Score, evaluate
-from wildscav.training.ppo import PPO
+from wildscav.training.learner import Learner, make_learner
 from wildscav.training.settings import TrainingSettings
 
 EVERY = 60.0  # s between two checkpoints
@@ -51,18 +51,17 @@ def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: b
     )  # more only slow networks of this size down, and bits would depend on their number
     place = RunFolder(folder)
     place.begin(settings, resume=resume)
-    learner = PPO(settings)
+    learner = make_learner(settings)
     spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
     cpu, wall = _learn(learner, place, report, spent)
-    weights, biases = learner.layers()
-    _save_layers(folder / WEIGHTS, weights, biases)
+    _save_layers(folder / WEIGHTS, learner.policy)
     scores = evaluate(learner.policy, settings, episodes)
     result = Result(settings.seed, learner.steps, round(cpu, 1), round(wall, 1), scores)
     write_json(folder / RESULT, result.as_json())
     return result
 
 
-def _continue(learner: PPO, place: RunFolder) -> tuple[float, float]:
+def _continue(learner: Learner, place: RunFolder) -> tuple[float, float]:
     """Restore a learner, and return the processor time and the time that were spent on it, s."""
     state = place.load()
     learner.restore(state["learner"])
@@ -71,7 +70,9 @@ def _continue(learner: PPO, place: RunFolder) -> tuple[float, float]:
     return cpu, wall
 
 
-def _learn(learner: PPO, place: RunFolder, report: Report, spent: tuple[float, float]) -> tuple[float, float]:
+def _learn(
+    learner: Learner, place: RunFolder, report: Report, spent: tuple[float, float]
+) -> tuple[float, float]:
     """Iterate to the end; return the processor time and the time spent in all sittings, s."""
     cpu_start, wall_start = time.process_time() - spent[0], time.monotonic() - spent[1]
 
@@ -112,6 +113,8 @@ class _TensorBoard:
         self._writer.close()
 
 
-def _save_layers(path: Path, weights: list[Any], biases: list[Any]) -> None:
-    arrays = {f"weight_{layer}": weight for layer, weight in enumerate(weights)}
-    np.savez(path, **arrays, **{f"bias_{layer}": bias for layer, bias in enumerate(biases)})
+def _save_layers(path: Path, policy: Any) -> None:
+    """Write the weights (outputs, inputs) and the biases (outputs,) of a policy's layers."""
+    linear = [module for module in policy if isinstance(module, torch.nn.Linear)]
+    arrays = {f"weight_{layer}": module.weight.detach().numpy() for layer, module in enumerate(linear)}
+    np.savez(path, **arrays, **{f"bias_{n}": module.bias.detach().numpy() for n, module in enumerate(linear)})

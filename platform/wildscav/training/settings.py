@@ -6,57 +6,13 @@ from typing import Any
 
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
+from wildscav.training.algorithms import ALGORITHMS
+from wildscav.training.hyperparameters import Hyperparameters
 
-MODES = ("multidiscrete", "baseline")  # the action modes that our PPO learns
-LONGEST = 10**12  # steps
-
-
-@dataclass(frozen=True)
-class Hyperparameters:
-    """The settings of PPO. The defaults are those that learned the tasks here in the fewest steps."""
-
-    matches: int = 64  # played at the same time
-    rollout: int = 64  # steps of each match between two updates
-    minibatch: int = 256  # steps of one learner
-    epochs: int = 5  # passes over the steps of a rollout
-    learning_rate: float = 7e-4
-    anneal: bool = True  # let the learning rate fall to 0 over the run, in a straight line
-    discount: float = 0.99  # of the reward one step later
-    trace: float = 0.95  # lambda of generalized advantage estimation
-    clip: float = 0.2  # how far the probability of an action may move in an update
-    entropy: float = 0.003  # weight of the entropy
-    value: float = 0.5  # weight of the squared error of the value
-    divergence: float = 0.0  # first weight of the KL divergence from the policy before; 0: without
-    gradient_norm: float = 0.5  # longest gradient
-    layers: tuple[int, ...] = (64, 64)  # width of each hidden layer, of the policy and of the value alike
-
-    def rollouts(self, steps: int, learners: int) -> int:
-        """Return how many rollouts a number of steps needs.
-
-        Args:
-            steps: Steps of all learners together.
-            learners: Learners in a match.
-        """
-        return max(1, -(-steps // (self.matches * self.rollout * learners)))
+MODES = ("multidiscrete", "baseline")  # the action modes that can be learned
 
 
-# The paper's table of PPO, on RLlib; what it does not name is RLlib's default: 30 epochs, lambda 1, clip 0.3.
-PAPER = Hyperparameters(
-    matches=80,
-    rollout=400,
-    minibatch=256,
-    epochs=30,
-    learning_rate=1e-5,
-    anneal=False,
-    trace=1.0,
-    clip=0.3,
-    entropy=0.0,
-    value=1.0,
-    divergence=0.2,
-    gradient_norm=1e9,
-    layers=(256, 256),
-)
-PRESETS: dict[str, Hyperparameters] = {"tuned": Hyperparameters(), "paper": PAPER}
+PRESETS = ("tuned", "paper")
 # Who learns in a match: teams learn together, and elsewhere one learner meets the track's own opponents.
 ALONE: dict[str, Any] = {"agents": 1, "opponents": None}
 SEATS: dict[str, dict[str, Any]] = {
@@ -90,7 +46,7 @@ class TrainingSettings:
 
 
 def preset_settings(
-    preset: str, track: str, options: Mapping[str, Any]
+    preset: str, track: str, options: Mapping[str, Any], algorithm: str = "ppo"
 ) -> tuple[Hyperparameters, dict[str, Any]]:
     """Return the hyperparameters of a preset, and its environment with some options changed.
 
@@ -98,9 +54,10 @@ def preset_settings(
         preset: A name in ``PRESETS``.
         track: The track.
         options: Options of the environment that differ from the preset's.
+        algorithm: A name in ``ALGORITHMS``.
 
     Raises:
-        UserError: There is no such preset, or it has no environment of this track.
+        UserError: There is no such preset, or it has no environment of this track or no such algorithm.
     """
     from wildscav_engine.envs import PRESETS as ENVIRONMENTS
 
@@ -120,20 +77,28 @@ def preset_settings(
             f"--preset paper is for the tracks of the paper's experiments, {', '.join(tracks)}, not {track}",
             exit_code=2,
         )
-    return PRESETS[preset], {**base, **options}
+    hyperparameters = getattr(ALGORITHMS[algorithm], preset)
+    if hyperparameters is None:
+        known = ", ".join(name for name, one in ALGORITHMS.items() if one.paper is not None)
+        raise UserError(f"--preset paper is for {known}, not for {algorithm}", exit_code=2)
+    return hyperparameters, {**base, **options}
 
 
-def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
-    """Return hyperparameters with some changed.
+def changed(
+    hyperparameters: Hyperparameters, changes: Mapping[str, Any], algorithm: str = "ppo"
+) -> Hyperparameters:
+    """Return hyperparameters of an algorithm with some changed.
 
     Raises:
-        UserError: One does not exist, or has a wrong value.
+        UserError: The algorithm has none of a name, or the value is wrong.
     """
-    known = asdict(hyperparameters)
+    known = {name: getattr(hyperparameters, name) for name in ALGORITHMS[algorithm].known}
     for name, value in changes.items():
         if name not in known:
             raise UserError(
-                f"--set: there is no {name!r}{did_you_mean(name, known)}; there are {', '.join(known)}", 2
+                f"--set: the algorithm {algorithm} has no {name!r}{did_you_mean(name, known)}; it has "
+                f"{', '.join(known)}",
+                exit_code=2,
             )
         _check(name, value, known[name])
     made: Any = {name: tuple(value) if name == "layers" else value for name, value in changes.items()}

@@ -5,7 +5,8 @@ from typing import Any
 
 from tests.engine.envs.common import OPEN
 
-from wildscav.training.settings import Hyperparameters, TrainingSettings
+from wildscav.training.hyperparameters import Hyperparameters
+from wildscav.training.settings import TrainingSettings
 
 SMALL = Hyperparameters(matches=4, rollout=16, minibatch=16, epochs=2, layers=(8,))
 OPTIONS: dict[str, Any] = {
@@ -21,7 +22,7 @@ OPTIONS: dict[str, Any] = {
 
 def small(track: str = "navigation", steps: int = 256, **changes: Any) -> TrainingSettings:
     """The settings of a small run; ``changes`` are fields of the settings, of options or of SMALL."""
-    fields = {name: changes.pop(name) for name in ("curriculum", "seed") if name in changes}
+    fields = {name: changes.pop(name) for name in ("curriculum", "seed", "algorithm") if name in changes}
     options = {name: changes.pop(name) for name in list(changes) if not hasattr(SMALL, name)}
     return TrainingSettings(
         track=track,
@@ -30,4 +31,5 @@ def small(track: str = "navigation", steps: int = 256, **changes: Any) -> Traini
         seed=fields.get("seed", 0),
         hyperparameters=replace(SMALL, **changes),
         curriculum=fields.get("curriculum", ()),
+        algorithm=fields.get("algorithm", "ppo"),
     )

@@ -1,0 +1,42 @@
+"""The algorithms of ``wildscav train``: what each is, its hyperparameters, and what it cannot do."""
+
+from dataclasses import dataclass, fields, replace
+
+from wildscav.training.hyperparameters import PAPER, Hyperparameters
+
+OURS, STABLE = "", "stable_baselines3"  # the library that an algorithm comes from
+
+
+@dataclass(frozen=True)
+class Algorithm:
+    """An algorithm and its settings."""
+
+    title: str
+    library: str
+    unused: tuple[str, ...]  # the hyperparameters that it does not have
+    tuned: Hyperparameters
+    paper: Hyperparameters | None  # None: the paper did not try it
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """The hyperparameters that it has."""
+        return tuple(field.name for field in fields(Hyperparameters) if field.name not in self.unused)
+
+
+TUNED = Hyperparameters()
+# The paper's A3C has many workers that each play 400 steps; A2C waits for all of them before it learns.
+PAPER_A3C = replace(PAPER, learning_rate=1e-4, entropy=0.01, value=0.5, divergence=0.0)
+
+ALGORITHMS: dict[str, Algorithm] = {
+    "ppo": Algorithm("PPO in one file, to read and to start from", OURS, (), TUNED, PAPER),
+    "sb3-ppo": Algorithm(
+        "PPO of Stable-Baselines3", STABLE, ("divergence",), TUNED, replace(PAPER, divergence=0.0)
+    ),
+    "a2c": Algorithm(
+        "A2C of Stable-Baselines3, the synchronous form of A3C",
+        STABLE,
+        ("minibatch", "epochs", "clip", "divergence"),
+        replace(TUNED, rollout=16, learning_rate=7e-4, trace=1.0),
+        PAPER_A3C,
+    ),
+}
