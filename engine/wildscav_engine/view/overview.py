@@ -26,7 +26,8 @@ class Overview(NamedTuple):
 
 def overview(history: History, world: World) -> Overview:
     """Return the nearest camera in a fixed direction that sees the whole map, or all agents."""
-    return _fitted(_corners(history, world))
+    tall = float(np.tan(np.radians(VIEW_ANGLE) / 2))
+    return fitted(_corners(history, world), tall * ASPECT, tall)
 
 
 def _corners(history: History, world: World) -> NDArray[np.float64]:
@@ -46,14 +47,22 @@ def _corners(history: History, world: World) -> NDArray[np.float64]:
     )
 
 
-def _fitted(corners: NDArray[np.float64]) -> Overview:
-    """Return the camera whose view the corners fill: center them, then move as close as possible."""
-    back = FROM / np.linalg.norm(FROM)
+def fitted(
+    corners: NDArray[np.float64], wide: float, tall: float, way: NDArray[np.float64] = FROM
+) -> Overview:
+    """Return the camera whose view some corners fill: center them, then move as close as possible.
+
+    Args:
+        corners: (N, 3) m, that must be in view.
+        wide: The tangent of half the horizontal angle of view.
+        tall: That of half the vertical one.
+        way: (3,) the direction from what is seen to the camera.
+    """
+    back = way / np.linalg.norm(way)
     right = np.cross([0.0, 1.0, 0.0], -back)
     right /= np.linalg.norm(right)
     up = np.cross(-back, right)
-    tall = np.tan(np.radians(VIEW_ANGLE) / 2) * FILLED
-    slopes = np.array([tall * ASPECT, tall])
+    slopes = np.array([wide, tall]) * FILLED
     offsets = corners - corners.mean(axis=0)
     across, depth = np.stack([offsets @ right, offsets @ up], axis=-1), offsets @ -back
     shift = np.zeros(2)

@@ -8,13 +8,13 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from wildscav_engine.record import Record
-from wildscav_engine.simulation.state import NOT_ELIMINATED
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.view.outcome import describe_outcome, format_time
 from wildscav_engine.view.recording.columns import Columns
 from wildscav_engine.view.recording.history import History, changes
+from wildscav_engine.view.recording.ranking import Keys, order_at, ranking_keys
 
 PATH = "standings"
 MAX_LINES = 12  # agents in the table, which always include the followed one
@@ -36,7 +36,7 @@ class Table(NamedTuple):
     time_limit: float  # s
     names: tuple[str, ...]
     columns: tuple[Column, ...]
-    keys: tuple[NDArray[np.generic], ...]  # (T + 1, A) each, the sort keys of seats, most significant first
+    keys: Keys
     followed: int
     outcome: str
 
@@ -61,31 +61,23 @@ def _table(record: Record, history: History, names: tuple[str, ...], followed: i
     agents, spec = history.agents, record.spec
     track = TRACKS[spec.track]
     columns: list[Column] = []
-    keys: list[NDArray[np.generic]] = []
     if history.has_teammates:
         columns.append(Column("Team", np.broadcast_to(history.teams + 1, agents.health.shape)))
     if history.target is not None:
         columns.append(Column("Distance", history.distance_to_target, _metres, False))
-        keys.append(history.distance_to_target)
-    if not track.respawns:
-        out = agents.eliminated != NOT_ELIMINATED
-        keys += [out, -np.where(out, agents.eliminated, 0)]
     if track.has_supplies:
-        keys += [-history.supplies_of_team, history.teams + 0 * agents.supplies, -agents.supplies]
         if history.has_teammates:
             columns.append(Column("Team has", history.supplies_of_team))
         columns.append(Column("Supplies", agents.supplies))
     if Field.SHOOT in track.fields:
         columns += [Column("Kills", agents.kills), Column("Deaths", agents.deaths)]
         columns.append(Column("Health", agents.health, _health, False))
-    # In a track without anything to be ordered by during the match, seats stand in their order.
-    keys.append(np.broadcast_to(np.arange(len(names)), agents.health.shape))
     return Table(
         track.title,
         spec.time_limit,
         names,
         tuple(columns),
-        tuple(keys),
+        ranking_keys(track, history),
         followed,
         describe_outcome(record.result, names),
     )
@@ -95,7 +87,7 @@ def _page(table: Table, row: int, frame: int, over: bool) -> str:
     """Return the Markdown of one row of the history."""
     time = f"{format_time(frame)} of {format_time(round(table.time_limit * FRAMES_PER_SECOND))}"
     headline = f"**{_plain(table.outcome)}**" if over else f"**{time}**"
-    order = np.lexsort([key[row] for key in reversed(table.keys)]).tolist()
+    order = order_at(table.keys, row)
     places = {seat: place for place, seat in enumerate(order, start=1)}
     shown = order[:MAX_LINES]
     if table.followed not in shown:

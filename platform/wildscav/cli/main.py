@@ -28,6 +28,7 @@ OWN = {
     "dataset": "wildscav.cli.dataset:dataset",
     "verify": "wildscav.cli.verify:verify",
     "replay": "wildscav.cli.replay:replay",
+    "video": "wildscav.cli.video:video",
     "serve": "wildscav.cli.serve:serve",
     "map": "wildscav.cli.maps.map:app",
     "look": "wildscav.cli.maps.look:app",
@@ -38,7 +39,7 @@ PANELS = {
     "Agents": ("init", "train", "dataset", "play", "check", "build"),
     "Evaluations": (
         *("evaluate", "compare", "tournament", "leaderboard"),
-        *("replay", "verify", "rescore", "audit", "replay-agent"),
+        *("replay", "video", "verify", "rescore", "audit", "replay-agent"),
     ),
     "Seasons": (
         *("login", "logout", "team", "submit", "submissions"),
@@ -66,6 +67,7 @@ EXTRAS = {
     "numba": "engine",
     "prometheus_client": "engine",
     "PIL": "maps",
+    "av": "video",
     "pwdlib": "leaderboard",
     "pydantic": "engine",
     "rerun": "view",

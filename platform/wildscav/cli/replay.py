@@ -1,14 +1,13 @@
 """``wildscav replay``: render a record as a Rerun recording, or show it in a browser."""
 
 import shlex
-from collections.abc import Callable
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 
+from wildscav.cli.record_argument import found, read_of_seat
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
@@ -16,10 +15,6 @@ if TYPE_CHECKING:
 
 RERUN_MAGIC = b"RRF"  # the first bytes of every .rrd file
 SUFFIX = ".rrd"
-SOURCES = "wildscav.record_sources"  # entry points: functions such as RecordSource
-# Returns the record of a match of a season. Its arguments are the match's number, and the season's address or
-# None for the one that the user logged in to.
-RecordSource = Callable[[int, str | None], Path]
 
 
 def replay(
@@ -62,32 +57,17 @@ def replay(
     """Render a record as a replay that can be watched in 3D."""
     if not web and (host is not None or port is not None):
         raise UserError("--host and --port are for --web: add --web", exit_code=2)
-    record = _found(record, season)
+    record = found(record, season)
     if web and _is_replay(record):
         _refuse_rendering_options(output, follow, images)
         return _serve(_read(record), record.name, host, port)
-    content = _render(record, _read_record(record, follow), output, follow, images, web=web)
+    content = _render(record, read_of_seat(record, "--follow", follow), output, follow, images, web=web)
     path = output if web else output or record.with_suffix(".rrd")
     if path is not None:
         _write(path, content)
     if web:
         return _serve(content, record.name, host, port)
     return None
-
-
-def _found(record: Path, season: str | None) -> Path:
-    """Return the path of a record: as it was named, or of the match that has this number."""
-    text = str(record)
-    if record.exists() or not (text.isascii() and text.isdigit()):
-        if season is not None:
-            raise UserError("--season is for the number of a match", exit_code=2)
-        return record
-    for point in entry_points(group=SOURCES):
-        source: RecordSource = point.load()
-        return source(int(text), season)
-    raise UserError(
-        f"match {text} is of a season: install what asks for it: pip install 'wildscav[leaderboard]'"
-    )
 
 
 def _is_replay(path: Path) -> bool:
@@ -111,21 +91,6 @@ def _read(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise UserError(f"cannot read {path}: {error.strerror}") from None
-
-
-def _read_record(record: Path, follow: int | None) -> "Record":
-    """Read a record, and check that its match has the seat to follow."""
-    from wildscav_engine.record import RecordError, read_record
-
-    try:
-        played = read_record(record)
-    except RecordError as error:
-        raise UserError(str(error)) from None
-    if follow is not None and follow >= len(played.names):
-        raise UserError(
-            f"--follow is {follow}; the match has seats 0 to {len(played.names) - 1}", exit_code=2
-        )
-    return played
 
 
 def _render(

@@ -1,0 +1,1 @@
+"""What is written over the pictures of a video. Pillow is imported when something is drawn."""
