@@ -1,0 +1,173 @@
+"""The paper's experiment with a single agent in navigation: training on each of its six maps, and the table.
+
+    python benchmarks/paper.py --maps 103,104 --seeds 0,1,2
+
+trains and measures what is not yet in the folder of results, one run after the other, and prints the table of
+all runs there, beside the paper's figures and agents without training. More seeds add to what is there. With
+``--maps ''`` it only prints the table. The results of a run are written when it has ended; an interrupted one
+begins anew. ``wildscav train`` with the options of ``settings_of`` gives the same weights.
+
+An episode has at most 400 steps of 15 frames. Starts and targets are anywhere on the map.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import torch
+import typer
+from numpy.typing import NDArray
+from paper_curves import draw
+from paper_table import table
+from report import machine
+from rich.console import Console
+
+from wildscav.opponents import Oracle, submission
+from wildscav.training.environment import make_env, sizes_of
+from wildscav.training.evaluation import FIRST, play_episodes
+from wildscav.training.ppo import PPO
+from wildscav.training.settings import TrainingSettings, preset_settings
+from wildscav_engine.envs import SeatController
+from wildscav_engine.simulation.batch import Batch
+from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.rules import FRAME
+
+RESULTS = Path(__file__).parent / "results" / "paper"
+FRAMES, TIME_LIMIT = 15, 120.0  # of a step; s, 400 steps
+STEPS = {103: 100_000, 104: 100_000, 101: 150_000, 102: 150_000, 14: 300_000, 8: 300_000}  # of training
+EPISODES = 200  # of each score
+EARLY, POINTS = (0, 1, 2, 3), 6  # of a learning curve: after so many rollouts, and so many evenly
+POINT_EPISODES = 50  # of each point
+WAYS = ("sampled", "deterministic")
+
+
+class Episodes(NamedTuple):
+    """Episodes of one agent on one map."""
+
+    success: list[int]  # (E,) 1 where the target was reached
+    length: list[int]  # (E,) steps of 15 frames
+
+
+def settings_of(map_number: int, seed: int) -> TrainingSettings:
+    """Return the run of a map: the preset "tuned" with the paper's episodes."""
+    options = {"map": map_number, "time_limit": TIME_LIMIT, "frames_per_action": FRAMES}
+    hyperparameters, options = preset_settings("tuned", "navigation", options)
+    return TrainingSettings("navigation", options, STEPS[map_number], seed, hyperparameters)
+
+
+def played(policy: Any, settings: TrainingSettings, episodes: int, choose: str) -> Episodes:
+    """Let a policy play test episodes."""
+    names, metrics = play_episodes(policy, settings, episodes, "test", choose)
+    return episodes_of(metrics[:, names.index("success")], metrics[:, names.index("used_time")])
+
+
+def episodes_of(success: NDArray[Any], seconds: NDArray[Any]) -> Episodes:
+    """Return episodes by their successes and times (E,)."""
+    length = np.ceil(seconds / (FRAMES * FRAME) - 1e-6)
+    return Episodes(success.astype(int).tolist(), length.astype(int).tolist())
+
+
+def trained(settings: TrainingSettings) -> dict[str, Any]:
+    """Train a policy and measure it; the time for measuring does not count."""
+    learner = PPO(settings)
+    cpu = wall = 0.0
+    points = {*EARLY, *(-(-learner.total * point // POINTS) for point in range(1, POINTS + 1))}
+    curve = [point_of(learner)]
+    while learner.rollouts < learner.total:
+        cpu_start, wall_start = time.process_time(), time.monotonic()
+        learner.iterate()
+        cpu, wall = cpu + time.process_time() - cpu_start, wall + time.monotonic() - wall_start
+        if learner.rollouts in points:
+            curve.append(point_of(learner))
+    scores = {way: played(learner.policy, settings, EPISODES, way)._asdict() for way in WAYS}
+    return {
+        "map": settings.options["map"],
+        "seed": settings.seed,
+        "steps": learner.steps,
+        "cpu_seconds": round(cpu, 1),
+        "wall_seconds": round(wall, 1),
+        "machine": {key: value for key, value in machine().items() if key in {"processor", "cores"}},
+        "curve": curve,
+        "scores": scores,
+    }
+
+
+def point_of(learner: PPO) -> tuple[int, float]:
+    """Return the steps of a learner so far, and the share of targets that it reaches."""
+    now = played(learner.policy, learner.settings, POINT_EPISODES, "sampled")
+    return learner.steps, float(np.mean(now.success))
+
+
+def untrained(settings: TrainingSettings) -> dict[str, Any]:
+    """Play the test episodes with agents that were not trained."""
+    choices = sum(sizes_of(make_env(settings, 1, None)))
+    chance = played(lambda rows: torch.zeros(len(rows), choices), settings, EPISODES, "sampled")
+    found = {
+        "random": chance,
+        "homing": agent_played(submission("homing"), settings, 5),
+        "oracle": agent_played(Oracle(), settings, 1),  # it stops at every corner, so its steps are short
+    }
+    return {"map": settings.options["map"], "scores": {name: one._asdict() for name, one in found.items()}}
+
+
+def agent_played(agent: SeatController, settings: TrainingSettings, frames: int) -> Episodes:
+    """Let an agent play the test episodes.
+
+    Args:
+        agent: The agent.
+        settings: The run that tells the episodes.
+        frames: Frames of its own steps.
+    """
+    env = make_env(settings, EPISODES, None, split="test")
+    env.reset(seed=FIRST)
+    made: Any = env.arena.batch
+    batch = Batch([spec.model_copy(update={"frames_per_action": frames}) for spec in made.specs], made.maps)
+    matches, seats = np.arange(EPISODES), np.zeros(EPISODES, np.int64)
+    agent.begin(batch, matches, seats)
+    rows = np.zeros((EPISODES, 1, FIELDS), np.float32)
+    state = batch.state
+    while not state.matches.over.all():
+        going = np.flatnonzero(~state.matches.over.astype(bool))
+        rows[going, 0] = agent.act(batch, going, seats[going])
+        batch.step(rows)
+    return episodes_of(state.agents.reached[:, 0], state.matches.frame * FRAME)
+
+
+def numbers(text: str) -> list[int]:
+    """Return integers that are separated by commas."""
+    return [int(part) for part in text.split(",") if part.strip()]
+
+
+def main(
+    maps: Annotated[str, typer.Option(help="Numbers of the paper's maps.")] = ",".join(map(str, STEPS)),
+    seeds: Annotated[str, typer.Option(help="Seeds of the runs.")] = "0",
+    out: Annotated[Path, typer.Option(help="Folder of the results.")] = RESULTS,
+    picture: Annotated[Path | None, typer.Option(help="File for the learning curves.")] = None,
+) -> None:
+    """Train what is missing, and print the table."""
+    torch.set_num_threads(1)
+    out.mkdir(parents=True, exist_ok=True)
+    console = Console(stderr=True)
+    for seed in numbers(seeds):
+        for number in numbers(maps):
+            add(out / f"{number:03}-seed-{seed}.json", trained, settings_of(number, seed), console)
+    for number in numbers(maps):
+        add(out / f"{number:03}-untrained.json", untrained, settings_of(number, 0), console)
+    sys.stdout.write(table(out))
+    if picture is not None:
+        draw(out, picture)
+
+
+def add(path: Path, measure: Any, settings: TrainingSettings, console: Console) -> None:
+    """Write a result, unless it is there."""
+    if path.exists():
+        return
+    console.print(path.stem)
+    path.write_text(json.dumps(measure(settings)) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    typer.run(main)

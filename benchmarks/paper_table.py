@@ -1,0 +1,69 @@
+"""The table of ``paper.py``, from its folder of results."""
+
+import json
+import statistics
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from baselines import rate
+
+# Success rate and episode length with its standard deviation, from the paper's table of navigation.
+PAPER = {
+    101: {"A3C": (0.73, 219.4, 132.8), "PPO": (0.69, 228.4, 140.1), "IMPALA": (0.27, 330.9, 124.4)},
+    102: {"A3C": (0.90, 185.2, 111.5), "PPO": (0.90, 170.6, 115.0), "IMPALA": (0.29, 330.5, 119.8)},
+    103: {"A3C": (0.96, 158.2, 85.4), "PPO": (0.97, 87.5, 73.6), "IMPALA": (0.82, 136.8, 130.8)},
+    104: {"A3C": (0.96, 118.8, 77.9), "PPO": (0.99, 63.9, 45.4), "IMPALA": (0.86, 109.5, 122.5)},
+    8: {"A3C": (0.71, 255.9, 126.9), "PPO": (0.66, 283.1, 118.6), "IMPALA": (0.19, 354.1, 105.0)},
+    14: {"A3C": (0.74, 239.6, 124.3), "PPO": (0.62, 284.0, 121.7), "IMPALA": (0.23, 353.4, 97.8)},
+}
+HEAD = "| map | agent | success | episode length | seeds | steps | CPU s |\n|---|---|---|---|---|---|---|\n"
+TITLES = {"sampled": "trained", "deterministic": "trained, greedy"}
+
+
+def table(folder: Path) -> str:
+    """Return the rows of all maps that have results, in Markdown."""
+    runs = [json.loads(path.read_text("utf-8")) for path in sorted(folder.glob("*.json"))]
+    lines = [HEAD]
+    for number in PAPER:
+        here = [run for run in runs if run["map"] == number]
+        lines += rows_of(
+            number, [run for run in here if "seed" in run], [run for run in here if "seed" not in run]
+        )
+    return "".join(lines)
+
+
+def rows_of(number: int, trained: Sequence[Any], untrained: Sequence[Any]) -> list[str]:
+    """Return the rows of a map: runs of training, the paper's, and agents without training."""
+    if not trained and not untrained:
+        return []
+    rows = [trained_row(trained, choose) for choose in TITLES if trained]
+    rows += [
+        f"| | the paper's {name} | {100 * success:.0f} % | {length} ± {spread} | | | |"
+        for name, (success, length, spread) in PAPER[number].items()
+    ]
+    rows += [
+        f"| | `{name}` | {rate(list(map(bool, score['success'])))} | {lengths([score])} | | | |"
+        for run in untrained
+        for name, score in run["scores"].items()
+    ]
+    return [f"{row}\n" for row in (f"| {number:03} {rows[0][2:]}", *rows[1:])]
+
+
+def trained_row(runs: Sequence[Mapping[str, Any]], choose: str) -> str:
+    """Return the row of all seeds: with one seed its interval, else mean and deviation over the seeds."""
+    scores = [run["scores"][choose] for run in runs]
+    means = [100.0 * statistics.fmean(score["success"]) for score in scores]
+    if len(runs) == 1:
+        success = rate(list(map(bool, scores[0]["success"])))
+    else:
+        success = f"{statistics.fmean(means):.1f} ± {statistics.stdev(means):.1f} %"
+    seconds = statistics.fmean(run["cpu_seconds"] for run in runs)
+    cells = f"{len(runs)} | {runs[0]['steps']:,} | {seconds:.0f}"
+    return f"| | {TITLES[choose]} | {success} | {lengths(scores)} | {cells} |"
+
+
+def lengths(scores: Sequence[Mapping[str, Any]]) -> str:
+    """Return the mean and the standard deviation of the length of all episodes, as the paper does."""
+    every = [length for score in scores for length in score["length"]]
+    return f"{statistics.fmean(every):.1f} ± {statistics.stdev(every):.1f}"
