@@ -53,7 +53,8 @@ Stages = Annotated[
 ]
 Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=1, max=10**12)]
 Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
-Seeds = Annotated[int, typer.Option(help="Number of runs, one after the other.", min=1, max=MOST_SEEDS)]
+Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MOST_SEEDS)]
+AtOnce = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MOST_SEEDS)]
 Out = Annotated[Path, typer.Option(help="Folder of the results; each run has a folder in it.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue what an interruption left in that folder.")]
 Episodes = Annotated[
@@ -77,6 +78,7 @@ def train(
     steps: Steps = 100_000,
     seed: Seed = 0,
     seeds: Seeds = 1,
+    at_once: AtOnce = 1,
     out: Out = Path("out/training"),
     resume: Resume = False,
     episodes: Episodes = 100,
@@ -85,7 +87,7 @@ def train(
 ) -> None:
     """Train a policy, measure it on maps of training and of testing, and make a submission of it.
 
-    It learns on one processor core; a run writes its figures for TensorBoard, and can be continued.
+    Each run learns on one processor core; it writes its figures for TensorBoard, and can be continued.
     """
     options = _environment(level, map_number, option)
     runs = [
@@ -93,7 +95,7 @@ def train(
         for each in range(seed, seed + seeds)
     ]
     _check_folders(out, submission, resume=resume)
-    results = _train_all(runs, out, episodes, resume=resume)
+    results = _train_all(runs, out, episodes, min(at_once, seeds), resume=resume)
     from wildscav.terminal.console import console, print_json
 
     console.print(_table(results))
@@ -190,7 +192,9 @@ def _check_folders(out: Path, submission: Path | None, *, resume: bool) -> None:
             raise UserError(f"{name}: {path} is not an empty folder; name another{hint}", exit_code=2)
 
 
-def _train_all(runs: "list[TrainingSettings]", out: Path, episodes: int, *, resume: bool) -> "list[Result]":
+def _train_all(
+    runs: "list[TrainingSettings]", out: Path, episodes: int, at_once: int, *, resume: bool
+) -> "list[Result]":
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from wildscav.terminal.console import error_console
@@ -203,14 +207,22 @@ def _train_all(runs: "list[TrainingSettings]", out: Path, episodes: int, *, resu
         TimeRemainingColumn(),
         TextColumn("{task.fields[figures]}"),
     )
-    results = []
+    given: dict[str, Any] = {"resume": resume, "episodes": episodes}
+    folders = [out / f"seed-{settings.seed}" for settings in runs]
     with preparing(error_console), Progress(*columns, console=error_console, transient=True) as progress:
-        for settings in runs:
-            task = progress.add_task(f"seed {settings.seed}", total=settings.steps, figures="")
-            report = _reporter(progress, task, settings)
-            folder = out / f"seed-{settings.seed}"
-            results.append(train_one(settings, folder, report, resume=resume, episodes=episodes))
-    return results
+        reports = [
+            _reporter(progress, progress.add_task(f"seed {one.seed}", total=one.steps, figures=""), one)
+            for one in runs
+        ]
+        if at_once == 1:
+            each = zip(runs, folders, reports, strict=True)
+            return [train_one(settings, folder, report, **given) for settings, folder, report in each]
+        from wildscav.training.at_once import train_at_once
+
+        named = list(zip(runs, folders, strict=True))
+        return train_at_once(
+            named, lambda place, figures: reports[place](figures), processes=at_once, **given
+        )
 
 
 def _reporter(progress: Any, task: Any, settings: "TrainingSettings") -> "Report":

@@ -36,7 +36,7 @@ ALGORITHMS: dict[str, Algorithm] = {
         "A2C of Stable-Baselines3, the synchronous form of A3C",
         STABLE,
         ("minibatch", "epochs", "clip", "divergence"),
-        replace(TUNED, rollout=16, learning_rate=7e-4, trace=1.0),
+        replace(TUNED, rollout=5, learning_rate=2e-3),
         PAPER_A3C,
     ),
 }
