@@ -30,13 +30,14 @@ OWN = {
     "replay": "wildscav.cli.replay:replay",
     "video": "wildscav.cli.video:video",
     "serve": "wildscav.cli.serve:serve",
+    "human": "wildscav.cli.human:human",
     "map": "wildscav.cli.maps.map:app",
     "look": "wildscav.cli.maps.look:app",
     "legacy": "wildscav.cli.legacy:app",
 }
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
-    "Agents": ("init", "train", "dataset", "play", "check", "build"),
+    "Agents": ("init", "train", "dataset", "play", "human", "check", "build"),
     "Evaluations": (
         *("evaluate", "compare", "tournament", "leaderboard"),
         *("replay", "video", "verify", "rescore", "audit", "replay-agent"),
@@ -75,12 +76,14 @@ EXTRAS = {
     "scipy": "maps",
     "sqlalchemy": "leaderboard",
     "standardwebhooks": "leaderboard",
+    "starlette": "play",
     "structlog": "engine",
     "tensorboardX": "training",
     "tomli_w": "leaderboard",
     "torch": "training",
     "trimesh": "maps",
-    "uvicorn": "leaderboard",
+    "uvicorn": "play",
+    "websockets": "play",
 }
 
 

@@ -1,0 +1,75 @@
+"""``wildscav human``: a person plays a match in the browser."""
+
+import asyncio
+import contextlib
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wildscav.system.output_folders import check_folder
+
+if TYPE_CHECKING:
+    from wildscav.play.plan import Plan
+
+
+def human(
+    track: Annotated[str, typer.Option(help="Track to play.")] = "battle",
+    map_id: Annotated[
+        int | None,
+        typer.Option(
+            "--map", help="Number of a map, 1 to 999. Default: a small map made from --seed.", metavar="ID"
+        ),
+    ] = None,
+    opponents: Annotated[
+        str | None,
+        typer.Option(
+            help="Who else plays: robots and folders of submissions, separated by commas; '' for nobody. "
+            "Default: in battle and royale, some robots.",
+            metavar="NAME|DIR,…",
+            show_default=False,
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(help="Seed of the first match; the next has the next.", min=0, max=2**63)
+    ] = 0,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(help="Seconds of game time. Default: the track's.", min=1, max=3600, show_default=False),
+    ] = None,
+    host: Annotated[str, typer.Option(help="Address that the page is served on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Its port; 0 for any free one.", min=0, max=65535)] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
+    records: Annotated[Path, typer.Option(help="Folder for the records of the matches.")] = Path("out/human"),
+) -> None:
+    """Play yourself, in the browser, against robots and submissions; Ctrl-C ends it.
+
+    Submissions run without a sandbox, so name only those whose code you trust.
+    """
+    from wildscav.play.plan import make_plan
+    from wildscav.play.serve import prepare
+    from wildscav.terminal.console import console
+    from wildscav.terminal.engine_progress import preparing
+
+    check_folder("--records", records)
+    names = None if opponents is None else [name.strip() for name in opponents.split(",") if name.strip()]
+    plan = make_plan(track, map_id, seed, names, time_limit)
+    with preparing(console):
+        prepare(plan)
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_serve(plan, records, host, port, browser=browser))
+
+
+async def _serve(plan: "Plan", records: Path, host: str, port: int, *, browser: bool) -> None:
+    from wildscav.play.serve import served
+    from wildscav.terminal.console import console
+
+    def say(line: str) -> None:
+        console.print(line, soft_wrap=True)
+
+    async with served(plan, records, host, port, say) as (link, serving):
+        say(f"play at {link}")
+        if browser:
+            await asyncio.to_thread(webbrowser.open, link)
+        await serving

@@ -1,0 +1,125 @@
+"""What a person's page sends, and how it becomes actions."""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from wildscav.agent import Action
+from wildscav.errors import WildscavError
+
+FASTEST = 10.0  # m/s, of a person who walks
+MOST_TURN = 3600.0  # degrees in one message
+Share = Annotated[float, Field(ge=-1.0, le=1.0)]
+Turn = Annotated[float, Field(ge=-MOST_TURN, le=MOST_TURN)]
+Count = Annotated[int, Field(ge=0, le=2**53)]
+
+
+class InputError(WildscavError):
+    """A message from a page is none of those that a page may send."""
+
+
+class _Message(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class Input(_Message):
+    """What a person does now: what is held, and how far the view was turned since the last message."""
+
+    kind: Literal["input"]
+    number: Count  # of the message, from 1 up
+    forward: Share = 0.0  # of the full speed; negative walks backward
+    right: Share = 0.0
+    turn: Turn = 0.0  # degrees; positive turns right
+    look: Turn = 0.0  # degrees; positive looks down
+    jump: bool = False
+    shoot: bool = False
+    reload: bool = False
+    pick_up: bool = False
+
+
+class Seen(_Message):
+    """The number of the picture that the page has shown last."""
+
+    kind: Literal["seen"]
+    picture: Count
+
+
+class Start(_Message):
+    """Start a match."""
+
+    kind: Literal["start"]
+
+
+class Pause(_Message):
+    """Pause the match, or go on."""
+
+    kind: Literal["pause"]
+    paused: bool
+
+
+Message = Input | Seen | Start | Pause
+_messages: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="kind")])
+
+
+def decode_message(text: str) -> Message:
+    """Return the message in a text from a page.
+
+    Raises:
+        InputError: It is none.
+    """
+    try:
+        return _messages.validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(map(str, first["loc"])) or "message"
+        raise InputError(f"{where}: {first['msg']}") from None
+
+
+class Controls:
+    """Collects a person's inputs until the next step takes them."""
+
+    def __init__(self) -> None:
+        self.taken = 0  # number of the last input that a step has taken
+        self.release()
+
+    def release(self) -> None:
+        """Let go of everything."""
+        self._held = Input(kind="input", number=0)
+        self._turn = self._look = 0.0
+        self._jump = self._shoot = self._reload = self._pick_up = False
+
+    def receive(self, message: Input) -> None:
+        """Note an input. What was pressed since the last step counts even if it is released by now."""
+        self._held = message
+        self._turn += message.turn
+        self._look += message.look
+        self._jump |= message.jump
+        self._shoot |= message.shoot
+        self._reload |= message.reload
+        self._pick_up |= message.pick_up
+
+    def take(self, yaw: float, frames: int) -> Action:
+        """Return the action of the next step.
+
+        Args:
+            yaw: Where the person looks, degrees.
+            frames: Frames in a step, over which the turn is spread.
+        """
+        held = self._held
+        length = math.hypot(held.right, held.forward)
+        action = Action(
+            walk_direction=yaw + self._turn + math.degrees(math.atan2(held.right, held.forward)),
+            walk_speed=FASTEST * min(1.0, length),
+            turn=self._turn / frames,
+            look=self._look / frames,
+            jump=self._jump,
+            shoot=self._shoot,
+            reload=self._reload,
+            pick_up=self._pick_up,
+        )
+        self.taken = max(self.taken, held.number)
+        self._turn = self._look = 0.0
+        self._jump, self._shoot = held.jump, held.shoot
+        self._reload, self._pick_up = held.reload, held.pick_up
+        return action

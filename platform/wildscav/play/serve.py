@@ -1,0 +1,95 @@
+"""Serving a table: the match server, the web server, and the link to play."""
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import uvicorn
+
+from wildscav.errors import AddressInUseError
+from wildscav.play.app import Site
+from wildscav.play.eyes import Eyes
+from wildscav.play.plan import Plan
+from wildscav.play.table import SEAT, Table
+from wildscav.server import MatchServer
+from wildscav.server.hosting.precompile import precompile
+from wildscav.system.leftovers import temporary_folder
+from wildscav_engine.sensors import parse_sensors
+
+LARGEST_MESSAGE = 4096  # bytes, from a page
+GRACE = 1  # s for open pages to be closed
+EVERY_ADDRESS = ("0.0.0.0", "::")  # noqa: S104 - only compared
+
+
+@asynccontextmanager
+async def served(
+    plan: Plan, folder: Path, host: str, port: int, say: Callable[[str], None]
+) -> AsyncIterator[tuple[str, asyncio.Task[None]]]:
+    """Serve a table within the block.
+
+    Args:
+        plan: What is played at it.
+        folder: For records, and for the output of agents.
+        host: The address that the web server listens on.
+        port: Its port; 0 for any free one.
+        say: Called with a line for whoever started the table.
+
+    Yields:
+        The person's link, and the task of the web server, which ends on Ctrl-C.
+
+    Raises:
+        AddressInUseError: The web server cannot listen there.
+    """
+    listening = _listen(host, port)
+    with listening, temporary_folder("play-") as place:
+        server = MatchServer()
+        (address,) = await server.start([f"unix:{place}/match"])
+        table = Table(plan, server, address, folder, say)
+        site = Site(table)
+        web = uvicorn.Server(_config(site))
+        serving = asyncio.create_task(web.serve(sockets=[listening]))
+        try:
+            yield f"http://{_shown(host)}:{listening.getsockname()[1]}{site.path}", serving
+        finally:
+            web.should_exit = True
+            await table.close()
+            await serving
+            await server.stop()
+
+
+def prepare(plan: Plan) -> None:
+    """Compile all kernels that matches and pictures need, or load them from the cache."""
+    precompile([Eyes(SEAT).camera])
+    for opponent in plan.opponents:
+        precompile(parse_sensors(opponent.sensors or {}).values())
+
+
+def _config(site: Site) -> uvicorn.Config:
+    return uvicorn.Config(
+        site.app,
+        log_level="warning",
+        access_log=False,
+        lifespan="off",
+        ws="websockets-sansio",
+        ws_max_size=LARGEST_MESSAGE,
+        ws_per_message_deflate=False,
+        server_header=False,
+        timeout_graceful_shutdown=GRACE,
+    )
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family)
+    except (OSError, OverflowError) as error:
+        raise AddressInUseError(f"{host}, port {port}", str(error)) from None
+
+
+def _shown(host: str) -> str:
+    """Return a host as links name it; for all addresses of this machine, the one that it has itself."""
+    if host in EVERY_ADDRESS:
+        return "127.0.0.1"
+    return f"[{host}]" if ":" in host else host

@@ -1,0 +1,38 @@
+"""``wildscav human`` from the shell."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from urllib.request import ProxyHandler, build_opener
+
+import pytest
+
+COMMAND = (sys.executable, "-m", "wildscav.cli.main", "human", "--no-browser")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--track", "chess"), "--track is 'chess'; the tracks are navigation,"),
+        (("--opponents", "nobody"), "--opponents has 'nobody', which is neither a robot"),
+    ],
+)
+def test_what_is_not_possible_is_one_line(options: tuple[str, ...], message: str) -> None:
+    done = subprocess.run([*COMMAND, *options], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"wildscav: {message}")
+    assert done.stderr.count("\n") == 1
+
+
+def test_it_serves_the_page_until_it_is_interrupted(tmp_path: Path) -> None:
+    command = [*COMMAND, "--track", "navigation", "--records", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as game:
+        assert game.stdout is not None
+        link = next(line for line in game.stdout if line.startswith("play at ")).split()[-1]
+        with build_opener(ProxyHandler({})).open(link) as page:
+            assert b"<title>Wildscav</title>" in page.read()
+        game.send_signal(signal.SIGINT)
+        _, errors = game.communicate(timeout=60)
+    assert game.returncode == 0
+    assert "Traceback" not in errors

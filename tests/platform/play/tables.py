@@ -1,0 +1,58 @@
+"""Tables that are served for tests, in a thread of their own as a browser's test needs it."""
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from wildscav.play.plan import Plan, make_plan
+from wildscav.play.serve import prepare, served
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+
+MEADOW = MapConfig(size=60, houses=1, relief=0.0, ruggedness=0.0, water=0.0, vegetation=0.0)
+
+
+def small_plan(
+    track: str = "navigation", time_limit: float = 60.0, opponents: tuple[str, ...] | None = ()
+) -> Plan:
+    """A match on a small, flat map."""
+    plan = make_plan(track, None, 3, opponents, time_limit)
+    return replace(plan, spec=plan.spec.model_copy(update={"map": MapSpec(config=MEADOW, seed=5)}))
+
+
+@asynccontextmanager
+async def table(plan: Plan, folder: Path, said: list[str] | None = None) -> AsyncIterator[str]:
+    """Serve a table, and yield its link."""
+    prepare(plan)
+    async with served(plan, folder, "127.0.0.1", 0, (said if said is not None else []).append) as (link, _):
+        yield link
+
+
+@contextmanager
+def table_in_thread(plan: Plan, folder: Path) -> Iterator[str]:
+    """Serve a table in a thread, and yield its link."""
+    found: list[Any] = []
+    ready = threading.Event()
+
+    async def serve() -> None:
+        end = asyncio.Event()
+        try:
+            async with table(plan, folder) as link:
+                found.extend((link, asyncio.get_running_loop(), end))
+                ready.set()
+                await end.wait()
+        finally:
+            ready.set()
+
+    thread = threading.Thread(target=asyncio.run, args=(serve(),))
+    thread.start()
+    ready.wait()
+    link, loop, end = found
+    try:
+        yield link
+    finally:
+        loop.call_soon_threadsafe(end.set)
+        thread.join()
