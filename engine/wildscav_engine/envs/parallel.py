@@ -139,8 +139,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
             infos[agent] = self._info(output, agent, ended=terminated[agent] or truncated[agent])
         observations = self._observations(output)
         self.agents = [agent for agent in self.agents if not (terminated[agent] or truncated[agent])]
-        if self.render_mode == "human":
-            self._renderer.show(self.arena)
+        self._renderer.show(self.arena)
         return observations, rewards, terminated, truncated, infos
 
     def _set_actions(self, actions: dict[str, Any]) -> None:
@@ -218,7 +217,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         return self._renderer.render(self.arena)
 
     def close(self) -> None:
-        """Close the recording of the live view, if there is one."""
+        """Close the window or the recording of the live view, if there is one."""
         self._renderer.close()
 
 

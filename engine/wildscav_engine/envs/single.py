@@ -17,7 +17,7 @@ from wildscav_engine.envs.settings.episodes import Episodes
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
-RENDER_MODES = ["rgb_array", "depth_array", "human"]
+RENDER_MODES = ["rgb_array", "depth_array", "human", "rerun"]
 STEPS_PER_SECOND = 10  # with the default of five frames per action
 
 
@@ -99,8 +99,7 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         row: NDArray[np.float32] = output.rows[0, 0]
         terminated, truncated, reward = arena.outcome(row)
         info: dict[str, Any] = {**info_of(arena, 0, 0, row, ended=terminated or truncated)}
-        if self.render_mode == "human":
-            self._renderer.show(arena)
+        self._renderer.show(arena)
         return _of_first(output), reward, terminated, truncated, info
 
     def get_state(self) -> bytes:
@@ -142,7 +141,7 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         return self._renderer.render(self._arena)
 
     def close(self) -> None:
-        """Close the recording of the live view, if there is one."""
+        """Close the window or the recording of the live view, if there is one."""
         self._renderer.close()
 
 

@@ -228,17 +228,16 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         return _squeezed(self._resetter.set_state(row, data).observation)
 
     def _show(self) -> None:
-        if self.render_mode == "human":
-            self._renderer.begin(self.arena)
+        self._renderer.begin(self.arena)
 
     def render(self) -> tuple[Any, ...] | None:
-        """Return the images of all environments; with ``human``, the viewer shows the first one instead."""
-        if self.render_mode is None or self.render_mode == "human":
+        """Return the images of all environments; for people, a window shows the first one."""
+        if self.render_mode not in {"rgb_array", "depth_array"}:
             return None
         return tuple(self._renderer.render(self.arena, row) for row in range(self.num_envs))
 
     def close_extras(self, **_options: Any) -> None:
-        """Close the recording of the live view, if there is one."""
+        """Close the window or the recording of the live view, if there is one."""
         self._renderer.close()
 
 

@@ -1,7 +1,5 @@
 """Live view: a match in a Rerun viewer while it is being played."""
 
-import os
-import sys
 from typing import Any
 
 import numpy as np
@@ -11,6 +9,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.simulation.systems.supplies import is_present
 from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
+from wildscav_engine.view.display import check_display
 from wildscav_engine.view.entities import scenery
 from wildscav_engine.view.recording import colors, coordinates
 
@@ -20,21 +19,13 @@ ARROW = 1.6  # m, length of the arrow in view direction
 BOX = 0.3  # m, half the side of a supply box
 
 
-class NoDisplayError(RuntimeError):
-    """There is no display to open a viewer on."""
-
-
 def open_recording() -> rr.RecordingStream:
     """Return a recording that is shown by a viewer, which is opened if none is running.
 
     Raises:
         NoDisplayError: There is no display for a viewer.
     """
-    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise NoDisplayError(
-            'render_mode="human" opens a window, and there is no display (neither DISPLAY nor '
-            'WAYLAND_DISPLAY is set): use render_mode="rgb_array", or gymnasium.wrappers.RecordVideo'
-        )
+    check_display("rerun")
     recording = rr.RecordingStream(APPLICATION)
     recording.spawn()
     return recording

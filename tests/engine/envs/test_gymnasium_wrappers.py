@@ -42,9 +42,10 @@ def test_statistics_of_a_vector(mode: str, ends: list[int]) -> None:
 
 
 @pytest.mark.slow
-def test_videos(tmp_path: Path) -> None:
+@pytest.mark.parametrize("view", ["eyes", "behind", "top"])
+def test_videos(tmp_path: Path, view: str) -> None:
     pytest.importorskip("moviepy")
-    picture = {"render_mode": "rgb_array", "render_view": "top", "render_size": (32, 32)}
+    picture = {"render_mode": "rgb_array", "render_view": view, "render_size": (32, 32)}
     env = RecordVideo(
         gymnasium.make(env_id("navigation"), **CHOSEN, **picture), str(tmp_path / "one"), disable_logger=True
     )

@@ -1,6 +1,6 @@
 """The live view: what is sent to Rerun while an environment is played."""
 
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 import rerun as rr
@@ -8,6 +8,7 @@ from tests.engine.envs.common import options
 
 from wildscav_engine.envs.single import SingleEnv
 from wildscav_engine.view import live
+from wildscav_engine.view.display import NoDisplayError
 
 
 @pytest.mark.slow
@@ -20,7 +21,7 @@ def test_a_match_is_shown_step_by_step_in_one_recording(monkeypatch: pytest.Monk
         return recording
 
     monkeypatch.setattr(live, "open_recording", open_recording)
-    env = SingleEnv("battle", **options("battle", sensors={}, render_mode="human"))
+    env = SingleEnv("battle", **options("battle", sensors={}, render_mode="rerun"))
     assert not opened  # nothing opens before it is needed
     env.action_space.seed(0)
     for seed in range(2):
@@ -34,9 +35,12 @@ def test_a_match_is_shown_step_by_step_in_one_recording(monkeypatch: pytest.Monk
     env.close()
 
 
-def test_without_a_display_there_is_one_clear_error_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+@pytest.mark.parametrize("mode", ["human", "rerun"])
+def test_without_a_display_there_is_one_clear_error_at_once(
+    monkeypatch: pytest.MonkeyPatch, mode: Literal["human", "rerun"]
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
         monkeypatch.delenv(name, raising=False)
-    env = SingleEnv("navigation", **options("navigation", sensors={}, render_mode="human"))
-    with pytest.raises(live.NoDisplayError, match=r'there is no display.*use render_mode="rgb_array"'):
+    env = SingleEnv("navigation", **options("navigation", sensors={}, render_mode=mode))
+    with pytest.raises(NoDisplayError, match=rf'"{mode}" opens a window.*use render_mode="rgb_array"'):
         env.reset(seed=0)

@@ -20,8 +20,10 @@ from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum
 
 ActionMode = Literal["dict", "box", "baseline", "multidiscrete"]
-RenderMode = Literal["rgb_array", "depth_array", "human"]
-RenderView = Literal["eyes", "top"]
+RenderMode = Literal["rgb_array", "depth_array", "human", "rerun"]
+RenderView = Literal["eyes", "behind", "top"]
+Width = Annotated[int, Field(ge=16, le=1920)]  # pixels
+Height = Annotated[int, Field(ge=16, le=1080)]  # pixels
 PlayerEntry = Annotated[Any, AfterValidator(read_entry)]  # becomes a ``Player`` or a ``Sampler``
 
 MAX_TEAMMATES = 7  # in the default observations of a learner, the nearest ones
@@ -63,10 +65,7 @@ class EnvConfig(Spec):
     # Rendering and execution.
     render_mode: RenderMode | None = None
     render_view: RenderView = "eyes"
-    render_size: tuple[Annotated[int, Field(ge=16, le=1920)], Annotated[int, Field(ge=16, le=1080)]] = (
-        320,
-        180,
-    )
+    render_size: tuple[Width, Height] | None = None  # pixels; None: 320 × 180, of a window 960 × 540
     threads: Annotated[int, Field(ge=1, le=1024)] = 1
 
     @field_validator("teammates", "opponents", mode="before")

@@ -75,5 +75,5 @@ class EnvOptions(TypedDict, total=False):
     # Rendering and execution
     render_mode: RenderMode | None
     render_view: RenderView
-    render_size: tuple[int, int]
+    render_size: tuple[int, int] | None
     threads: int

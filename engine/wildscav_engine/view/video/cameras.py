@@ -63,6 +63,26 @@ def at_the_eyes(moment: Moment, seat: int) -> Camera:
     return Camera(eye, float(moment.yaw[seat]), float(moment.pitch[seat]), seat)
 
 
+def behind(world: World, moment: Moment, seat: int) -> Camera:
+    """Return the camera behind an agent as it stands, without knowing how it will move."""
+    yaw, pitch = float(moment.yaw[seat]), TILT + 0.4 * float(moment.pitch[seat])
+    distance = _room(world, moment.position[seat], yaw, pitch)
+    return _camera_behind(moment.position[seat], yaw, pitch, distance, seat)
+
+
+def _room(world: World, position: Vector, yaw: float, pitch: float) -> float:
+    """Return how many m behind the head of an agent there is room for a camera."""
+    x, y, z = (position + _shoulder(yaw)).tolist()
+    dx, dy, dz = (-directions(np.array(yaw), np.array(pitch))).tolist()
+    hit = cast_ray(world, x, y, z, dx, dy, dz, BEHIND + CLEARANCE)
+    return max(0.2, min(BEHIND, float(hit.distance) - CLEARANCE))
+
+
+def _camera_behind(position: Vector, yaw: float, pitch: float, distance: float, seat: int) -> Camera:
+    eye = position + _shoulder(yaw) - distance * directions(np.array(yaw), np.array(pitch))
+    return Camera(eye, yaw, pitch, seat if distance < CLOSEST else None)
+
+
 class Follower:
     """The camera behind one agent, which turns smoothly and stays on this side of walls."""
 
@@ -78,14 +98,8 @@ class Follower:
 
     def _free(self, world: World, positions: NDArray[np.float64]) -> Vector:
         """Return (T + 1,) m how far from the head there is room for a camera."""
-        ways = -directions(self._yaw, self._pitch)
-        free = np.empty(len(positions))
-        for row, (position, way) in enumerate(zip(positions, ways, strict=True)):
-            x, y, z = (position + _shoulder(self._yaw[row])).tolist()
-            dx, dy, dz = way.tolist()
-            hit = cast_ray(world, x, y, z, dx, dy, dz, BEHIND + CLEARANCE)
-            free[row] = min(BEHIND, hit.distance - CLEARANCE)
-        return np.maximum(free, 0.2)
+        poses = zip(positions, self._yaw.tolist(), self._pitch.tolist(), strict=True)
+        return np.array([_room(world, position, yaw, pitch) for position, yaw, pitch in poses])
 
     def at(self, moment: Moment) -> Camera:
         """Return the camera at a moment."""
@@ -93,9 +107,7 @@ class Follower:
             float(np.interp(moment.frame, self._frames, values))
             for values in (self._yaw, self._pitch, self._distance)
         )
-        head = moment.position[self._seat] + _shoulder(yaw)
-        eye = head - distance * directions(np.array(yaw), np.array(pitch))
-        return Camera(eye, yaw, pitch, self._seat if distance < CLOSEST else None)
+        return _camera_behind(moment.position[self._seat], yaw, pitch, distance, self._seat)
 
 
 class Above:
