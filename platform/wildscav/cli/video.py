@@ -92,13 +92,14 @@ def video(
     record = found(record, season)
     played = read_of_seat(record, "--seat", seat)
     from wildscav_engine.record import RecordError
-    from wildscav_engine.view.video.encode import Pace, write_poster, write_video
+    from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster, write_video
     from wildscav_engine.view.video.film import DETAIL, Film, Look, VideoError
 
     width, height, pictures = MP4 if poster or path.suffix.lower() == SUFFIX else ANIMATION
     width, height = _size(size) if size else (width, height)
     chosen = detail or (1.0 if poster else DETAIL)
     try:
+        check_encoder(path)
         with _bar(f"playing {path.stem}", "steps") as report:
             film = Film(
                 played, Look(view, seat, width, height, chosen), lambda step: report(step, played.steps)

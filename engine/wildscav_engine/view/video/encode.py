@@ -5,6 +5,8 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from fractions import Fraction
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -52,6 +54,16 @@ def times_of(pace: Pace, seconds: float) -> list[float]:
     return times
 
 
+def check_encoder(path: Path) -> None:
+    """Refuse a video that cannot be encoded here, before anything is rendered.
+
+    Raises:
+        VideoError: PyAV is not installed, which MP4 needs.
+    """
+    if path.suffix.lower() == VIDEO and find_spec("av") is None:
+        raise VideoError("MP4 videos need PyAV: pip install 'wildscav[video]'")
+
+
 def write_video(
     film: Film,
     path: Path,
@@ -75,6 +87,7 @@ def write_video(
     """
     chosen = pace or Pace()
     times = times_of(chosen, film.seconds)
+    check_encoder(path)
     write = {VIDEO: _write_mp4, ".gif": _write_gif, ".webp": _write_webp}.get(path.suffix.lower())
     if write is None:
         raise VideoError(f"{path}: the name of a video must end in {', '.join(SUFFIXES)}")
@@ -146,11 +159,7 @@ def _reported(
 
 
 def _write_mp4(part: Path, pictures: Iterator[Image.Image], fps: float, film: Film) -> None:
-    try:
-        import av
-    except ImportError as error:
-        raise VideoError("MP4 videos need PyAV: pip install 'wildscav[video]'") from error
-    from fractions import Fraction
+    import av
 
     with av.open(str(part), "w", format="mp4", options={"movflags": "+faststart"}) as container:
         new_frame: Any = av.VideoFrame.from_image

@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from wildscav_engine.record import Record
+from wildscav_engine.view.video import encode
 from wildscav_engine.view.video.encode import LAST, Pace, times_of, write_video
 from wildscav_engine.view.video.film import Film, Look, VideoError
 
@@ -88,3 +89,13 @@ def test_an_interrupted_video_leaves_the_older_file_and_nothing_else(film: Film,
 
     assert path.read_bytes() == b"older"
     assert [each.name for each in tmp_path.iterdir()] == ["match.mp4"]
+
+
+def test_without_pyav_an_mp4_is_refused_and_a_gif_is_not(
+    film: Film, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(encode, "find_spec", lambda name: None)
+    with pytest.raises(VideoError, match=r"pip install 'wildscav\[video\]'"):
+        write_video(film, tmp_path / "match.mp4", Pace(0.0, 0.1))
+    write_video(film, tmp_path / "match.gif", Pace(0.0, 0.1))
+    assert [each.name for each in tmp_path.iterdir()] == ["match.gif"]
