@@ -88,3 +88,13 @@ def test_both_commitments_are_at_the_foot_of_every_page(
 
 def test_intervals_are_numbers_too(client: httpx.Client, hostile_season: FilledSeason) -> None:
     assert re.search(r"\d – \d", text_of(client, hostile_season, "/boards/navigation"))
+
+
+def test_a_match_says_how_to_watch_it_in_every_way(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    number = hostile_season.matches["ladder"]
+    page = text_of(client, hostile_season, f"/matches/{number}")
+    for way in ("From above", "Watch in 3D", f"wildscav replay match-{number}.wsr"):
+        assert way in page
+    assert f"wildscav video match-{number}.wsr --follow" in page
