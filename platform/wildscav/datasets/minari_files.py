@@ -3,6 +3,7 @@
 import shutil
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
+from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -58,7 +59,8 @@ def env_spec(track: str, options: Mapping[str, Any], spaces: Spaces) -> EnvSpec 
         options: Of the environment for one learner, ready for JSON.
         spaces: Of the data set.
     """
-    spec = gymnasium.spec(env_id(track, options["version"]))
+    # What Gymnasium returns is its registered entry itself, which must stay as it is.
+    spec = deepcopy(gymnasium.spec(env_id(track, options["version"])))
     spec.kwargs = {**spec.kwargs, **options}
     try:
         env = gymnasium.make(spec)

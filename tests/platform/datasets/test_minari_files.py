@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 from tests.engine.envs.common import OPEN, digest, many_options
@@ -15,6 +16,7 @@ from wildscav.cli.from_policy import policy_files
 from wildscav.cli.main import app
 from wildscav.datasets.from_agent import PlayedEpisodes
 from wildscav_engine.envs.batched import multi_agent_config
+from wildscav_engine.envs.registry import env_id
 
 minari = pytest.importorskip("minari")
 pytestmark = pytest.mark.slow  # Minari is installed for the slow tests alone
@@ -71,6 +73,12 @@ def test_minari_reads_the_teams_of_records(tmp_path: Path) -> None:
         by_agent = stored.infos["rewards"]
         assert np.allclose(by_agent["agent_0"][1:] + by_agent["agent_1"][1:], stored.rewards)
         assert stored.truncations.tolist() == [False] * (length - 1) + [True]
+
+
+def test_a_data_set_leaves_the_registered_environments_as_they_are() -> None:
+    before = dict(gymnasium.spec(env_id("navigation", 1)).kwargs)
+    assert dataset("--agent", "homing", "--matches", 1, "--id", "left-v0", *HERE).exit_code == 0
+    assert gymnasium.spec(env_id("navigation", 1)).kwargs == before
 
 
 def test_pixels_are_stored_as_they_are() -> None:
