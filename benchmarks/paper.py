@@ -37,7 +37,7 @@ from wildscav_engine.specs.rules import FRAME
 
 RESULTS = Path(__file__).parent / "results" / "paper"
 FRAMES, TIME_LIMIT = 15, 120.0  # of a step; s, 400 steps
-STEPS = {103: 100_000, 104: 100_000, 101: 150_000, 102: 150_000, 14: 300_000, 8: 300_000}  # of training
+STEPS = {103: 200_000, 104: 200_000, 101: 150_000, 102: 150_000, 14: 300_000, 8: 300_000}  # of training
 EPISODES = 200  # of each score
 EARLY, POINTS = (0, 1, 2, 3), 6  # of a learning curve: after so many rollouts, and so many evenly
 POINT_EPISODES = 50  # of each point

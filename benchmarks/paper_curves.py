@@ -11,7 +11,8 @@ from paper_table import PAPER
 
 COLUMNS = 3
 EPISODES = 50  # of a point of one run
-QUANTILES = {2: 12.71, 3: 4.30, 4: 3.18, 5: 2.78}  # of Student's t by the number of seeds, for 95 % intervals
+FEW = 2  # seeds, from which no interval over seeds can be drawn that says anything
+QUANTILES = {3: 4.30, 4: 3.18, 5: 2.78}  # of Student's t by the number of seeds, for 95 % intervals
 NORMAL = 2.5  # the same for more seeds, on the safe side
 
 
@@ -53,9 +54,9 @@ def draw_map(axes: Any, number: int, runs: Sequence[Any]) -> None:
 
 
 def interval(shares: Sequence[float]) -> tuple[float, float, float]:
-    """Return the mean of a point and its 95 % interval: over seeds, or of a single seed's episodes."""
+    """Return the mean of a point and its 95 % interval: over seeds, or of the episodes of one or two."""
     middle = statistics.fmean(shares)
-    if len(shares) == 1:
-        return middle, *wilson(middle, EPISODES)
+    if len(shares) <= FEW:
+        return middle, *wilson(middle, len(shares) * EPISODES)
     reach = QUANTILES.get(len(shares), NORMAL) * statistics.stdev(shares) / len(shares) ** 0.5
     return middle, max(0.0, middle - reach), min(1.0, middle + reach)
