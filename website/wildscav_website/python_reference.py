@@ -34,7 +34,7 @@ PAGES = {
         "The public names of `wildscav_engine.envs`. The guide is [environments](../environments.md).",
         {
             "wildscav_engine.envs": "SingleEnv VectorArena parallel_env aec_env ParallelArena BatchedArena "
-            "StableVector EnvConfig EnvOptions FlatObservations FlatActions describe "
+            "StableVector EnvConfig EnvOptions EpisodeOptions FlatObservations FlatActions describe "
             "League PolicyOpponent StatefulPolicy Sampler SeatController",
             "wildscav.opponents": "submission SubmissionOpponent",
         },

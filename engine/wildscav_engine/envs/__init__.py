@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wildscav_engine.envs.league import League
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
     from wildscav_engine.envs.settings.config import EnvConfig
-    from wildscav_engine.envs.settings.options import EnvOptions
+    from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
     from wildscav_engine.envs.settings.players import PolicyOpponent, Sampler, SeatController, StatefulPolicy
     from wildscav_engine.envs.settings.presets import PRESETS
     from wildscav_engine.envs.single import SingleEnv
@@ -25,6 +25,7 @@ _MODULES = {
     "BatchedArena": "batched",
     "EnvConfig": "settings.config",
     "EnvOptions": "settings.options",
+    "EpisodeOptions": "settings.options",
     "League": "league",
     "PolicyOpponent": "settings.players",
     "Sampler": "settings.players",
@@ -47,6 +48,7 @@ __all__ = [
     "BatchedArena",
     "EnvConfig",
     "EnvOptions",
+    "EpisodeOptions",
     "FlatActions",
     "FlatObservations",
     "League",

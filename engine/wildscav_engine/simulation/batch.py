@@ -2,7 +2,6 @@
 
 import copy
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +15,7 @@ from wildscav_engine.parallel.threads import share
 from wildscav_engine.simulation.batch_kernels import find_seen_in_batch, play_batch
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match
 from wildscav_engine.simulation.snapshot import Counts, History, check_size, decode, encode, map_for, write
-from wildscav_engine.simulation.state import State, allocate_state, with_room
+from wildscav_engine.simulation.state import State, allocate_state, copied, with_room
 from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
 from wildscav_engine.simulation.track import TRACKS
 from wildscav_engine.specs.actions import FIELDS, Field, no_actions
@@ -198,8 +197,8 @@ class Batch:
         """Replace everything mutable that is shared with the original by copies."""
         self.specs, self.maps, self.setups = list(self.specs), list(self.maps), list(self.setups)
         self._bank = self._bank.fork()
-        self._seen = _copies(self._seen)
-        self._set_arrays(State(*map(_copies, self.state)))
+        self._seen = copied(self._seen)
+        self._set_arrays(State(*map(copied, self.state)))
 
     def _counts(self, row: int) -> Counts:
         """Return the numbers of seats, box slots, zone phases and places of the hot spot of a match."""
@@ -251,11 +250,6 @@ class Batch:
         """The same as ``tables`` without an update: what is seen may be from an earlier step."""
         agents, supplies, matches, seen = self._array_tables
         return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
-
-
-def _copies(arrays: Any) -> Any:
-    """Return a NamedTuple with copies of all arrays."""
-    return type(arrays)(*(array.copy() for array in arrays))
 
 
 def _check_rows(rows: Sequence[int], matches: int) -> None:

@@ -214,6 +214,11 @@ def _allocate_matches(b: int, a: int, phases: int, places: int) -> Matches:
     )
 
 
+def copied(arrays: Any) -> Any:
+    """Return a NamedTuple of arrays with copies of all of them."""
+    return type(arrays)(*(array.copy() for array in arrays))
+
+
 def with_room(state: State, slots: int, phases: int, places: int) -> State:
     """Return a state with at least the given capacity: the same state if it is large enough.
 

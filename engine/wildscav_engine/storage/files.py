@@ -4,6 +4,8 @@ import errno
 import io
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -40,15 +42,34 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         OSError: It cannot be written; the error names the path. An older file stays unchanged.
     """
+    if path.exists() and not path.is_file():
+        with _errors_naming(path):
+            path.write_bytes(content)
+    else:
+        with part_of(path) as part:
+            part.write_bytes(content)
+
+
+@contextmanager
+def part_of(path: Path) -> Iterator[Path]:
+    """Yield the name of a file that becomes ``path`` once it is whole, and is deleted after any error.
+
+    Raises:
+        OSError: It cannot be written; the error names the path. An older file stays unchanged.
+    """
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        if path.exists() and not path.is_file():
-            path.write_bytes(content)
-        else:
-            part.write_bytes(content)
+        with _errors_naming(path):
+            yield part
             part.replace(path)
-    except OSError as error:
-        # The error of a full disk, which occurs in the middle of a write, does not name the path.
-        raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         part.unlink(missing_ok=True)
+
+
+@contextmanager
+def _errors_naming(path: Path) -> Iterator[None]:
+    """Let errors name a path: those of a full disk and of encoders name another file, or none."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error

@@ -74,9 +74,13 @@ class ReplayServer(ThreadingHTTPServer):
     @property
     def link(self) -> str:
         """The URL to open in a browser; for a wildcard address, the one on this machine."""
-        host, port = str(self.server_address[0]), self.server_address[1]
-        host = {"0.0.0.0": LOOPBACK, "::": "::1"}.get(host, host)  # noqa: S104 - only compared
-        return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
+        return link_to(str(self.server_address[0]), self.server_address[1])
+
+
+def link_to(host: str, port: int) -> str:
+    """Return the URL of the root of a web server; for a wildcard address, the one on this machine."""
+    host = {"0.0.0.0": LOOPBACK, "::": "::1"}.get(host, host)  # noqa: S104 - only compared
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
 
 
 class _Handler(BaseHTTPRequestHandler):

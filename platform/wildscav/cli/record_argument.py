@@ -3,7 +3,9 @@
 from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from wildscav.errors import UserError
 
@@ -14,6 +16,14 @@ SOURCES = "wildscav.record_sources"  # entry points: functions such as RecordSou
 # Returns the record of a match of a season. Its arguments are the match's number, and the season's address or
 # None for the one that the user logged in to.
 RecordSource = Callable[[int, str | None], Path]
+SeasonOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Address of the season that a number is about. Default: the one that you logged in to last.",
+        metavar="URL",
+        show_default=False,
+    ),
+]
 
 
 def found(record: Path, season: str | None) -> Path:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from wildscav.cli.record_argument import found, read_of_seat
+from wildscav.cli.record_argument import SeasonOption, found, read_of_seat
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
@@ -45,14 +45,7 @@ def replay(
     port: Annotated[
         int | None, typer.Option(help="Port that --web listens on. Default: any free one.", min=0, max=65535)
     ] = None,
-    season: Annotated[
-        str | None,
-        typer.Option(
-            help="Address of the season that a number is about. Default: the one that you logged in to last.",
-            metavar="URL",
-            show_default=False,
-        ),
-    ] = None,
+    season: SeasonOption = None,
 ) -> None:
     """Render a record as a replay that can be watched in 3D."""
     if not web and (host is not None or port is not None):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wildscav.cli.record_argument import found, read_of_seat
+from wildscav.cli.record_argument import SeasonOption, found, read_of_seat
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
@@ -72,14 +72,7 @@ def video(
             help="Share of width and height that is rendered, 0.2 to 1. Default: 0.5, of one picture 1."
         ),
     ] = None,
-    season: Annotated[
-        str | None,
-        typer.Option(
-            help="Address of the season that a number is about. Default: the one that you logged in to last.",
-            metavar="URL",
-            show_default=False,
-        ),
-    ] = None,
+    season: SeasonOption = None,
 ) -> None:
     """Render a record as a video."""
     view = _view(follow, overview, grid)
@@ -111,7 +104,7 @@ def video(
             began = monotonic()
             with _bar(f"rendering {path.name}", "pictures") as report:
                 write_video(film, path, pace, report=report)
-            shown = min(film.seconds, film.seconds if end is None else end) - (start or 0.0)
+            shown = (film.seconds if end is None else min(end, film.seconds)) - pace.start
             return _say(path, f"{shown:.0f} s of the match in {monotonic() - began:.0f} s")
     except VideoError as error:
         raise UserError(str(error)) from None
@@ -126,13 +119,8 @@ def _view(follow: bool, overview: bool, grid: bool) -> "View":
     Raises:
         UserError: More than one view is asked for.
     """
-    views: list[View] = []
-    if follow:
-        views.append("follow")
-    if overview:
-        views.append("overview")
-    if grid:
-        views.append("grid")
+    chosen: dict[View, bool] = {"follow": follow, "overview": overview, "grid": grid}
+    views = [view for view, is_chosen in chosen.items() if is_chosen]
     if len(views) > 1:
         raise UserError(f"--{views[0]} and --{views[1]} exclude each other", exit_code=2)
     return views[0] if views else "eyes"

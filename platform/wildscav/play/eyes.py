@@ -1,20 +1,18 @@
 """What a seat sees, as compressed pictures."""
 
 import io
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from PIL import Image
 
 from wildscav_engine.sensors import parse_sensors
-from wildscav_engine.simulation.state import State
+from wildscav_engine.simulation.state import State, copied
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
     from wildscav_engine.simulation.systems.visibility import Seen
     from wildscav_engine.specs.match_spec import MatchSpec
-
-Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 WIDTH, HEIGHT = 640, 360  # pixels
 FIELD_OF_VIEW = 85.0  # degrees
@@ -34,13 +32,8 @@ class Moment(NamedTuple):
 
 def moment_of(match: "MatchView") -> Moment:
     """Return a copy of the present state of a match."""
-    agents, supplies, matches = match.state
-    state = State(_copied(agents), _copied(supplies), _copied(matches))
+    state = State(*map(copied, match.state))
     return Moment(match.spec, match.game_map, match.seats, state, match.seen, match.frame)
-
-
-def _copied(arrays: Arrays) -> Arrays:
-    return type(arrays)(*(array.copy() for array in arrays))
 
 
 class Eyes:

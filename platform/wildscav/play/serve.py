@@ -17,10 +17,10 @@ from wildscav.server import MatchServer
 from wildscav.server.hosting.precompile import precompile
 from wildscav.system.leftovers import temporary_folder
 from wildscav_engine.sensors import parse_sensors
+from wildscav_engine.view.web import link_to
 
 LARGEST_MESSAGE = 4096  # bytes, from a page
 GRACE = 1  # s for open pages to be closed
-EVERY_ADDRESS = ("0.0.0.0", "::")  # noqa: S104 - only compared
 
 
 @asynccontextmanager
@@ -51,7 +51,7 @@ async def served(
         web = uvicorn.Server(_config(site))
         serving = asyncio.create_task(web.serve(sockets=[listening]))
         try:
-            yield f"http://{_shown(host)}:{listening.getsockname()[1]}{site.path}", serving
+            yield link_to(host, listening.getsockname()[1]) + site.path.removeprefix("/"), serving
         finally:
             web.should_exit = True
             await table.close()
@@ -86,10 +86,3 @@ def _listen(host: str, port: int) -> socket.socket:
         return socket.create_server((host, port), family=family)
     except (OSError, OverflowError) as error:
         raise AddressInUseError(f"{host}, port {port}", str(error)) from None
-
-
-def _shown(host: str) -> str:
-    """Return a host as links name it; for all addresses of this machine, the one that it has itself."""
-    if host in EVERY_ADDRESS:
-        return "127.0.0.1"
-    return f"[{host}]" if ":" in host else host

@@ -14,6 +14,7 @@ from typing import Any
 
 from wildscav.errors import UserError, describe
 from wildscav.training.settings import TrainingSettings
+from wildscav_engine.storage.files import part_of
 
 SETTINGS, CHECKPOINT, FIGURES = "settings.json", "checkpoint.pt", "figures.jsonl"
 WEIGHTS, RESULT = "policy.npz", "result.json"
@@ -80,9 +81,8 @@ class RunFolder:
         """Replace the checkpoint; an interruption leaves the one before."""
         import torch
 
-        new = self.path / f"{CHECKPOINT}.new"
-        torch.save(dict(state), new)
-        new.replace(self.path / CHECKPOINT)
+        with part_of(self.path / CHECKPOINT) as part:
+            torch.save(dict(state), part)
 
     def load(self) -> dict[str, Any]:
         """Return the checkpoint. It holds tensors and plain values, and no code is run to read it.

@@ -46,9 +46,8 @@ def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: b
     Raises:
         UserError: The folder or the settings cannot be used.
     """
-    torch.set_num_threads(
-        1
-    )  # more only slow networks of this size down, and bits would depend on their number
+    # More threads only slow networks of this size down, and bits would depend on their number.
+    torch.set_num_threads(1)
     place = RunFolder(folder)
     place.begin(settings, resume=resume)
     learner = make_learner(settings)

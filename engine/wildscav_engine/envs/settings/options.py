@@ -39,36 +39,21 @@ class EpisodeOptions(TypedDict, total=False):
     rewards: Mapping[str, float] | None
 
 
-class EnvOptions(TypedDict, total=False):
-    """The options of an environment besides its track. All of them are optional."""
+class EnvOptions(EpisodeOptions, total=False):
+    """The options of an environment besides its track: these and ``EpisodeOptions``. All are optional."""
 
     preset: str | None  # a preset to start from, a name in ``PRESETS``
-    # Map and places
-    map: int | Sequence[int] | MapSpec | MapConfig | None
-    level: Level
-    split: Split
-    random_maps: int
-    unseen: bool
-    start: Position | None
-    starts: Sequence[Position | None] | None
-    start_range: float | None
-    target: Position | None
     # Seats
     agents: int
     teammates: Sequence[Entry]
     opponents: Sequence[Entry] | None
     teams: Sequence[int] | None
     # Duration and rules
-    time_limit: float | None
     frames_per_action: int
     rules: Rules | Table
-    supplies: SupplyConfig | Table | None
-    supply_goal: int | None
-    zone: ZoneConfig | Table | None
-    # Observations, actions and rewards
+    # Observations and actions
     version: Literal[0, 1]
     sensors: Mapping[str, Table] | None
-    rewards: Mapping[str, float] | None
     action_mode: ActionMode
     flat: bool
     all_metrics: bool

@@ -4,7 +4,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from PIL import Image
 
+from wildscav_engine.storage.files import part_of
 from wildscav_engine.view.video.film import Film, VideoError
 
 VIDEO, ANIMATIONS, PICTURES = ".mp4", (".gif", ".webp"), (".png", ".webp", ".jpg", ".jpeg")
@@ -118,20 +119,15 @@ def write_poster(film: Film, path: Path, seconds: float | None = None) -> None:
         picture.save(part, kind, quality=85)
 
 
-@contextmanager
-def _part_of(path: Path) -> Iterator[Path]:
-    """Yield the name of a file that becomes ``path`` once it is whole, and is deleted after any error."""
+def _part_of(path: Path) -> AbstractContextManager[Path]:
+    """Return the context in which a file is written under another name until it is whole.
+
+    Raises:
+        VideoError: The path is that of something else than a file.
+    """
     if path.exists() and not path.is_file():
         raise VideoError(f"{path} is not a file")
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        yield part
-        part.replace(path)
-    except OSError as error:
-        # Errors of a full disk and of encoders name another file, or none.
-        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
-    finally:
-        part.unlink(missing_ok=True)
+    return part_of(path)
 
 
 def _taken(film: Film, times: list[float], threads: int) -> Iterator[Image.Image]:
