@@ -81,8 +81,8 @@ async def play(track: str, seconds: float, folder: Path) -> list[Figure]:
     plan = make_plan(track, None, 0, None, 600.0)
     prepare(plan)
     async with (
-        served(plan, folder, "127.0.0.1", 0, print) as (link, _),
-        connect(f"{link.replace('http:', 'ws:')}/socket", proxy=None) as socket,
+        served(plan, folder, "127.0.0.1", 0, print) as (links, _),
+        connect(f"{links.host.replace('http:', 'ws:')}/socket", proxy=None) as socket,
     ):
         player = Player(socket)
         turning = asyncio.create_task(player.turn())

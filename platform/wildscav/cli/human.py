@@ -31,6 +31,12 @@ def human(
             show_default=False,
         ),
     ] = None,
+    people: Annotated[
+        int,
+        typer.Option(
+            help="How many people can play: you, and others by links that are printed.", min=1, max=8
+        ),
+    ] = 1,
     seed: Annotated[
         int, typer.Option(help="Seed of the first match; the next has the next.", min=0, max=2**63)
     ] = 0,
@@ -40,36 +46,48 @@ def human(
     ] = None,
     host: Annotated[str, typer.Option(help="Address that the page is served on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Its port; 0 for any free one.", min=0, max=65535)] = 0,
+    public_url: Annotated[
+        str | None,
+        typer.Option(
+            help="Where others reach the page, behind a proxy: https://play.example.org.", metavar="URL"
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
     records: Annotated[Path, typer.Option(help="Folder for the records of the matches.")] = Path("out/human"),
 ) -> None:
-    """Play yourself, in the browser, against robots and submissions; Ctrl-C ends it.
+    """Play yourself, in the browser, against other people, robots and submissions; Ctrl-C ends it.
 
     Submissions run without a sandbox, so name only those whose code you trust.
     """
+    from wildscav.play.links import checked_public_url
     from wildscav.play.plan import make_plan
     from wildscav.play.serve import prepare
     from wildscav.terminal.console import console
     from wildscav.terminal.engine_progress import preparing
 
     check_folder("--records", records)
+    public = None if public_url is None else checked_public_url(public_url)
     names = None if opponents is None else [name.strip() for name in opponents.split(",") if name.strip()]
-    plan = make_plan(track, map_id, seed, names, time_limit)
+    plan = make_plan(track, map_id, seed, names, time_limit, people)
     with preparing(console):
         prepare(plan)
     with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_serve(plan, records, host, port, browser=browser))
+        asyncio.run(_serve(plan, records, host, port, public, browser=browser))
 
 
-async def _serve(plan: "Plan", records: Path, host: str, port: int, *, browser: bool) -> None:
+async def _serve(
+    plan: "Plan", records: Path, host: str, port: int, public_url: str | None, *, browser: bool
+) -> None:
     from wildscav.play.serve import served
     from wildscav.terminal.console import console
 
     def say(line: str) -> None:
         console.print(line, soft_wrap=True)
 
-    async with served(plan, records, host, port, say) as (link, serving):
-        say(f"play at {link}")
+    async with served(plan, records, host, port, say, public_url=public_url) as (links, serving):
+        say(f"play at {links.host}")
+        for number, link in enumerate(links.guests, start=2):
+            say(f"person {number} plays at {link}")
         if browser:
-            await asyncio.to_thread(webbrowser.open, link)
+            await asyncio.to_thread(webbrowser.open, links.host)
         await serving

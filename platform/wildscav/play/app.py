@@ -1,6 +1,5 @@
 """The web application: the page, its scripts, and the WebSocket of whoever has the secret link."""
 
-import secrets
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -8,17 +7,33 @@ from starlette.applications import Starlette
 from starlette.datastructures import MutableHeaders
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
-from wildscav.play.page import Page
+from wildscav.play.links import Base, Links
+from wildscav.play.player_page import PlayerPage
 from wildscav.play.table import Table
 
 STATIC = Path(__file__).parent / "static"
 NO_ACCESS = 4004  # close code for a link that is not valid
+PROBLEMS = {  # with links: a title and what to do, in HTML
+    "wrong": (
+        "This link is not valid",
+        """It may be incomplete: copy all of it. Or it is of an earlier game: all links change when the
+        game is started anew, so ask whoever invited you for a new one.""",
+    ),
+    "renewed": (
+        "This link was replaced",
+        "The host has made a new link for this seat. Ask the host for it.",
+    ),
+    "nothing": (
+        "There is nothing here",
+        "To play or to watch, open the whole link that you were sent.",
+    ),
+}
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
@@ -26,7 +41,7 @@ HEADERS = {
     ),
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
-    "Cache-Control": "no-cache",
+    "Cache-Control": "no-store",
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
@@ -54,50 +69,49 @@ class Site:
 
     Args:
         table: The table.
+        links: Its links.
+        base: Where its pages are reached.
     """
 
-    def __init__(self, table: Table) -> None:
-        self.secret = secrets.token_urlsafe(16)
-        self._table = table
-        self._page: Page | None = None  # the one that is open
+    def __init__(self, table: Table, links: Links, base: Base) -> None:
+        self._table, self._links, self._base = table, links, base
         self.app = Starlette(
             routes=[
                 Route("/play/{secret}", self._show),
                 WebSocketRoute("/play/{secret}/socket", self._connect),
                 Mount("/static", StaticFiles(directory=STATIC)),
+                Route("/{path:path}", _show_nothing),
             ],
             middleware=[Middleware(SecurityHeaders)],
         )
 
-    @property
-    def path(self) -> str:
-        """The path of the person's link."""
-        return f"/play/{self.secret}"
-
-    def _is_secret(self, text: str) -> bool:
-        return secrets.compare_digest(text.encode(), self.secret.encode())
-
     async def _show(self, request: Request) -> Response:
-        if not self._is_secret(request.path_params["secret"]):
-            return PlainTextResponse("this link is not valid: use the one that the command prints\n", 404)
-        return FileResponse(STATIC / "play.html")
+        secret = request.path_params["secret"]
+        if self._links.seat_of(secret) is not None:
+            return FileResponse(STATIC / "play.html")
+        return _explain("renewed" if self._links.was_replaced(secret) else "wrong")
 
     async def _connect(self, socket: WebSocket) -> None:
-        if not self._is_secret(socket.path_params["secret"]) or not _is_own_page(socket):
+        seat = self._links.seat_of(socket.path_params["secret"])
+        if seat is None or not self._is_own_page(socket):
             await socket.close(NO_ACCESS)
             return
         await socket.accept()
-        if self._page is not None:
-            await self._page.replace()
-        page = self._page = Page(socket, self._table)
-        try:
-            await page.serve()
-        finally:
-            if self._page is page:
-                self._page = None
+        await PlayerPage(socket, self._table, seat).serve()
+
+    def _is_own_page(self, socket: WebSocket) -> bool:
+        """Return whether a page of this site opens a WebSocket; programs other than browsers do not say."""
+        origin = socket.headers.get("origin")
+        own = socket.headers.get("host"), urlsplit(self._base.invited).netloc
+        return origin is None or urlsplit(origin).netloc in own
 
 
-def _is_own_page(socket: WebSocket) -> bool:
-    """Return whether a page of this site opens a WebSocket; programs other than browsers do not say."""
-    origin = socket.headers.get("origin")
-    return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
+async def _show_nothing(_: Request) -> Response:
+    return _explain("nothing")
+
+
+def _explain(problem: str) -> Response:
+    """Return the page that says what is wrong with a link."""
+    title, words = PROBLEMS[problem]
+    page = (STATIC / "problem.html").read_text("utf-8")
+    return HTMLResponse(page.replace("{title}", title).replace("{words}", words), 404)

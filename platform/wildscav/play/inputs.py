@@ -10,6 +10,7 @@ from wildscav.errors import WildscavError
 
 FASTEST = 10.0  # m/s, of a person who walks
 MOST_TURN = 3600.0  # degrees in one message
+LONGEST_TEXT = 100  # characters
 Share = Annotated[float, Field(ge=-1.0, le=1.0)]
 Turn = Annotated[float, Field(ge=-MOST_TURN, le=MOST_TURN)]
 Count = Annotated[int, Field(ge=0, le=2**53)]
@@ -58,7 +59,21 @@ class Pause(_Message):
     paused: bool
 
 
-Message = Input | Seen | Start | Pause
+class Rename(_Message):
+    """Call the person by another name."""
+
+    kind: Literal["rename"]
+    name: Annotated[str, Field(max_length=LONGEST_TEXT)]
+
+
+class Renew(_Message):
+    """Give a guest's seat a new link."""
+
+    kind: Literal["renew"]
+    seat: Count
+
+
+Message = Input | Seen | Start | Pause | Rename | Renew
 _messages: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="kind")])
 
 

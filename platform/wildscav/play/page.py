@@ -1,66 +1,106 @@
-"""One open page: its WebSocket, by which pictures and messages go out and inputs come in."""
+"""An open page: its WebSocket, by which messages and pictures go out and inputs come in."""
 
 import asyncio
 import json
 import struct
 import time
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import AsyncIterator, Coroutine
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from wildscav.play.inputs import Input, InputError, Pause, Seen, Start, decode_message
-from wildscav.play.table import Table
+from wildscav.errors import WildscavError
 
 MOST_UNSEEN = 2  # pictures on their way; more would wait in buffers, and be old when they are shown
 MOST_MESSAGES = 300  # a second, from a page
-POLICY_VIOLATION, UNSUPPORTED, REPLACED = 1008, 1003, 4001  # close codes; the last is for our page
+MOST_WAITING = 200  # messages to a page that does not read them
+LONGEST_REASON = 120  # bytes, of why a page is closed; the protocol allows 123
+# Why a page is closed, as the protocol and our pages know it.
+POLICY_VIOLATION, UNSUPPORTED = 1008, 1003
+REPLACED, RENEWED, TOO_MANY = 4001, 4002, 4003
 
 
-class Page:
-    """Serves a page until it is closed.
+class PageClosedError(WildscavError):
+    """A page is to be closed.
+
+    Args:
+        code: Why, for programs.
+        reason: Why, for people.
+    """
+
+    def __init__(self, code: int, reason: str) -> None:
+        super().__init__(reason)
+        self.code, self.reason = code, reason
+
+
+class Allowance:
+    """How many messages of a kind are taken in a second.
+
+    Args:
+        most: So many.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most, self._second, self._count = most, 0, 0
+
+    def count(self) -> bool:
+        """Count a message, and return whether it is within the allowance."""
+        second = int(time.monotonic())
+        if second != self._second:
+            self._second, self._count = second, 0
+        self._count += 1
+        return self._count <= self._most
+
+
+class OpenPage:
+    """What pages of players and of spectators have in common.
 
     Args:
         socket: The page's connection, which was accepted.
-        table: The table at which its person plays.
     """
 
-    def __init__(self, socket: WebSocket, table: Table) -> None:
-        self._socket, self._table = socket, table
-        self._messages: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+    def __init__(self, socket: WebSocket) -> None:
+        self._socket = socket
+        self._messages: asyncio.Queue[dict[str, Any]] = asyncio.Queue(MOST_WAITING)
         self._sending = asyncio.Lock()
         self._sent = self._seen = 0  # numbers of pictures
         self._has_seen = asyncio.Event()
-        self._second, self._received = 0, 0
-        self._tasks: list[asyncio.Task[None]] = []
-        self._replaced = False
+        self._allowance = Allowance(MOST_MESSAGES)
+        self._dismissed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
 
-    async def serve(self) -> None:
-        """Serve the page until it is closed, or another page takes its place."""
-        self._table.attach(self._tell)
-        works = (self._receive(), self._send_messages(), self._send_pictures())
-        self._tasks = [asyncio.create_task(work) for work in works]
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send the page a message as soon as possible."""
         try:
-            await asyncio.wait(self._tasks, return_when=asyncio.FIRST_COMPLETED)
+            self._messages.put_nowait(message)
+        except asyncio.QueueFull:
+            self.dismiss(POLICY_VIOLATION, "the page does not read what it is sent")
+
+    def dismiss(self, code: int, reason: str) -> None:
+        """Close the page."""
+        if not self._dismissed.done():
+            self._dismissed.set_exception(PageClosedError(code, reason))
+
+    async def _serve(self, *works: Coroutine[Any, Any, None]) -> None:
+        """Send messages and do some works until one of them ends, or the page is closed."""
+        tasks = [asyncio.create_task(work) for work in (*works, self._send_messages())]
+        try:
+            await asyncio.wait([*tasks, self._dismissed], return_when=asyncio.FIRST_COMPLETED)
         finally:
-            for task in self._tasks:
+            for task in tasks:
                 task.cancel()
-            if not self._replaced:
-                self._table.detach(self._tell)
-            ended = await asyncio.gather(*self._tasks, return_exceptions=True)
+            self._dismissed.cancel()  # does nothing if it was dismissed
+            ended = await asyncio.gather(*tasks, self._dismissed, return_exceptions=True)
+        await self._close(ended)
+
+    async def _close(self, ended: list[Any]) -> None:
+        for error in ended:
+            if isinstance(error, PageClosedError):
+                reason = error.reason.encode()[:LONGEST_REASON].decode(errors="ignore")
+                return await self._socket.close(error.code, reason)
         for error in ended:
             if isinstance(error, Exception) and not isinstance(error, WebSocketDisconnect):
                 raise error
-
-    async def replace(self) -> None:
-        """Close the page because the same link was opened in another one."""
-        self._replaced = True
-        await self._socket.close(REPLACED, "the link was opened elsewhere")
-        for task in self._tasks:
-            task.cancel()
-
-    def _tell(self, message: dict[str, Any]) -> None:
-        self._messages.put_nowait(message)
+        return None
 
     async def _send_messages(self) -> None:
         while True:
@@ -68,47 +108,34 @@ class Page:
             async with self._sending:
                 await self._socket.send_text(text)
 
-    async def _send_pictures(self) -> None:
-        """Send a picture whenever there is something new to see, and the page has shown the last ones."""
-        loop, table = asyncio.get_running_loop(), self._table
-        # A thread of its own, which keeps the memory that pictures are made in.
-        with ThreadPoolExecutor(1, "pictures") as painter:
-            while True:
-                view = await table.person.look()
-                picture = await loop.run_in_executor(painter, table.eyes.picture, view.moment)
-                self._sent += 1
-                head = json.dumps({"picture": self._sent, "input": view.taken, **view.display}).encode()
-                async with self._sending:
-                    # The length of the head, little-endian; the head, JSON; the picture, JPEG.
-                    await self._socket.send_bytes(struct.pack("<I", len(head)) + head + picture)
-                while self._sent - self._seen >= MOST_UNSEEN:
-                    self._has_seen.clear()
-                    await self._has_seen.wait()
+    async def _send_picture(self, shown: dict[str, Any], picture: bytes) -> None:
+        """Send a picture and what is shown beside it, and wait until the page has shown the last ones."""
+        self._sent += 1
+        head = json.dumps({"picture": self._sent, **shown}).encode()
+        async with self._sending:
+            # The length of the head, little-endian; the head, JSON; the picture, JPEG.
+            await self._socket.send_bytes(struct.pack("<I", len(head)) + head + picture)
+        while self._sent - self._seen >= MOST_UNSEEN:
+            self._has_seen.clear()
+            await self._has_seen.wait()
 
-    async def _receive(self) -> None:
+    def _note_seen(self, picture: int) -> None:
+        """Note that the page has shown a picture."""
+        self._seen = min(self._sent, max(self._seen, picture))
+        self._has_seen.set()
+
+    async def _texts(self) -> AsyncIterator[str]:
+        """Yield what the page sends.
+
+        Raises:
+            PageClosedError: It sends too much, or bytes.
+        """
         while True:
-            text = await self._socket.receive_text()
-            if self._is_flood():
-                return await self._socket.close(POLICY_VIOLATION, "too many messages")
-            try:
-                message = decode_message(text)
-            except InputError as error:
-                return await self._socket.close(UNSUPPORTED, str(error)[:120])
-            match message:
-                case Input():
-                    self._table.person.controls.receive(message)
-                case Seen():
-                    self._seen = min(self._sent, max(self._seen, message.picture))
-                    self._has_seen.set()
-                case Start():
-                    self._table.start()
-                case Pause():
-                    self._table.pause(message.paused)
-
-    def _is_flood(self) -> bool:
-        """Count a message, and return whether there were too many in this second."""
-        second = int(time.monotonic())
-        if second != self._second:
-            self._second, self._received = second, 0
-        self._received += 1
-        return self._received > MOST_MESSAGES
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                raise WebSocketDisconnect(message.get("code", 1005))
+            if not self._allowance.count():
+                raise PageClosedError(POLICY_VIOLATION, "too many messages")
+            if message.get("text") is None:
+                raise PageClosedError(UNSUPPORTED, "messages are texts")
+            yield message["text"]

@@ -1,6 +1,6 @@
 """Which match is played: its spec, who sits where, and their names."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,12 +23,20 @@ from wildscav_engine.tracks import TRACKS
 PERSON = "person"
 FRAMES_PER_ACTION = 1  # so that a person's inputs take effect, and pictures change, 50 times a second
 DEFAULT_MAP = MapConfig(size=120, houses=5, water=0.05)
+MOST_PEOPLE = 8
+STAND_INS = {  # the robots that play for people who are not here
+    "navigation": "seeker-easy",
+    "gathering": "gatherer-easy",
+    "capture": "seeker-easy",
+    "battle": "fighter-easy",
+    "royale": "fighter-easy",
+}
 DEFAULT_OPPONENTS = {"battle": ("fighter-easy", "gatherer", "fighter"), "royale": ("fighter-easy",) * 5}
 
 
 @dataclass(frozen=True)
 class Opponent:
-    """Who plays in another seat than the person's."""
+    """Who plays in another seat than people's."""
 
     name: str
     folder: Path | None = None  # of a submission; None for a robot
@@ -41,44 +49,73 @@ class Plan:
 
     spec: MatchSpec
     opponents: tuple[Opponent, ...]
+    people: int = 1  # who have the first seats
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The display name of every seat, different ones for opponents of the same kind."""
-        named = [opponent.name for opponent in self.opponents]
-        return PERSON, *(
-            f"{name} {named[: index + 1].count(name)}" if named.count(name) > 1 else name
-            for index, name in enumerate(named)
-        )
+        """The display name of every seat, different ones for people and for opponents of the same kind."""
+        return numbered([PERSON] * self.people + [opponent.name for opponent in self.opponents])
 
     @property
-    def against_robots(self) -> bool:
-        """Whether nobody but the person needs time to think, so that the match may be paused."""
-        return all(opponent.folder is None for opponent in self.opponents)
+    def may_pause(self) -> bool:
+        """Whether nobody but one person needs time to think."""
+        return self.people == 1 and all(opponent.folder is None for opponent in self.opponents)
 
-    def played(self, times: int) -> MatchSpec:
-        """Return the spec of the match after it was played some times already."""
-        return self.spec.model_copy(update={"seed": (self.spec.seed + times) % 2**64})
+    @property
+    def stand_in(self) -> str:
+        """The robot that plays for people who are not here when a match starts."""
+        return STAND_INS.get(self.spec.track, "walker")
+
+    def played(self, times: int, absent: Collection[int] = ()) -> MatchSpec:
+        """Return the spec of the match after it was played some times already.
+
+        Args:
+            times: How often.
+            absent: The seats of people who are not here.
+        """
+        seats = (self.stand_in if seat in absent else who for seat, who in enumerate(self.spec.seats))
+        return self.spec.model_copy(update={"seed": (self.spec.seed + times) % 2**64, "seats": tuple(seats)})
+
+
+def numbered(names: Sequence[str]) -> tuple[str, ...]:
+    """Return names of which those that occur several times are numbered, so that all are different."""
+    taken, chosen = set(names), []
+    for name in names:
+        own, number = name, 0
+        while names.count(name) > 1 and (own in taken or own == name):
+            number += 1
+            own = f"{name} {number}"
+        taken.add(own)
+        chosen.append(own)
+    return tuple(chosen)
 
 
 def make_plan(
-    track: str, map_id: int | None, seed: int, opponents: Sequence[str] | None, time_limit: float | None
+    track: str,
+    map_id: int | None,
+    seed: int,
+    opponents: Sequence[str] | None,
+    time_limit: float | None,
+    people: int = 1,
 ) -> Plan:
-    """Return the plan of a match with one person, who has the first seat.
+    """Return the plan of a match in which people have the first seats.
 
     Args:
         track: The name of a track.
         map_id: Number of a map; None for a map that is generated from the seed.
         seed: Seed of the match.
-        opponents: Names of robots and folders of submissions; None for those that suit the track.
+        opponents: Names of robots and folders of submissions; None for as many as suit the track, fewer with
+            more people.
         time_limit: s of game time; None for the track's.
+        people: How many people can play.
 
     Raises:
         UserError: Such a match is not possible.
     """
     if track not in TRACKS:
         raise UserError(f"--track is {track!r}; the tracks are {', '.join(TRACKS)}", exit_code=2)
-    wanted = DEFAULT_OPPONENTS.get(track, ()) if opponents is None else opponents
+    usual = DEFAULT_OPPONENTS.get(track, ())
+    wanted = usual[: max(0, len(usual) + 1 - people)] if opponents is None else opponents
     chosen = tuple(_opponent(text, track) for text in wanted)
     filled_by = (SUBMISSION if opponent.folder else opponent.name for opponent in chosen)
     try:
@@ -86,7 +123,7 @@ def make_plan(
             track=track,
             map=MapSpec(config=DEFAULT_MAP, seed=seed) if map_id is None else map_spec(map_id),
             seed=seed,
-            seats=(SUBMISSION, *filled_by),
+            seats=(*(SUBMISSION,) * people, *filled_by),
             time_limit=TRACKS[track].time_limit if time_limit is None else time_limit,
             frames_per_action=FRAMES_PER_ACTION,
         )
@@ -95,7 +132,7 @@ def make_plan(
         raise UserError(f"such a match is not possible: {one_line(error)}", exit_code=2) from error
     except (MapError, RecordError) as error:
         raise UserError(str(error), exit_code=2) from None
-    return Plan(spec, chosen)
+    return Plan(spec, chosen, people)
 
 
 def _opponent(text: str, track: str) -> Opponent:

@@ -1,4 +1,4 @@
-"""Serving a table: the match server, the web server, and the link to play."""
+"""Serving a table: the match server, the web server, and the links to play."""
 
 import asyncio
 import socket
@@ -11,22 +11,32 @@ import uvicorn
 from wildscav.errors import AddressInUseError
 from wildscav.play.app import Site
 from wildscav.play.eyes import Eyes
+from wildscav.play.links import Addresses, Links, base_of
+from wildscav.play.lobby import HOST
 from wildscav.play.plan import Plan
-from wildscav.play.table import SEAT, Table
+from wildscav.play.rounds import Venue
+from wildscav.play.table import COUNTDOWN, Table
 from wildscav.server import MatchServer
 from wildscav.server.hosting.precompile import precompile
 from wildscav.system.leftovers import temporary_folder
 from wildscav_engine.sensors import parse_sensors
-from wildscav_engine.view.web import link_to
 
 LARGEST_MESSAGE = 4096  # bytes, from a page
+MOST_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs
 GRACE = 1  # s for open pages to be closed
 
 
 @asynccontextmanager
 async def served(
-    plan: Plan, folder: Path, host: str, port: int, say: Callable[[str], None]
-) -> AsyncIterator[tuple[str, asyncio.Task[None]]]:
+    plan: Plan,
+    folder: Path,
+    host: str,
+    port: int,
+    say: Callable[[str], None],
+    *,
+    public_url: str | None = None,
+    countdown: int = COUNTDOWN,
+) -> AsyncIterator[tuple[Addresses, asyncio.Task[None]]]:
     """Serve a table within the block.
 
     Args:
@@ -35,9 +45,11 @@ async def served(
         host: The address that the web server listens on.
         port: Its port; 0 for any free one.
         say: Called with a line for whoever started the table.
+        public_url: The URL of a proxy's root by which others reach it; None if there is no proxy.
+        countdown: s before a match of several people.
 
     Yields:
-        The person's link, and the task of the web server, which ends on Ctrl-C.
+        The links, and the task of the web server, which ends on Ctrl-C.
 
     Raises:
         AddressInUseError: The web server cannot listen there.
@@ -46,12 +58,13 @@ async def served(
     with listening, temporary_folder("play-") as place:
         server = MatchServer()
         (address,) = await server.start([f"unix:{place}/match"])
-        table = Table(plan, server, address, folder, say)
-        site = Site(table)
+        links, base = Links(plan.people), base_of(host, listening.getsockname()[1], public_url)
+        table = Table(plan, Venue(server, address, folder), links, base, say, countdown)
+        site = Site(table, links, base)
         web = uvicorn.Server(_config(site))
         serving = asyncio.create_task(web.serve(sockets=[listening]))
         try:
-            yield link_to(host, listening.getsockname()[1]) + site.path.removeprefix("/"), serving
+            yield base.addresses(links, plan.people), serving
         finally:
             web.should_exit = True
             await table.close()
@@ -61,7 +74,7 @@ async def served(
 
 def prepare(plan: Plan) -> None:
     """Compile all kernels that matches and pictures need, or load them from the cache."""
-    precompile([Eyes(SEAT).camera])
+    precompile([Eyes(HOST).camera])
     for opponent in plan.opponents:
         precompile(parse_sensors(opponent.sensors or {}).values())
 
@@ -76,6 +89,7 @@ def _config(site: Site) -> uvicorn.Config:
         ws_max_size=LARGEST_MESSAGE,
         ws_per_message_deflate=False,
         server_header=False,
+        limit_concurrency=MOST_CONNECTIONS,
         timeout_graceful_shutdown=GRACE,
     )
 

@@ -1,21 +1,19 @@
-"""The table at which a person plays one match after another, and what it tells the person's page."""
+"""The table at which people play one match after another, and what it tells their pages."""
 
 import asyncio
 import contextlib
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wildscav.errors import WildscavError, describe
 from wildscav.play.display import metric_titles, scores_of
-from wildscav.play.eyes import Eyes
-from wildscav.play.opponents import playing
-from wildscav.play.person import Person
+from wildscav.play.links import Base, Links
+from wildscav.play.lobby import HOST, Chair, Lobby, LobbyError, Page
+from wildscav.play.page import RENEWED, REPLACED
 from wildscav.play.plan import Plan
-from wildscav.server import Clock, MatchServer
+from wildscav.play.rounds import Venue, hosted_match, play_out
 from wildscav.terminal.console import command
-from wildscav_engine.record import SUFFIX, write_record
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
@@ -23,76 +21,106 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 if TYPE_CHECKING:
     from wildscav.server import HostedMatch
 
-SEAT = 0  # the person's
 SCORES_EVERY = 0.5  # s
-LONGEST_PAUSE = 86_400.0  # s, of a match against robots alone, which wait for the person
-AGENT_CLOCK = Clock(game_time_factor=10.0)  # at 50 steps a second, twice the game time would be 40 ms a step
-ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE, game_time_factor=LONGEST_PAUSE)
-Tell = Callable[[dict[str, Any]], None]
+COUNTDOWN = 3  # s before a match of several people, so that all are ready
+HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
 
 
 class Table:
-    """Plays matches of a plan when the person's page asks for them.
+    """Plays matches of a plan when the host's page asks for them.
 
     Args:
         plan: What is played.
-        server: The server that hosts the matches.
-        address: Where it listens.
-        folder: For records, and for the output of agents.
+        venue: Where the matches are played.
+        links: The links of its people and spectators.
+        base: Where its pages are reached.
         say: Called with a line for whoever started the table.
+        countdown: s before a match of several people.
     """
 
     def __init__(
-        self, plan: Plan, server: MatchServer, address: str, folder: Path, say: Callable[[str], None]
+        self,
+        plan: Plan,
+        venue: Venue,
+        links: Links,
+        base: Base,
+        say: Callable[[str], None],
+        countdown: int = COUNTDOWN,
     ) -> None:
-        self.person, self.eyes = Person(), Eyes(SEAT)
-        self._plan, self._server, self._address, self._folder = plan, server, address, folder
-        self._say = say
-        self._tell: Tell | None = None  # the page's
+        self.lobby = Lobby(plan)
+        self._plan, self._venue, self._links, self._base, self._say = plan, venue, links, base, say
+        self._countdown = countdown
         self._situation: dict[str, Any] = {"kind": "lobby"}
+        self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
         self._match: asyncio.Task[None] | None = None
         self._played = 0
 
-    # The interface for the person's page.
+    # The interface for people's pages.
 
-    def attach(self, tell: Tell) -> None:
+    def attach(self, seat: int, page: Page) -> None:
         """Tell everything to a page from now on, first what it needs to know of the present."""
-        self._tell = tell
-        spec = self._plan.spec
-        tell(
-            {
-                "kind": "table",
-                "track": spec.track,
-                "names": self._plan.names,
-                "seat": SEAT,
-                "time_limit": spec.time_limit,
-                "may_pause": self._plan.against_robots,
-            }
-        )
-        tell(self._situation)
+        chair = self.lobby.chairs[seat]
+        if chair.page is not None:
+            chair.page.dismiss(REPLACED, "the link was opened elsewhere")
+        chair.page, chair.came = page, True
+        page.tell(self._introduction(chair))
+        self._tell_people()
+        page.tell(self._present_to(chair))
 
-    def detach(self, tell: Tell) -> None:
-        """Tell a page nothing anymore; the match is paused if it may be."""
-        if self._tell == tell:
-            self._tell = None
-            self.person.controls.release()
+    def detach(self, seat: int, page: Page) -> None:
+        """Tell a page nothing anymore; its seat stands idle, and the match is paused if it may be."""
+        chair = self.lobby.chairs[seat]
+        if chair.page is page:
+            chair.page = None
+            chair.person.controls.release()
             self.pause(True)
+            self._tell_people()
 
-    def start(self) -> None:
-        """Start the next match, unless one is being played."""
+    def start(self, seat: int) -> None:
+        """Start the next match, unless one is being played.
+
+        Raises:
+            LobbyError: Somebody else than the host asks for it.
+        """
+        _only_host(seat, "starts matches")
         if self._match is None or self._match.done():
             self._match = asyncio.create_task(self._run())
 
     def pause(self, paused: bool) -> None:
         """Pause the match, or go on; does nothing if others than robots would have to wait."""
-        if not self._plan.against_robots or self._situation["kind"] != "begin":
+        if not self._plan.may_pause or self._situation["kind"] != "begin":
             return
+        (chair,) = self.lobby.chairs
         if paused:
-            self.person.clock_runs.clear()
+            chair.person.clock_runs.clear()
         else:
-            self.person.clock_runs.set()
+            chair.person.clock_runs.set()
         self._situation["paused"] = paused
         self._announce({"kind": "paused", "paused": paused})
+
+    def rename(self, seat: int, name: str) -> None:
+        """Call a person by another name.
+
+        Raises:
+            LobbyError: It is no name, or somebody else's.
+        """
+        self.lobby.rename(seat, name)
+        self._tell_people()
+
+    def renew(self, asked_by: int, seat: int) -> None:
+        """Give a seat a new link, and close the page that was opened by the old one.
+
+        Raises:
+            LobbyError: Somebody else than the host asks for it, or it is no guest's seat.
+        """
+        _only_host(asked_by, "makes new links")
+        if not 0 < seat < len(self.lobby.chairs):
+            raise LobbyError(f"seat {seat} is no guest's")
+        self._links.renew(seat)
+        chair = self.lobby.chairs[seat]
+        if chair.page is not None:
+            chair.page.dismiss(RENEWED, "the host has made a new link for this seat")
+        self._tell_people()
 
     async def close(self) -> None:
         """End the match that is being played."""
@@ -111,32 +139,39 @@ class Table:
             self._fail(str(error))
         except OSError as error:
             self._fail(describe(error))
+        finally:
+            self._playing = frozenset()
 
     def _fail(self, message: str) -> None:
         self._say(message)
         self._change({"kind": "failed", "message": message})
 
     async def _play(self) -> None:
-        spec = self._plan.played(self._played)
+        absent = self.lobby.absent()
+        spec, names = self._plan.played(self._played, absent), self.lobby.names(absent)
         self._played += 1
-        opponents = dict(enumerate(self._plan.opponents, start=1))
-        hosted = await self._server.host(
-            spec,
-            names=self._plan.names,
-            sensors={seat: each.sensors for seat, each in opponents.items() if each.sensors},
-            clock=ROBOT_CLOCK if self._plan.against_robots else AGENT_CLOCK,
-        )
-        folders = {seat: each.folder for seat, each in opponents.items() if each.folder is not None}
-        try:
-            await asyncio.to_thread(self.eyes.prepare, hosted.match.game_map)
-            self._folder.mkdir(parents=True, exist_ok=True)
-            async with playing(folders, hosted, self._address, self._folder):
-                await self._play_hosted(hosted)
-        finally:
-            hosted.cancel()  # does nothing after its end
+        people = {chair.seat: chair.person for chair in self.lobby.chairs if chair.seat not in absent}
+        async with hosted_match(self._venue, self._plan, spec, names) as hosted:
+            await asyncio.to_thread(self.lobby.chairs[HOST].eyes.prepare, hosted.match.game_map)
+            self._playing = frozenset(people)
+            if len(people) > 1:
+                await self._count_down()
+            self._begin(hosted)
+            scoring = asyncio.create_task(self._tell_scores(hosted))
+            try:
+                path = await play_out(self._venue, hosted, people)
+            finally:
+                scoring.cancel()
+            self._finish(hosted, path)
 
-    async def _play_hosted(self, hosted: "HostedMatch") -> None:
-        self.person.clock_runs.set()
+    async def _count_down(self) -> None:
+        for seconds in range(self._countdown, 0, -1):
+            self._change({"kind": "countdown", "seconds": seconds})
+            await asyncio.sleep(1.0)
+
+    def _begin(self, hosted: "HostedMatch") -> None:
+        for seat in self._playing:
+            self.lobby.chairs[seat].person.clock_runs.set()
         fields = hosted.match.track.fields
         self._change(
             {
@@ -148,31 +183,22 @@ class Table:
                 "metrics": metric_titles(hosted.match),
             }
         )
-        if self._tell is None:
+        if self.lobby.chairs[HOST].page is None:
             self.pause(True)
-        scoring = asyncio.create_task(self._tell_scores(hosted))
-        try:
-            await self.person.play(hosted.match, self._address, hosted.tokens[SEAT])
-        finally:
-            scoring.cancel()
-        await self._finish(hosted)
 
     async def _tell_scores(self, hosted: "HostedMatch") -> None:
         while True:
             self._announce({"kind": "scores", "rows": scores_of(hosted.match, hosted.names)})
             await asyncio.sleep(SCORES_EVERY)
 
-    async def _finish(self, hosted: "HostedMatch") -> None:
-        """Write the record, and tell the result."""
-        match = (await hosted.finished()).match
-        path = self._folder / f"{match.spec.track}-{time.strftime('%Y%m%d-%H%M%S')}{SUFFIX}"
-        await asyncio.to_thread(write_record, path, match, hosted.names)
+    def _finish(self, hosted: "HostedMatch", path: Path) -> None:
+        """Tell the result."""
+        match = hosted.match
         self._say(f"record: {path}")
-        ending = match.result().ending
         self._change(
             {
                 "kind": "over",
-                "ending": ending,
+                "ending": match.result().ending,
                 "time": match.frame / FRAMES_PER_SECOND,
                 "metrics": metric_titles(match),
                 "rows": scores_of(match, hosted.names),
@@ -181,10 +207,65 @@ class Table:
             }
         )
 
+    # What pages are told.
+
+    def _introduction(self, chair: Chair) -> dict[str, Any]:
+        spec = self._plan.spec
+        return {
+            "kind": "table",
+            "track": spec.track,
+            "names": [each.name for each in self.lobby.chairs] + list(self._plan.names[self._plan.people :]),
+            "people": self._plan.people,
+            "seat": chair.seat,
+            "time_limit": spec.time_limit,
+            "may_pause": self._plan.may_pause,
+            "stand_in": self._plan.stand_in,
+        }
+
+    def _tell_people(self) -> None:
+        """Tell everybody who is here; the links of the others, to the host alone."""
+        people = [chair.describe() for chair in self.lobby.chairs]
+        for chair in self._present():
+            told = {"kind": "people", "people": people}
+            if chair.seat == HOST:
+                told |= self._invitations()
+            self._tell(chair, told)
+
+    def _invitations(self) -> dict[str, Any]:
+        guests = self.lobby.chairs[HOST + 1 :]
+        return {
+            "links": {chair.seat: self._base.invitation(self._links, chair.seat) for chair in guests},
+            "local_only": self._base.local_only,
+        }
+
+    def _present_to(self, chair: Chair) -> dict[str, Any]:
+        """Return the situation as one person may know it."""
+        situation = self._situation
+        if situation["kind"] in ("begin", "countdown") and chair.seat not in self._playing:
+            return {"kind": "elsewhere"}
+        if situation["kind"] == "over" and chair.seat != HOST:
+            return {key: value for key, value in situation.items() if key not in HOST_ALONE_KNOWS}
+        if situation["kind"] == "failed" and chair.seat != HOST:
+            return {"kind": "failed", "message": "The host's page says why."}
+        return situation
+
     def _change(self, situation: dict[str, Any]) -> None:
         self._situation = situation
-        self._announce(situation)
+        for chair in self._present():
+            self._tell(chair, self._present_to(chair))
 
     def _announce(self, message: dict[str, Any]) -> None:
-        if self._tell is not None:
-            self._tell(message)
+        for chair in self._present():
+            self._tell(chair, message)
+
+    def _present(self) -> Iterable[Chair]:
+        return (chair for chair in self.lobby.chairs if chair.page is not None)
+
+    def _tell(self, chair: Chair, message: dict[str, Any]) -> None:
+        if chair.page is not None:
+            chair.page.tell(message)
+
+
+def _only_host(seat: int, does: str) -> None:
+    if seat != HOST:
+        raise LobbyError(f"only the host {does}")

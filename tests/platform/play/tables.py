@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from wildscav.play.links import Addresses
 from wildscav.play.plan import Plan, make_plan
 from wildscav.play.serve import prepare, served
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -16,32 +17,43 @@ MEADOW = MapConfig(size=60, houses=1, relief=0.0, ruggedness=0.0, water=0.0, veg
 
 
 def small_plan(
-    track: str = "navigation", time_limit: float = 60.0, opponents: tuple[str, ...] | None = ()
+    track: str = "navigation",
+    time_limit: float = 60.0,
+    opponents: tuple[str, ...] | None = (),
+    people: int = 1,
 ) -> Plan:
     """A match on a small, flat map."""
-    plan = make_plan(track, None, 3, opponents, time_limit)
+    plan = make_plan(track, None, 3, opponents, time_limit, people)
     return replace(plan, spec=plan.spec.model_copy(update={"map": MapSpec(config=MEADOW, seed=5)}))
 
 
 @asynccontextmanager
-async def table(plan: Plan, folder: Path, said: list[str] | None = None) -> AsyncIterator[str]:
-    """Serve a table, and yield its link."""
+async def tables_links(plan: Plan, folder: Path, said: list[str] | None = None) -> AsyncIterator[Addresses]:
+    """Serve a table, and yield its links."""
     prepare(plan)
-    async with served(plan, folder, "127.0.0.1", 0, (said if said is not None else []).append) as (link, _):
-        yield link
+    say = (said if said is not None else []).append
+    async with served(plan, folder, "127.0.0.1", 0, say, countdown=0) as (links, _):
+        yield links
+
+
+@asynccontextmanager
+async def table(plan: Plan, folder: Path) -> AsyncIterator[str]:
+    """Serve a table, and yield its host's link."""
+    async with tables_links(plan, folder) as links:
+        yield links.host
 
 
 @contextmanager
-def table_in_thread(plan: Plan, folder: Path) -> Iterator[str]:
-    """Serve a table in a thread, and yield its link."""
+def table_in_thread(plan: Plan, folder: Path) -> Iterator[Addresses]:
+    """Serve a table in a thread, and yield its links."""
     found: list[Any] = []
     ready = threading.Event()
 
     async def serve() -> None:
         end = asyncio.Event()
         try:
-            async with table(plan, folder) as link:
-                found.extend((link, asyncio.get_running_loop(), end))
+            async with tables_links(plan, folder) as links:
+                found.extend((links, asyncio.get_running_loop(), end))
                 ready.set()
                 await end.wait()
         finally:
@@ -50,9 +62,9 @@ def table_in_thread(plan: Plan, folder: Path) -> Iterator[str]:
     thread = threading.Thread(target=asyncio.run, args=(serve(),))
     thread.start()
     ready.wait()
-    link, loop, end = found
+    links, loop, end = found
     try:
-        yield link
+        yield links
     finally:
         loop.call_soon_threadsafe(end.set)
         thread.join()

@@ -6,7 +6,17 @@ from typing import Any
 import pytest
 
 from wildscav.agent import Action
-from wildscav.play.inputs import Controls, Input, InputError, Pause, Seen, Start, decode_message
+from wildscav.play.inputs import (
+    Controls,
+    Input,
+    InputError,
+    Pause,
+    Rename,
+    Renew,
+    Seen,
+    Start,
+    decode_message,
+)
 
 
 def given(**fields: Any) -> Input:
@@ -18,6 +28,8 @@ def test_every_kind_of_message_is_read() -> None:
     assert decode_message(json.dumps(walk)) == given(number=7, forward=1.0, turn=-3.5, shoot=True)
     assert decode_message('{"kind": "seen", "picture": 4}') == Seen(kind="seen", picture=4)
     assert decode_message('{"kind": "start"}') == Start(kind="start")
+    assert decode_message('{"kind": "rename", "name": "Ada"}') == Rename(kind="rename", name="Ada")
+    assert decode_message('{"kind": "renew", "seat": 2}') == Renew(kind="renew", seat=2)
     assert decode_message('{"kind": "pause", "paused": true}') == Pause(kind="pause", paused=True)
 
 
@@ -35,6 +47,12 @@ def test_every_kind_of_message_is_read() -> None:
         '{"kind": "input", "number": 1, "look": 1e400}',
         '{"kind": "input", "number": 1, "shoot": 1}',
         '{"kind": "input", "number": 1, "teleport": true}',
+        '{"kind": "input", "number": 1, "seat": 1}',  # nor acts for another
+        '{"kind": "rename", "name": 5}',
+        f'{{"kind": "rename", "name": "{"x" * 101}"}}',
+        '{"kind": "renew", "seat": -1}',
+        "[" * 4000,
+        '{"kind": "watch", "seat": 1}',  # spectators do
     ],
 )
 def test_anything_else_is_refused(text: str) -> None:

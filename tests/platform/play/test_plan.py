@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.errors import UserError
-from wildscav.play.plan import make_plan
+from wildscav.play.plan import make_plan, numbered
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 
@@ -36,7 +36,33 @@ def test_a_submission_has_a_seat_with_its_sensors() -> None:
     assert plan.spec.seats == ("submission", "submission", "seeker")
     assert plan.names == ("person", "homing", "seeker")
     assert plan.opponents[0].folder == HOMING
-    assert not plan.against_robots  # it needs its time, so the match cannot be paused
+    assert not plan.may_pause  # it needs its time, so the match cannot be paused
+
+
+def test_people_have_the_first_seats_and_robots_the_rest() -> None:
+    plan = make_plan("battle", None, 0, None, None, people=3)
+    assert plan.spec.seats == ("submission", "submission", "submission", "fighter-easy")
+    assert plan.names == ("person 1", "person 2", "person 3", "fighter-easy")
+    assert not plan.may_pause
+    assert make_plan("battle", None, 0, None, None, people=6).spec.seats == ("submission",) * 6
+    assert make_plan("battle", None, 0, ["fighter"], None, people=2).spec.seats[2:] == ("fighter",)
+
+
+def test_a_robot_plays_for_each_person_who_is_not_here() -> None:
+    plan = make_plan("navigation", None, 0, ["walker"], None, people=3)
+    assert plan.played(0, absent=[1]).seats == ("submission", "seeker-easy", "submission", "walker")
+
+
+@pytest.mark.parametrize(
+    ("names", "numbered_names"),
+    [
+        (["a", "b"], ("a", "b")),
+        (["a", "b", "a"], ("a 1", "b", "a 2")),
+        (["a", "a 1", "a"], ("a 2", "a 1", "a 3")),  # somebody has that name already
+    ],
+)
+def test_no_two_seats_have_the_same_name(names: list[str], numbered_names: tuple[str, ...]) -> None:
+    assert numbered(names) == numbered_names
 
 
 @pytest.mark.parametrize(

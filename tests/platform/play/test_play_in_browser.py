@@ -70,10 +70,10 @@ class Hands:
 
 def test_a_browser_finds_the_target_by_keys_and_mouse(tmp_path: Path) -> None:
     with (
-        table_in_thread(small_plan(time_limit=120.0), tmp_path) as link,
+        table_in_thread(small_plan(time_limit=120.0), tmp_path) as links,
         chromium(viewport={"width": 1280, "height": 800}) as page,
     ):
-        start(page, link)
+        start(page, links.host)
         hands = Hands(page)
         goal, end = page.locator("#goal"), time.monotonic() + PATIENCE
         while page.get_attribute("#game", "data-state") == "playing" and time.monotonic() < end:

@@ -150,7 +150,15 @@ def test_pages_load_nothing_from_elsewhere(tmp_path: Path) -> None:
             assert policy.startswith("default-src 'none'; script-src 'self'; ")
             assert "unsafe" not in policy
             assert b"//" not in content
-            for name in ("main.js", "connection.js", "controls.js", "hud.js", "sounds.js", "play.css"):
+            for name in (
+                "main.js",
+                "connection.js",
+                "controls.js",
+                "hud.js",
+                "lobby.js",
+                "sounds.js",
+                "play.css",
+            ):
                 place = f"{link.partition('/play/')[0]}/static/{name}"
                 assert b"://" not in (await asyncio.to_thread(ask, place))[1]
 

@@ -3,9 +3,11 @@
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { fillTable, Hud } from "./hud.js";
+import { Lobby } from "./lobby.js";
 import { Sounds } from "./sounds.js";
 
-const REPLACED = 4001; // close code: the link was opened elsewhere
+const REPLACED = 4001, RENEWED = 4002; // close codes: the link was opened elsewhere, or has ended
+const HOST = 0; // the seat that starts matches
 const KEPT = 60; // delays that their median is of
 const find = (id) => document.getElementById(id);
 const game = find("game");
@@ -36,24 +38,42 @@ let lastSent = "";
 const connection = new Connection({
   onMessage: (message) => handlers[message.kind](message),
   onPicture: showPicture,
+  onLost: () => {
+    const meanwhile = !table ? "" : table.may_pause ? "The match waits for you. " : "Your seat stands idle until you are back. ";
+    showPanel("lost", "Connection lost", `${meanwhile}Trying to connect again …`);
+  },
   onClose: (code, reason) => {
-    const why = code === REPLACED ? "This match goes on in the page that you opened last."
-      : `The connection is closed${reason ? `: ${reason}` : ""}. Is the command still running? Load the page again.`;
-    showPanel("closed", "Not connected", why);
+    if (code === REPLACED) return showPanel("closed", "Opened elsewhere", "You play on in the page that opened your link last.", "Play here");
+    if (code === RENEWED) return showPanel("closed", "This link was replaced", "The host has made a new link for this seat. Ask the host for it.");
+    const why = reason ? `The server closed the connection: ${reason}.`
+      : "The game does not answer. It may have ended; if it was started anew, its links have changed.";
+    return showPanel("closed", "Not connected", why, "Try again");
   },
 });
+const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
 
 const handlers = {
   table: (message) => { table = message; },
+  people: (message) => {
+    lobby.update(message, table.seat, table.stand_in);
+    find("lobby").hidden = !showsPeople();
+  },
+  refused: ({ message }) => lobby.say(`${message[0].toUpperCase()}${message.slice(1)}.`),
   lobby: () => {
     game.toggleAttribute("data-weapon", ["battle", "royale"].includes(table.track));
     game.toggleAttribute("data-supplies", table.track !== "navigation" && table.track !== "capture");
-    const others = table.names.filter((_, seat) => seat !== table.seat);
-    const against = others.length ? ` Against you: ${others.join(", ")}.` : "";
+    const others = table.names.slice(table.people);
+    const against = others.length ? ` ${table.people > 1 ? "Robots and agents" : "Against you"}: ${others.join(", ")}.` : "";
     const fingers = matchMedia("(pointer: coarse)").matches ? " Walk with the stick, and swipe over the picture to look around." : "";
-    showPanel("lobby", `Wildscav: ${table.track}`, `${GOALS[table.track] ?? ""}${against}${fingers}`, "Play", { keys: true });
+    const waits = isHost() ? "" : " The host starts the match.";
+    showPanel("lobby", `Wildscav: ${table.track}`, `${GOALS[table.track] ?? ""}${against}${fingers}${waits}`, startButton("Play"), { keys: true });
   },
   preparing: () => showPanel("preparing", "Making the map …", "This takes a few seconds."),
+  countdown: ({ seconds }) => {
+    showPanel("countdown", `The match starts in ${seconds} …`, GOALS[table.track] ?? "", "", { keys: true });
+    sounds.playTick();
+  },
+  elsewhere: () => showPanel("elsewhere", "A match is being played", "It began without you. You take part in the next one."),
   begin: (message) => {
     hud.begin(message, table.seat);
     [delays, pictures, inputAt] = [[], [], new Map()];
@@ -67,9 +87,13 @@ const handlers = {
     else play();
   },
   scores: ({ rows }) => hud.showScores(rows),
-  failed: ({ message }) => showPanel("failed", "The match was not played", message, "Try again"),
+  failed: ({ message }) => showPanel("failed", "The match was not played", message, startButton("Try again")),
   over: showEnd,
 };
+
+const isHost = () => table.seat === HOST;
+const startButton = (text) => (isHost() ? text : "");
+const showsPeople = () => table?.people > 1 && ["lobby", "preparing", "elsewhere", "over", "failed"].includes(game.dataset.state);
 
 function play() {
   game.dataset.state = "playing";
@@ -93,6 +117,7 @@ function showPanel(state, title, words, button = "", { keys = false } = {}) {
   find("keys").hidden = !keys || matchMedia("(pointer: coarse)").matches;
   find("result").hidden = find("record").hidden = true;
   find("touch").hidden = true;
+  find("lobby").hidden = !showsPeople();
   find("panel").hidden = false;
   find("hud").hidden = state !== "paused";
 }
@@ -110,11 +135,13 @@ function headline({ ending, time, rows }) {
 }
 
 function showEnd(message) {
-  showPanel("over", headline(message), message.ending === "time_up" ? "The time is up." : "The match is over.", "Play again");
+  showPanel("over", headline(message), message.ending === "time_up" ? "The time is up." : "The match is over.",
+    startButton("Play again"));
   fillTable(find("result"), message.metrics.map(({ title, unit }) => (unit ? `${title} (${unit})` : title)), message.rows, table.seat);
-  find("record").querySelector("code").textContent = message.record;
-  find("record").querySelector("pre").textContent = message.commands.join("\n");
-  find("result").hidden = find("record").hidden = false;
+  find("record").querySelector("code").textContent = message.record ?? "";
+  find("record").querySelector("pre").textContent = message.commands?.join("\n") ?? "";
+  find("result").hidden = false;
+  find("record").hidden = !message.record; // where it lies is the host's business
   find("go").focus();
   sounds.playEnd();
 }
@@ -142,6 +169,14 @@ function measure(input) {
   hud.showDelay(middle, pictures.length);
 }
 
+// Send that nothing is held.
+function letGo() {
+  controls.release();
+  number += 1;
+  lastSent = "";
+  connection.send({ kind: "input", number, ...controls.take(0) });
+}
+
 // Send what the person does, at each frame of the display; what is merely held is not repeated.
 function sendInput(now) {
   requestAnimationFrame(sendInput);
@@ -159,7 +194,12 @@ requestAnimationFrame(sendInput);
 find("go").addEventListener("click", () => {
   sounds.unlock();
   controls.lock();
-  connection.send(game.dataset.state === "paused" ? { kind: "pause", paused: false } : { kind: "start" });
+  if (game.dataset.state === "closed") {
+    showPanel("connecting", "Wildscav", "Connecting …");
+    connection.open();
+  } else {
+    connection.send(game.dataset.state === "paused" ? { kind: "pause", paused: false } : { kind: "start" });
+  }
 });
 find("picture").addEventListener("click", () => {
   if (controls.enabled && !controls.locked) controls.lock();
@@ -168,9 +208,12 @@ document.addEventListener("pointerlockchange", () => {
   if (!document.pointerLockElement) askToPause();
 });
 document.addEventListener("visibilitychange", () => {
-  if (document.hidden) askToPause();
+  if (!document.hidden) return;
+  if (game.dataset.state === "playing") letGo(); // a hidden page draws nothing, and so sends nothing
+  askToPause();
 });
 addEventListener("keydown", (event) => {
+  if (event.target instanceof HTMLInputElement) return;
   if (event.code === "KeyM") sounds.on = !sounds.on;
   if (event.code === "Escape") askToPause();
 });

@@ -58,6 +58,10 @@ export class Sounds {
     if (gained) [660, 880].forEach((tone, index) => this.#tone(tone, tone * 1.01, 0.15, 0.12, index * 0.09));
   }
 
+  playTick() {
+    if (this.on && this.context) this.#tone(440, 440, 0.12, 0.1);
+  }
+
   playEnd() {
     if (!this.on || !this.context) return;
     [523, 659, 784].forEach((tone, index) => this.#tone(tone, tone, 0.15, 0.25, index * 0.16));

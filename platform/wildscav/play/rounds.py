@@ -1,0 +1,77 @@
+"""One match of a table: hosted by the match server, played by people and submissions, and recorded."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from wildscav.play.opponents import playing
+from wildscav.play.person import Person
+from wildscav.play.plan import Plan
+from wildscav.server import Clock, MatchServer
+from wildscav_engine.record import SUFFIX, write_record
+
+if TYPE_CHECKING:
+    from wildscav.server import HostedMatch
+    from wildscav_engine.specs.match_spec import MatchSpec
+
+LONGEST_PAUSE = 86_400.0  # s, of a match against robots alone, which wait for the person
+AGENT_CLOCK = Clock(game_time_factor=10.0)  # at 50 steps a second, twice the game time would be 40 ms a step
+ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE, game_time_factor=LONGEST_PAUSE)
+
+
+class Venue(NamedTuple):
+    """Where matches are played."""
+
+    server: MatchServer
+    address: str  # where it listens
+    folder: Path  # for records, and for the output of agents
+
+
+@asynccontextmanager
+async def hosted_match(
+    venue: Venue, plan: Plan, spec: "MatchSpec", names: Sequence[str]
+) -> AsyncIterator["HostedMatch"]:
+    """Host a match within the block, and run the submissions that play in it."""
+    opponents = dict(enumerate(plan.opponents, start=plan.people))
+    hosted = await venue.server.host(
+        spec,
+        names=names,
+        sensors={seat: each.sensors for seat, each in opponents.items() if each.sensors},
+        clock=ROBOT_CLOCK if plan.may_pause else AGENT_CLOCK,
+    )
+    folders = {seat: each.folder for seat, each in opponents.items() if each.folder is not None}
+    try:
+        venue.folder.mkdir(parents=True, exist_ok=True)
+        async with playing(folders, hosted, venue.address, venue.folder):
+            yield hosted
+    finally:
+        hosted.cancel()  # does nothing after its end
+
+
+async def play_out(venue: Venue, hosted: "HostedMatch", people: Mapping[int, Person]) -> Path:
+    """Let people play a match to its end, and return its record.
+
+    Args:
+        venue: Where it is played.
+        hosted: The match.
+        people: The person of each seat that one has.
+    """
+    # The seats are joined at the same time, because the match begins when all are.
+    joined = (
+        person.play(hosted.match, venue.address, hosted.tokens[seat]) for seat, person in people.items()
+    )
+    await asyncio.gather(*joined)
+    match = (await hosted.finished()).match
+    path = _free_path(venue.folder, match.spec.track)
+    await asyncio.to_thread(write_record, path, match, hosted.names)
+    return path
+
+
+def _free_path(folder: Path, track: str) -> Path:
+    """Return a path for a record, another one if a match ended in the same second."""
+    stem = f"{track}-{time.strftime('%Y%m%d-%H%M%S')}"
+    names = (f"{stem}{f'-{number}' if number > 1 else ''}{SUFFIX}" for number in range(1, 1000))
+    return next(path for path in (folder / name for name in names) if not path.exists())
