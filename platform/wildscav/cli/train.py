@@ -1,6 +1,7 @@
 """``wildscav train``: train a policy, measure it, and make a submission of it."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -51,6 +52,21 @@ Stages = Annotated[
         help="Start at most so many metres from the target, and farther away at 80 % success; last anywhere.",
     ),
 ]
+Opponents = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME,…",
+        help="Who fills the opponents' seats, drawn for each match: robots, submissions, and self for copies "
+        "of the policy.",
+    ),
+]
+OpponentSeats = Annotated[
+    int | None, typer.Option(help="Opponents in a match; by default as many as the track has.", min=1, max=99)
+]
+EasyFirst = Annotated[
+    bool,
+    typer.Option("--easy-first", help="Robots among them begin at the level easy, and rise as they lose."),
+]
 Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=1, max=10**12)]
 Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
 Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MOST_SEEDS)]
@@ -75,6 +91,9 @@ def train(
     option: Options = None,
     changes: Changes = None,
     curriculum: Stages = None,
+    opponents: Opponents = None,
+    opponent_seats: OpponentSeats = None,
+    easy_first: EasyFirst = False,
     steps: Steps = 100_000,
     seed: Seed = 0,
     seeds: Seeds = 1,
@@ -90,10 +109,9 @@ def train(
     Each run learns on one processor core; it writes its figures for TensorBoard, and can be continued.
     """
     options = _environment(level, map_number, option)
-    runs = [
-        _settings(algorithm, preset, track, options, changes, curriculum, steps, each)
-        for each in range(seed, seed + seeds)
-    ]
+    first = _settings(algorithm, preset, track, options, changes, curriculum, steps, seed)
+    first = _opposed(first, opponents, opponent_seats, easy_first=easy_first)
+    runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
     _check_folders(out, submission, resume=resume)
     results = _train_all(runs, out, episodes, min(at_once, seeds), resume=resume)
     from wildscav.terminal.console import console, print_json
@@ -160,6 +178,33 @@ def _settings(
         raise UserError(f"--curriculum is for tracks with a target, not for {track}", exit_code=2)
     stages = () if curriculum is None else _stages(curriculum)
     return TrainingSettings(track, all_options, steps, seed, hyperparameters, stages, algorithm)
+
+
+def _opposed(
+    settings: "TrainingSettings", names: str | None, seats: int | None, *, easy_first: bool
+) -> "TrainingSettings":
+    """Return the settings of a run with its opponents.
+
+    Raises:
+        UserError: They are wrong, or the algorithm does not choose its opponents.
+    """
+    from wildscav.training.algorithms import ALGORITHMS, OURS
+    from wildscav.training.opposition import read_opposition
+
+    if names is None:
+        if seats is not None or easy_first:
+            raise UserError("--opponent-seats and --easy-first are for runs with --opponents", exit_code=2)
+        return settings
+    if ALGORITHMS[settings.algorithm].library != OURS:
+        raise UserError(
+            f"--opponents is for --algorithm ppo, not for {settings.algorithm}; it plays robots with "
+            "--option opponents=[…]",
+            exit_code=2,
+        )
+    if settings.options.get("opponents") is not None:
+        raise UserError("--opponents and --option opponents=… are both given: take one", exit_code=2)
+    found = read_opposition(names, settings.track, settings.options, seats, easy_first=easy_first)
+    return replace(settings, opposition=found)
 
 
 def _stages(text: str) -> tuple[float, ...]:

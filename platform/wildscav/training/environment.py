@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wildscav.errors import UserError
+from wildscav.training.opposition import fixed_opponents
 from wildscav.training.settings import MODES, TrainingSettings
 from wildscav_engine.envs.batched import BatchedArena
 
@@ -16,10 +17,18 @@ def make_env(
 ) -> BatchedArena:
     """Return the environment of a run.
 
+    Args:
+        settings: The run.
+        matches: Played at the same time.
+        start_range: The farthest start from the target, m; None: any.
+        more: Further options. Without ``opponents`` among them, a run with opposition meets its fixed part.
+
     Raises:
         UserError: An option is invalid, or the environment is not one that can be learned here.
     """
     options = {**settings.options, **more}
+    if settings.opposition is not None and "opponents" not in more:
+        options["opponents"] = fixed_opponents(settings.opposition)
     if start_range is not None:
         options["start_range"] = start_range
     try:

@@ -18,6 +18,7 @@ from torch import Tensor, nn
 
 from wildscav.training.curriculum import Curriculum
 from wildscav.training.environment import APART, ROOM, make_env, mean_of, sizes_of
+from wildscav.training.self_play import SelfPlay
 from wildscav.training.settings import TrainingSettings
 from wildscav_engine.envs.batched import BatchedArena, Outcome
 
@@ -134,6 +135,7 @@ class PPO:
         steps: Steps of all learners so far.
         policy, value: The networks.
         curriculum: The stages of the run.
+        opponents: Who plays against it, copies of itself among them.
     """
 
     def __init__(self, settings: TrainingSettings) -> None:
@@ -144,13 +146,15 @@ class PPO:
         """
         self.settings, self._given = settings, settings.hyperparameters
         self.curriculum = Curriculum(settings.curriculum)
-        self.env = make_env(settings, self._given.matches, self.curriculum.start_range)
+        self.opponents = SelfPlay(settings.opposition, settings.seed)
+        self._make_env()
         self.choices = Choices(sizes_of(self.env))
         torch.manual_seed(settings.seed)
         self._random = torch.Generator().manual_seed(settings.seed)
         inputs, hidden = int(self.env.single_observation_space.shape[0]), self._given.layers  # type: ignore[index]
         self.policy = make_network(inputs, hidden, sum(self.choices.sizes), gain=0.01)
         self.value = make_network(inputs, hidden, 1, gain=1.0)
+        self.opponents.begin(self.policy, self.choices.draw, self.env.single_action_space.shape or ())
         self._weights = [*self.policy.parameters(), *self.value.parameters()]
         self._adam = torch.optim.Adam(self._weights, lr=self._given.learning_rate, eps=1e-5)
         self._divergence = self._given.divergence
@@ -167,13 +171,18 @@ class PPO:
         figures |= self._learn(played, next_value)
         self.rollouts += 1
         figures["steps_per_cpu_second"] = len(played.reward.reshape(-1)) / (time.process_time() - started)
+        figures |= self.opponents.after_rollout(self.rollouts, self.total, self.policy)
         if self.curriculum.advance():
-            self.env = make_env(self.settings, self._given.matches, self.curriculum.start_range)
+            self._make_env()
             self._begin_stage()
         return {**figures, "stage": float(self.curriculum.stage)}
 
-    def _begin_stage(self) -> None:
-        first = self.settings.seed * APART + self.curriculum.stage * ROOM
+    def _make_env(self) -> None:
+        start_range, others = self.curriculum.start_range, self.opponents.options
+        self.env = make_env(self.settings, self._given.matches, start_range, **others)
+
+    def _begin_stage(self, part: int = 0) -> None:
+        first = self.settings.seed * APART + self.curriculum.stage * ROOM + part
         self._seen = rows_of(self.env.reset(seed=first))
         self._returns = np.zeros(len(self._seen))  # (N,) of the episodes that are being played
 
@@ -283,7 +292,8 @@ class PPO:
 
     def state(self) -> dict[str, Any]:
         """Return everything that the next iteration depends on: tensors, numbers and lists of them."""
-        matches = [self.env.get_state(row) for row in range(self.env.num_matches)]
+        rows = () if self.opponents.has_memory else range(self.env.num_matches)
+        matches = [self.env.get_state(row) for row in rows]
         return {
             "policy": self.policy.state_dict(),
             "value": self.value.state_dict(),
@@ -292,6 +302,7 @@ class PPO:
             "divergence": self._divergence,
             "counts": [self.steps, self.rollouts],
             "curriculum": self.curriculum.state(),
+            "opponents": self.opponents.state(),
             "matches": [torch.frombuffer(bytearray(match), dtype=torch.uint8) for match in matches],
             "seen": self._seen,
             "returns": torch.from_numpy(self._returns),
@@ -307,11 +318,16 @@ class PPO:
         self._divergence = float(state["divergence"])
         self.steps, self.rollouts = map(int, state["counts"])
         self.curriculum.restore(state["curriculum"])
-        self.env = make_env(self.settings, self._given.matches, self.curriculum.start_range)
+        self.opponents.restore(state["opponents"], self.policy)
+        self._make_env()
+        if not state["matches"]:  # opponents with a memory: the matches begin anew, and are other ones
+            return self._begin_stage(self.rollouts * self.env.num_matches % ROOM)
         for row, match in enumerate(state["matches"]):
             self.env.set_state(row, match.numpy().tobytes())
+        self.env.arena.cast.count_all()
         # A reading after set_state has no events, so the observation itself is in the state, too.
         self._seen, self._returns = state["seen"], state["returns"].numpy().copy()
+        return None
 
 
 # --- From and to the environment ---------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav.training.algorithms import ALGORITHMS
 from wildscav.training.hyperparameters import Hyperparameters
+from wildscav.training.opposition import Opposition
 
 MODES = ("multidiscrete", "baseline")  # the action modes that can be learned
 
@@ -37,12 +38,15 @@ class TrainingSettings:
     hyperparameters: Hyperparameters
     curriculum: tuple[float, ...] = ()  # m, the start range of each stage but the last, which has none
     algorithm: str = "ppo"
+    opposition: Opposition | None = None  # None: the opponents in the options
 
     def as_json(self) -> dict[str, Any]:
         """Return the settings as values for JSON."""
-        return {**asdict(self), "curriculum": list(self.curriculum), "options": dict(self.options)} | {
-            "hyperparameters": asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
-        }
+        own = {**asdict(self), "curriculum": list(self.curriculum), "options": dict(self.options)}
+        del own["opposition"]
+        numbers = asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
+        opposition = {} if self.opposition is None else {"opposition": self.opposition.as_json()}
+        return {**own, "hyperparameters": numbers, **opposition}
 
 
 def preset_settings(

@@ -9,6 +9,7 @@ from wildscav.training.hyperparameters import Hyperparameters
 from wildscav.training.settings import TrainingSettings
 
 SMALL = Hyperparameters(matches=4, rollout=16, minibatch=16, epochs=2, layers=(8,))
+FIELDS = ("curriculum", "seed", "algorithm", "opposition")
 OPTIONS: dict[str, Any] = {
     "map": OPEN.model_dump(mode="json"),
     "time_limit": 3.0,
@@ -22,7 +23,7 @@ OPTIONS: dict[str, Any] = {
 
 def small(track: str = "navigation", steps: int = 256, **changes: Any) -> TrainingSettings:
     """The settings of a small run; ``changes`` are fields of the settings, of options or of SMALL."""
-    fields = {name: changes.pop(name) for name in ("curriculum", "seed", "algorithm") if name in changes}
+    fields = {name: changes.pop(name) for name in FIELDS if name in changes}
     options = {name: changes.pop(name) for name in list(changes) if not hasattr(SMALL, name)}
     return TrainingSettings(
         track=track,
@@ -32,4 +33,5 @@ def small(track: str = "navigation", steps: int = 256, **changes: Any) -> Traini
         hyperparameters=replace(SMALL, **changes),
         curriculum=fields.get("curriculum", ()),
         algorithm=fields.get("algorithm", "ppo"),
+        opposition=fields.get("opposition"),
     )

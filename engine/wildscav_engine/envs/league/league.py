@@ -109,6 +109,17 @@ class League(Sampler):
             self._drop(max(list(self._members.values())[:-1], key=lambda each: each.win_rate).name)
         return chosen
 
+    def add_robot(self, name: str) -> None:
+        """Add a robot, for instance a stronger one when the learner beats the others.
+
+        Raises:
+            LeagueError: There is one of this name already.
+            ValueError: There is no such robot.
+        """
+        if name in self.results:
+            raise LeagueError(f"the league already has {name!r}; names must differ")
+        self._robots[_checked_robot(name)] = Results(name=name)
+
     def _enter(self, name: str, source: Any, results: Results) -> None:
         policy = source if self._factory is None else self._factory(source)
         player = read_player(policy)
@@ -204,13 +215,17 @@ class League(Sampler):
         Raises:
             OSError: The file cannot be written; an older one stays as it is.
         """
-        table = LeagueTable(
+        write_table(Path(path), self.table)
+
+    @property
+    def table(self) -> LeagueTable:
+        """Everything in the league but its policies."""
+        return LeagueTable(
             settings=self.settings,
             added=self._added,
             members=tuple(self._members.values()),
             robots=tuple(self._robots.values()),
         )
-        write_table(Path(path), table)
 
     @classmethod
     def load(
@@ -228,13 +243,23 @@ class League(Sampler):
             LeagueError: The file is not a table of a league, or a policy is missing.
             OSError: The file cannot be read.
         """
-        table = read_table(Path(path))
+        return cls.of(read_table(Path(path)), sources, factory=factory)
+
+    @classmethod
+    def of(
+        cls, table: LeagueTable, sources: Mapping[str, Any], *, factory: Factory | None = None
+    ) -> "League":
+        """Return the league of a table; the arguments are those of ``load``.
+
+        Raises:
+            LeagueError: A policy is missing.
+        """
         league = cls(
             robots=[each.name for each in table.robots], factory=factory, **table.settings.model_dump()
         )
         missing = [each.name for each in table.members if each.name not in sources]
         if missing:
-            raise LeagueError(f"{path} lists {', '.join(missing)}, which sources does not contain")
+            raise LeagueError(f"the table lists {', '.join(missing)}, which sources does not contain")
         for each in table.members:
             league._enter(each.name, sources[each.name], each)
         league._robots = {each.name: each for each in table.robots}

@@ -280,3 +280,7 @@ class Cast:
         if players is not None:
             self._next[match] = players
             self._unrecorded.add(match)
+
+    def count_all(self) -> None:
+        """Record the results of restored matches, too: they continue a run, and are no forks of others."""
+        self._counts[:] = True

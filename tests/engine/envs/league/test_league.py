@@ -289,3 +289,14 @@ def test_a_sampler_that_returns_too_few_players_is_refused() -> None:
     env = SingleEnv("battle", **battle(opponents=(Lazy(),) * 2))
     with pytest.raises(ValueError, match=r"Lazy\.sample returned 0 players for 2 seats"):
         env.reset(seed=0)
+
+
+def test_a_robot_joins_later() -> None:
+    league = League(robots=("walker",), robot_share=1.0, latest_share=0.0)
+    league.add_robot("fighter-easy")
+    assert league.probabilities() == {"walker": 0.5, "fighter-easy": 0.5}
+    assert League.of(league.table, {}).results == league.results
+    with pytest.raises(LeagueError, match="already has 'walker'"):
+        league.add_robot("walker")
+    with pytest.raises(ValueError, match="there is no robot 'figther'"):
+        league.add_robot("figther")
