@@ -15,6 +15,7 @@ from starlette.websockets import WebSocket
 
 from wildscav.play.links import Base, Links
 from wildscav.play.player_page import PlayerPage
+from wildscav.play.spectator_page import SpectatorPage
 from wildscav.play.table import Table
 
 STATIC = Path(__file__).parent / "static"
@@ -79,6 +80,8 @@ class Site:
             routes=[
                 Route("/play/{secret}", self._show),
                 WebSocketRoute("/play/{secret}/socket", self._connect),
+                Route("/watch/{secret}", self._show_match),
+                WebSocketRoute("/watch/{secret}/socket", self._connect_spectator),
                 Mount("/static", StaticFiles(directory=STATIC)),
                 Route("/{path:path}", _show_nothing),
             ],
@@ -98,6 +101,18 @@ class Site:
             return
         await socket.accept()
         await PlayerPage(socket, self._table, seat).serve()
+
+    async def _show_match(self, request: Request) -> Response:
+        if self._links.is_watching(request.path_params["secret"]):
+            return FileResponse(STATIC / "watch.html")
+        return _explain("wrong")
+
+    async def _connect_spectator(self, socket: WebSocket) -> None:
+        if not self._links.is_watching(socket.path_params["secret"]) or not self._is_own_page(socket):
+            await socket.close(NO_ACCESS)
+            return
+        await socket.accept()
+        await SpectatorPage(socket, self._table).serve()
 
     def _is_own_page(self, socket: WebSocket) -> bool:
         """Return whether a page of this site opens a WebSocket; programs other than browsers do not say."""

@@ -1,7 +1,7 @@
 """What a person's page sends, and how it becomes actions."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
@@ -73,18 +73,40 @@ class Renew(_Message):
     seat: Count
 
 
+class Watch(_Message):
+    """What a spectator wants to see."""
+
+    kind: Literal["watch"]
+    seat: Count | None  # whose eyes; None for the overview
+
+
 Message = Input | Seen | Start | Pause | Rename | Renew
 _messages: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="kind")])
+_of_spectators: TypeAdapter[Watch | Seen] = TypeAdapter(Annotated[Watch | Seen, Field(discriminator="kind")])
+T = TypeVar("T")
 
 
 def decode_message(text: str) -> Message:
-    """Return the message in a text from a page.
+    """Return the message in a text from the page of a person who plays.
 
     Raises:
         InputError: It is none.
     """
+    return _decoded(_messages, text)
+
+
+def decode_of_spectator(text: str) -> Watch | Seen:
+    """Return the message in a text from a spectator's page.
+
+    Raises:
+        InputError: It is none; spectators do nothing else.
+    """
+    return _decoded(_of_spectators, text)
+
+
+def _decoded(messages: TypeAdapter[T], text: str) -> T:
     try:
-        return _messages.validate_json(text)
+        return messages.validate_json(text)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(map(str, first["loc"])) or "message"

@@ -65,6 +65,8 @@ class OpenPage:
         self._sending = asyncio.Lock()
         self._sent = self._seen = 0  # numbers of pictures
         self._has_seen = asyncio.Event()
+        self._sent_at: dict[int, float] = {}  # when pictures that were not seen were sent, s
+        self.round_trip: float | None = None  # s from sending a picture to hearing that it was shown
         self._allowance = Allowance(MOST_MESSAGES)
         self._dismissed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
 
@@ -111,6 +113,7 @@ class OpenPage:
     async def _send_picture(self, shown: dict[str, Any], picture: bytes) -> None:
         """Send a picture and what is shown beside it, and wait until the page has shown the last ones."""
         self._sent += 1
+        self._sent_at[self._sent] = time.monotonic()
         head = json.dumps({"picture": self._sent, **shown}).encode()
         async with self._sending:
             # The length of the head, little-endian; the head, JSON; the picture, JPEG.
@@ -121,6 +124,9 @@ class OpenPage:
 
     def _note_seen(self, picture: int) -> None:
         """Note that the page has shown a picture."""
+        if (sent := self._sent_at.get(picture)) is not None:
+            self.round_trip = time.monotonic() - sent
+            self._sent_at = {number: when for number, when in self._sent_at.items() if number > picture}
         self._seen = min(self._sent, max(self._seen, picture))
         self._has_seen.set()
 

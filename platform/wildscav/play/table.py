@@ -2,12 +2,14 @@
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterable
+from collections.abc import AsyncIterator, Callable, Coroutine
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wildscav.errors import WildscavError, describe
 from wildscav.play.display import metric_titles, scores_of
+from wildscav.play.gallery import Gallery
 from wildscav.play.links import Base, Links
 from wildscav.play.lobby import HOST, Chair, Lobby, LobbyError, Page
 from wildscav.play.page import RENEWED, REPLACED
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from wildscav.server import HostedMatch
 
 SCORES_EVERY = 0.5  # s
+MOST_SPECTATORS = 20
 COUNTDOWN = 3  # s before a match of several people, so that all are ready
 HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
 
@@ -47,7 +50,8 @@ class Table:
         say: Callable[[str], None],
         countdown: int = COUNTDOWN,
     ) -> None:
-        self.lobby = Lobby(plan)
+        self.lobby, self.gallery = Lobby(plan), Gallery()
+        self._spectators: dict[Page, None] = {}  # their pages, in the order in which they came
         self._plan, self._venue, self._links, self._base, self._say = plan, venue, links, base, say
         self._countdown = countdown
         self._situation: dict[str, Any] = {"kind": "lobby"}
@@ -122,6 +126,21 @@ class Table:
             chair.page.dismiss(RENEWED, "the host has made a new link for this seat")
         self._tell_people()
 
+    def admit(self, page: Page) -> bool:
+        """Tell everything to a spectator's page from now on; return whether there was room for it."""
+        if len(self._spectators) >= MOST_SPECTATORS:
+            return False
+        self._spectators[page] = None
+        page.tell(self._introduction(None))
+        self._tell_people()
+        page.tell(self._present_to(None))
+        return True
+
+    def dismiss(self, page: Page) -> None:
+        """Tell a spectator's page nothing anymore."""
+        del self._spectators[page]
+        self._tell_people()
+
     async def close(self) -> None:
         """End the match that is being played."""
         if self._match is not None:
@@ -157,11 +176,8 @@ class Table:
             if len(people) > 1:
                 await self._count_down()
             self._begin(hosted)
-            scoring = asyncio.create_task(self._tell_scores(hosted))
-            try:
+            async with beside(self._tell_scores(hosted)), beside(self.gallery.show(hosted)):
                 path = await play_out(self._venue, hosted, people)
-            finally:
-                scoring.cancel()
             self._finish(hosted, path)
 
     async def _count_down(self) -> None:
@@ -209,14 +225,14 @@ class Table:
 
     # What pages are told.
 
-    def _introduction(self, chair: Chair) -> dict[str, Any]:
+    def _introduction(self, chair: Chair | None) -> dict[str, Any]:
         spec = self._plan.spec
         return {
             "kind": "table",
             "track": spec.track,
             "names": [each.name for each in self.lobby.chairs] + list(self._plan.names[self._plan.people :]),
             "people": self._plan.people,
-            "seat": chair.seat,
+            "seat": None if chair is None else chair.seat,
             "time_limit": spec.time_limit,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
@@ -225,45 +241,59 @@ class Table:
     def _tell_people(self) -> None:
         """Tell everybody who is here; the links of the others, to the host alone."""
         people = [chair.describe() for chair in self.lobby.chairs]
-        for chair in self._present():
-            told = {"kind": "people", "people": people}
-            if chair.seat == HOST:
-                told |= self._invitations()
-            self._tell(chair, told)
+        told = {"kind": "people", "people": people, "spectators": len(self._spectators)}
+        for page, chair in self._open_pages():
+            page.tell(told | self._invitations() if _is_host(chair) else told)
 
     def _invitations(self) -> dict[str, Any]:
         guests = self.lobby.chairs[HOST + 1 :]
         return {
             "links": {chair.seat: self._base.invitation(self._links, chair.seat) for chair in guests},
+            "watch_link": self._base.watching(self._links),
             "local_only": self._base.local_only,
         }
 
-    def _present_to(self, chair: Chair) -> dict[str, Any]:
-        """Return the situation as one person may know it."""
+    def _present_to(self, chair: Chair | None) -> dict[str, Any]:
+        """Return the situation as a person, or a spectator, may know it."""
         situation = self._situation
-        if situation["kind"] in ("begin", "countdown") and chair.seat not in self._playing:
+        if situation["kind"] in ("begin", "countdown") and chair and chair.seat not in self._playing:
             return {"kind": "elsewhere"}
-        if situation["kind"] == "over" and chair.seat != HOST:
+        if situation["kind"] == "over" and not _is_host(chair):
             return {key: value for key, value in situation.items() if key not in HOST_ALONE_KNOWS}
-        if situation["kind"] == "failed" and chair.seat != HOST:
+        if situation["kind"] == "failed" and not _is_host(chair):
             return {"kind": "failed", "message": "The host's page says why."}
         return situation
 
     def _change(self, situation: dict[str, Any]) -> None:
         self._situation = situation
-        for chair in self._present():
-            self._tell(chair, self._present_to(chair))
+        for page, chair in self._open_pages():
+            page.tell(self._present_to(chair))
 
     def _announce(self, message: dict[str, Any]) -> None:
-        for chair in self._present():
-            self._tell(chair, message)
+        for page, _ in self._open_pages():
+            page.tell(message)
 
-    def _present(self) -> Iterable[Chair]:
-        return (chair for chair in self.lobby.chairs if chair.page is not None)
+    def _open_pages(self) -> list[tuple[Page, Chair | None]]:
+        """Return the pages of people with their seats, and those of spectators."""
+        people = [(chair.page, chair) for chair in self.lobby.chairs if chair.page is not None]
+        return [*people, *((page, None) for page in self._spectators)]
 
-    def _tell(self, chair: Chair, message: dict[str, Any]) -> None:
-        if chair.page is not None:
-            chair.page.tell(message)
+
+@asynccontextmanager
+async def beside(work: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
+    """Do a work that has no end for as long as the block lasts."""
+    task = asyncio.create_task(work)
+    try:
+        yield
+    finally:
+        task.cancel()
+        (ended,) = await asyncio.gather(task, return_exceptions=True)
+    if isinstance(ended, Exception):
+        raise ended
+
+
+def _is_host(chair: Chair | None) -> bool:
+    return chair is not None and chair.seat == HOST
 
 
 def _only_host(seat: int, does: str) -> None:

@@ -58,5 +58,7 @@ class PageClient:
 @asynccontextmanager
 async def page(link: str, **options: Any) -> AsyncIterator[PageClient]:
     """Open the WebSocket of a link."""
-    async with connect(f"{link.replace('http:', 'ws:')}/socket", proxy=None, **options) as socket:
+    async with connect(
+        f"{link.replace('http:', 'ws:')}/socket", **{"proxy": None, "max_queue": None, **options}
+    ) as socket:
         yield PageClient(socket)

@@ -1,50 +1,21 @@
 """Matches that a real browser plays, by keys and mouse."""
 
-import shutil
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.platform.play.browsers import PATIENCE, chromium, start
 from tests.platform.play.tables import small_plan, table_in_thread
 
 from wildscav_engine.record import read_record, verify_record
 
-PATIENCE = 300.0  # s, on a busy machine
 MIDDLE = 640  # pixels from the left edge of the window
 AHEAD = 6.0  # degrees
 DEGREES_PER_PIXEL = 0.12  # of the mouse, as in controls.js
 KEY_TURN = 110.0  # degrees per second, likewise
 
 pytestmark = pytest.mark.slow
-
-
-@contextmanager
-def chromium(**options: Any) -> Iterator[Any]:
-    """Yield a page of Debian's Chromium, or skip the test where it or Playwright is not installed."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("needs Debian's chromium: apt-get install chromium")
-    with playwright.sync_playwright() as tools:
-        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
-        page = browser.new_page(**options)
-        errors: list[str] = []
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
-        yield page
-        browser.close()
-    assert errors == []
-
-
-def start(page: Any, link: str) -> None:
-    page.goto(link)
-    page.wait_for_selector("#game[data-state=lobby]")
-    page.click("#go")
-    page.wait_for_selector("#game[data-state=playing]", timeout=PATIENCE * 1000)
-    page.wait_for_selector("#clock:not(:empty)", timeout=PATIENCE * 1000)
 
 
 class Hands:
@@ -71,8 +42,9 @@ class Hands:
 def test_a_browser_finds_the_target_by_keys_and_mouse(tmp_path: Path) -> None:
     with (
         table_in_thread(small_plan(time_limit=120.0), tmp_path) as links,
-        chromium(viewport={"width": 1280, "height": 800}) as page,
+        chromium() as new_page,
     ):
+        page = new_page(viewport={"width": 1280, "height": 800})
         start(page, links.host)
         hands = Hands(page)
         goal, end = page.locator("#goal"), time.monotonic() + PATIENCE

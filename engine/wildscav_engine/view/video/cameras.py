@@ -131,9 +131,9 @@ class Above:
         columns += [_greatest(high[:, axis], steps) for axis in range(3)]
         boxes = np.stack([_mean(column, steps) for column in columns], axis=-1)[self._rows]
         slope = float(np.tan(np.radians(ANGLE / 2)))
-        views = [fitted(_corners(box[:3], box[3:]), slope, slope / aspect, FROM) for box in boxes]
+        views = [fitted(corners_of(box[:3], box[3:]), slope, slope / aspect, FROM) for box in boxes]
         self._targets = np.array([view.target for view in views])
-        self._eyes = _over_map(world, np.array([view.eye for view in views]), self._targets)
+        self._eyes = over_map(world, np.array([view.eye for view in views]), self._targets)
 
     def at(self, moment: Moment) -> Camera:
         """Return the camera at a moment."""
@@ -152,7 +152,7 @@ class Above:
         )
 
 
-def _over_map(world: World, eyes: NDArray[np.float64], targets: NDArray[np.float64]) -> NDArray[np.float64]:
+def over_map(world: World, eyes: NDArray[np.float64], targets: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (N, 3) m eyes over the map, as far from the targets; from beside it, none of it is seen."""
     far = np.linalg.norm(eyes - targets, axis=1)
     edge = -world.corner - EDGE
@@ -196,7 +196,7 @@ def _filled(values: NDArray[np.float64], known: NDArray[np.bool_]) -> NDArray[np
     return np.where(np.isfinite(filled), filled, 0.0)
 
 
-def _corners(low: Vector, high: Vector) -> NDArray[np.float64]:
+def corners_of(low: Vector, high: Vector) -> NDArray[np.float64]:
     """Return (8, 3) m the corners of a box."""
     return np.array(
         [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]

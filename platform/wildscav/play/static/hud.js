@@ -22,15 +22,21 @@ export class Hud {
     this.kills = null;
   }
 
-  // Prepare for a match; seat is one's own.
-  begin(match, seat) {
+  // Prepare for a match; seat is one's own, or the one whose eyes a spectator sees through.
+  begin(match, seat, watches = false) {
+    this.watches = watches;
     [this.match, this.seat, this.kills, this.rows] = [match, seat, null, []];
     this.columns = match.metrics.map(({ title }) => title);
     this.notice("");
   }
 
+  showTime({ left }) {
+    find("clock").textContent = clock(left);
+  }
+
   show(now) {
-    find("clock").textContent = clock(now.left);
+    this.showTime(now);
+    find("compass").dataset.yaw = now.yaw.toFixed(1);
     this.#showCompass(now);
     this.#showVitals(now);
     this.#showEvents(now);
@@ -67,7 +73,7 @@ export class Hud {
       goal.dataset.angle = angle;
       goal.dataset.distance = target.distance.toFixed(1);
     } else {
-      goal.textContent = canPickUp ? "E: pick up supplies" : "";
+      goal.textContent = canPickUp && !this.watches ? "E: pick up supplies" : "";
     }
   }
 
@@ -81,7 +87,8 @@ export class Hud {
     find("ammo").querySelector("b").textContent = now.clip;
     find("ammo").querySelector("small").textContent =
       now.reload_in > 0 ? `reloading ${now.reload_in.toFixed(1)} s` : `of ${now.spare_ammo} more rounds`;
-    if (!now.alive) this.notice(now.respawn_in > 0 ? `You are dead. Back in ${now.respawn_in.toFixed(1)} s` : "You are out", 200);
+    if (this.watches) this.notice(now.alive ? "" : "dead", 200);
+    else if (!now.alive) this.notice(now.respawn_in > 0 ? `You are dead. Back in ${now.respawn_in.toFixed(1)} s` : "You are out", 200);
     else if (now.invincible_in > 0) this.notice(`Nobody can hurt you for ${now.invincible_in.toFixed(1)} s`, 200);
     else if (now.clip === 0 && now.reload_in === 0 && this.match.weapon) this.notice("Empty: R reloads", 200);
   }
@@ -107,8 +114,8 @@ export class Hud {
   // Show the scores of all, the best first.
   showScores(rows) {
     find("scores").hidden = rows.length < 2;
-    fillTable(find("scores"), this.columns, rows, this.seat, 6);
-    const kills = rows.find(({ seat }) => seat === this.seat).values[this.columns.indexOf("kills")];
+    fillTable(find("scores"), this.columns, rows, this.seat, 6, this.watches ? null : "you");
+    const kills = rows.find(({ seat }) => seat === this.seat)?.values[this.columns.indexOf("kills")];
     if (this.kills !== null && kills > this.kills) this.notice("Kill!");
     this.kills = kills ?? null;
   }
@@ -124,7 +131,7 @@ export class Hud {
 const shown = (value) => (Number.isInteger(value) ? String(value) : value.toFixed(2));
 
 // Fill a table with the metrics of seats; own is the seat to stress.
-export function fillTable(table, columns, rows, own, most = Infinity) {
+export function fillTable(table, columns, rows, own, most = Infinity, ownName = "you") {
   const row = (cells, name) => {
     const line = document.createElement("tr");
     cells.forEach((text) => { line.appendChild(document.createElement(name)).textContent = text; });
@@ -136,7 +143,7 @@ export function fillTable(table, columns, rows, own, most = Infinity) {
   table.tHead.replaceChildren(row(["", ...columns], "th"));
   table.tBodies[0].replaceChildren(
     ...best.map(({ seat, name, values }) => {
-      const line = row([seat === own ? "you" : name, ...values.map(shown)], "td");
+      const line = row([seat === own ? ownName ?? name : name, ...values.map(shown)], "td");
       line.className = seat === own ? "own" : "";
       return line;
     }),

@@ -26,10 +26,11 @@ export class Lobby {
     if (this.wanted && this.wanted !== own.name) this.send({ kind: "rename", name: this.wanted });
     this.wanted = "";
     this.list.replaceChildren(...message.people.map((person) => this.#row(person, seat, message.links)));
-    const missing = message.people.some(({ where }) => where !== "here");
+    this.list.hidden = this.form.hidden = message.people.length < 2;
+    const missing = message.people.length > 1 && message.people.some(({ where }) => where !== "here");
     this.section.querySelector("#missing").textContent = missing
       ? `A robot (${standIn}) plays for whoever is not here when the match starts.` : "";
-    this.section.querySelector("#local").hidden = !message.local_only;
+    this.#showWatching(message);
     this.say("");
   }
 
@@ -44,12 +45,16 @@ export class Lobby {
     this.send({ kind: "rename", name });
   }
 
+  // Show how many watch, and to the host the link by which they do.
+  #showWatching({ spectators, watch_link: link, local_only: localOnly }) {
+    const watching = this.section.querySelector("#watching");
+    const count = spectators ? `${spectators} ${spectators === 1 ? "person watches" : "people watch"}. ` : "";
+    watching.replaceChildren(count, ...(link ? ["Spectators see everybody's eyes: ", copyButton("Copy their link", link)] : []));
+    this.section.querySelector("#local").hidden = !localOnly;
+  }
+
   #row(person, seat, links) {
-    const row = document.createElement("li");
-    row.dataset.where = person.where;
-    row.append(dot(), element("b", person.name));
-    const roles = [person.seat === seat ? "you" : "", person.host ? "host" : ""].filter(Boolean).join(", ");
-    row.append(element("small", roles || WHERE[person.where]));
+    const row = personRow(person, seat);
     const link = links?.[person.seat];
     if (link) row.append(copyButton("Copy link", link), this.#renewButton(person));
     return row;
@@ -64,6 +69,16 @@ export class Lobby {
     });
     return button;
   }
+}
+
+// A line of the list of people; seat is one's own.
+export function personRow(person, seat) {
+  const row = document.createElement("li");
+  row.dataset.where = person.where;
+  const roles = [person.seat === seat ? "you" : "", person.host ? "host" : ""].filter(Boolean);
+  if (person.where !== "here" || !roles.length) roles.push(WHERE[person.where]);
+  row.append(dot(), element("b", person.name), element("small", roles.join(", ")));
+  return row;
 }
 
 function element(name, text) {

@@ -93,7 +93,7 @@ const handlers = {
 
 const isHost = () => table.seat === HOST;
 const startButton = (text) => (isHost() ? text : "");
-const showsPeople = () => table?.people > 1 && ["lobby", "preparing", "elsewhere", "over", "failed"].includes(game.dataset.state);
+const showsPeople = () => (table?.people > 1 || (table && isHost())) && ["lobby", "preparing", "elsewhere", "over", "failed"].includes(game.dataset.state);
 
 function play() {
   game.dataset.state = "playing";
@@ -142,7 +142,8 @@ function showEnd(message) {
   find("record").querySelector("pre").textContent = message.commands?.join("\n") ?? "";
   find("result").hidden = false;
   find("record").hidden = !message.record; // where it lies is the host's business
-  find("go").focus();
+  find("panel").scrollTop = 0;
+  find("go").focus({ preventScroll: true });
   sounds.playEnd();
 }
 

@@ -1,0 +1,46 @@
+"""Debian's Chromium, as Playwright opens it."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+PATIENCE = 300.0  # s, on a busy machine
+
+
+@contextmanager
+def chromium() -> Iterator[Callable[..., Any]]:
+    """Yield what opens a page, or skip the test where Chromium or Playwright is not installed."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("needs Debian's chromium: apt-get install chromium")
+    errors: list[str] = []
+    with playwright.sync_playwright() as tools:
+        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
+
+        def new_page(**options: Any) -> Any:
+            page = browser.new_page(**options)  # like another browser: it shares nothing with the others
+            page.on("pageerror", lambda error: errors.append(str(error)))
+            page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+            return page
+
+        yield new_page
+        browser.close()
+    assert errors == []
+
+
+def start(page: Any, link: str) -> None:
+    """Start a match on the host's page."""
+    page.goto(link)
+    page.wait_for_selector("#game[data-state=lobby]")
+    page.click("#go")
+    wait_for_match(page)
+
+
+def wait_for_match(page: Any) -> None:
+    """Wait until a page shows a match that is played."""
+    page.wait_for_selector("#game[data-state=playing]", timeout=PATIENCE * 1000)
+    page.wait_for_selector("#clock:not(:empty)", timeout=PATIENCE * 1000)
