@@ -75,13 +75,13 @@ def play(name: str, spec: MatchSpec) -> Played:
 
 
 def _steps(batch: Batch, name: str | None, seat: int) -> Iterator[float]:
-    """Play a match; yield the processor time that the agent took for each step, s."""
+    """Play a match until it is over or the agent is out; yield the processor time of each of its steps, s."""
     match, seats = np.zeros(1, np.int64), np.array([seat])
     actions = no_actions(len(batch.specs[0].seats))[None]
     player = None if name is None else submission(name)
     if player is not None:
         player.begin(batch, match, seats)
-    while not batch.state.matches.over[0]:
+    while not batch.state.matches.over[0] and batch.state.agents.placement[0, seat] == 0:
         began = time.process_time()
         if player is not None:
             actions[0, seat] = player.act(batch, match, seats)[0]

@@ -2,7 +2,7 @@
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,27 +13,32 @@ from wildscav.baselines import baseline_folder
 from wildscav.opponents import submission
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.simulation.batch import Batch
+from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.equipment import Equipment
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
+from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_evaluator.submissions.submission import load_submission
 
-NAMES = ("scavenger", "commando")
+NAMES = ("scavenger", "commando", "survivor")
 HOUSE = MapSpec(
     config=MapConfig(size=60, houses=1, storeys=(2, 2), relief=0.2, water=0, vegetation=0), seed=4
 )
 INDOORS = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), outdoor_richness=0.0, indoor_richness=100.0),))
 
 
-def play(name: str, spec: MatchSpec) -> Iterator[Batch]:
-    """Play a submission in the first seat; yield the match after each step."""
-    batch, player, first = Batch([spec], [map_of(spec.map)]), submission(name), np.zeros(1, np.int64)
-    player.begin(batch, first, first)
+def play(names: str | Sequence[str], spec: MatchSpec) -> Iterator[Batch]:
+    """Play submissions in the first seats; yield the match after each step."""
+    batch, match = Batch([spec], [map_of(spec.map)]), np.zeros(1, np.int64)
+    players = [submission(name) for name in ([names] if isinstance(names, str) else names)]
+    for seat, player in enumerate(players):
+        player.begin(batch, match, np.array([seat]))
     actions = no_actions(len(spec.seats))[None]
     while not batch.state.matches.over[0]:
-        actions[0, 0] = player.act(batch, first, first)[0]
+        for seat, player in enumerate(players):
+            actions[0, seat] = player.act(batch, match, np.array([seat]))[0]
         batch.step(actions)
         yield batch
 
@@ -112,3 +117,27 @@ def test_commando_reloads_before_its_clip_is_empty_once_nobody_is_in_sight() -> 
 
     assert 0 < min(clips) < 0.6 * 15
     assert clips[-1] == 15
+
+
+@pytest.mark.parametrize("enemy", ["commando", "hunter"])
+def test_survivor_is_not_hit_by_those_who_lead_their_target_and_outlives_them(enemy: str) -> None:
+    spec = duel(track="royale", seats=(SUBMISSION, SUBMISSION))
+
+    (*_, last) = play(("survivor", enemy), spec)
+
+    assert last.state.agents.health[0].tolist() == [100, 0]
+
+
+def test_survivor_stands_in_the_middle_of_the_last_circle() -> None:
+    closing = ZonePhase(wait=1.0, shrink=9.0, share=0.0, damage=5)
+    spec = duel(track="royale", seats=(SUBMISSION,), starts=None, zone=ZoneConfig(phases=(closing,)))
+
+    depths = []
+    for batch in play("survivor", spec.model_copy(update={"time_limit": 9.9})):
+        matches = batch.state.matches
+        zone = zone_at(matches, 0, int(matches.frame[0]))
+        x, _, z = batch.state.agents.position[0, 0]
+        depths.append(zone.radius - float(np.hypot(x - zone.x, z - zone.z)))
+
+    assert min(depths) >= 0.0
+    assert batch.state.agents.health[0, 0] == 100

@@ -15,6 +15,10 @@ LOOKS_AT = 20.0  # degrees off an agent, within which an enemy may be aiming at 
 FRAMES_PER_SECOND = 50
 
 
+MISSES = 3  # rounds in a row that one enemy may cost
+PAUSE = 3.0  # s without fire at an enemy that was missed so often
+
+
 class Aim(NamedTuple):
     """How to turn and look during a step, and whether to shoot."""
 
@@ -69,6 +73,30 @@ def look_around(observation: Observation, frames: int) -> Aim:
 def velocity_of(direction: float, speed: float) -> Vector:
     """Return the velocity of walking in a compass direction (degrees) at a speed, m/s."""
     return moved((0.0, 0.0, 0.0), direction, speed)
+
+
+class Thrift:
+    """Saves rounds: holds fire for a while at an enemy that several rounds in a row have missed."""
+
+    def __init__(self) -> None:
+        self.target: int | None = None  # the seat that was aimed at
+        self.misses: dict[int, int] = {}  # in a row, by seat
+        self.hold_until: dict[int, float] = {}  # s, by seat
+
+    def look(self, observation: Observation) -> None:
+        """Take in whether the last round hit; call it in every step."""
+        if not observation.fired or self.target is None:
+            return
+        hit = observation.hit_seat is not None
+        self.misses[self.target] = 0 if hit else self.misses.get(self.target, 0) + 1
+        if self.misses[self.target] >= MISSES:
+            self.misses[self.target] = 0
+            self.hold_until[self.target] = observation.time + PAUSE
+
+    def may_shoot(self, observation: Observation, enemy: VisibleAgent) -> bool:
+        """Return whether to shoot at an enemy now; the rounds of this step count as shot at it."""
+        self.target = enemy.seat
+        return observation.time >= self.hold_until.get(enemy.seat, 0.0)
 
 
 class _View(NamedTuple):

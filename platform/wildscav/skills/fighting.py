@@ -1,11 +1,13 @@
 """Fighting: when to reload, which fights to leave, how to move under fire, and where cover is."""
 
+import math
 from collections.abc import Sequence
 from itertools import product
 
 from wildscav.agent import MatchInfo, Observation, Vector, VisibleAgent
-from wildscav.geometry import BODY_HEIGHT, EYE_HEIGHT, direction_to, flat_distance, moved
+from wildscav.geometry import BODY_HEIGHT, EYE_HEIGHT, direction_to, flat_distance, moved, turn_to
 from wildscav.skills.surroundings import Surroundings
+from wildscav.skills.walking import FULL_SPEED, Walk
 
 LOW_CLIP = 0.6  # of the clip: below this it is reloaded, if nobody is in sight
 WEAK = 0.4  # of the start's health: at or below it, the weaker one leaves
@@ -18,6 +20,8 @@ UNDER_FIRE = 1.0  # s after a hit
 SIDESTEP = 1.4  # s, until the direction of dodging changes
 COVER_STEPS = (3.0, 6.0, 9.0)  # m to the places that are considered
 COVER_TURN = 30.0  # degrees between their directions
+ALONG = 0.5  # of the speed, at most, along the line of fire while weaving
+BACK = 0.6  # of the way across, by which a step back is shorter if the goal is across the line of fire
 PROBE = 0.5  # m between the points of a line of sight that are checked
 
 
@@ -101,6 +105,26 @@ class Dodging:
             closing: Degrees by which the way leads nearer to the enemy; negative leads away.
         """
         return (direction_to(observation.position, enemy) + self.side * (90.0 - closing)) % 360.0
+
+
+def weave(observation: Observation, enemy: Vector, direction: float) -> Walk:
+    """Return how to walk on under fire: across the line of fire, to the other side in every step.
+
+    An enemy that leads its target by the velocity in its observation aims where the agent will not be.
+
+    Args:
+        observation: The current observation.
+        enemy: Where the enemy is.
+        direction: Where the agent would go, degrees. It gets there at up to half of its speed.
+    """
+    fire = direction_to(observation.position, enemy)
+    off = math.radians(turn_to(fire, direction))
+    along = max(-ALONG, min(ALONG, math.cos(off)))
+    across = math.copysign(math.sqrt(1.0 - along * along), math.sin(off))
+    if observation.step % 2:
+        across *= BACK * abs(math.sin(off)) - 1.0
+    turn = math.degrees(math.atan2(across, along))
+    return Walk((fire + turn) % 360.0, FULL_SPEED * math.hypot(across, along))
 
 
 def cover_from(surroundings: Surroundings, here: Vector, enemy: Vector) -> Vector | None:

@@ -15,7 +15,7 @@ from wildscav.skills.steering import Steering
 from wildscav.skills.supplies import BoxMemory, Prospecting
 from wildscav.skills.surroundings import Rings, Surroundings
 from wildscav.skills.walking import FULL_SPEED, Walk, WayWalker
-from wildscav.skills.zone import safe_zone
+from wildscav.skills.zone import USUAL, Caution, safe_zone
 
 RINGS = Rings(range=60.0, lowest=-55.0, highest=45.0)  # as in the manifests of the agents that gather
 REACH = 20.0  # m to each side in which ways are searched
@@ -36,8 +36,15 @@ LOOK_EVERY_OUTDOORS = 10
 class Gathering:
     """Fetches supplies for one agent in one match."""
 
-    def __init__(self, match: MatchInfo) -> None:
+    def __init__(self, match: MatchInfo, caution: Caution = USUAL) -> None:
+        """Begin with nothing known.
+
+        Args:
+            match: What is known of the match.
+            caution: In a royale, how early to go to the next circle.
+        """
         self.match = match
+        self.caution = caution
         self.memory = BoxMemory(match)
         self.surroundings = Surroundings(match.map_size, RINGS)
         self.prospecting = Prospecting(match)
@@ -70,7 +77,7 @@ class Gathering:
 
     def walk(self, observation: Observation) -> Walk:
         """Return how to walk in this step, in a royale within the safe zone. Call ``look`` first."""
-        zone = safe_zone(observation)
+        zone = safe_zone(observation, self.caution)
         self._drop_what_is_over(zone.is_safe(observation.position))
         walk = self.walker.walk(observation) if self.walker.is_walking else None
         if walk is not None:

@@ -6,9 +6,16 @@ from typing import NamedTuple
 from wildscav.agent import Observation, Vector
 from wildscav.geometry import flat_distance
 
-MARGIN = 5.0  # m to keep from the edge of the zone
-PACE = 5.0  # m/s on the way to the next circle: half of the full speed, because obstacles cause detours
-SPARE = 2.0  # s by which to be early in the next circle
+
+class Caution(NamedTuple):
+    """How early an agent goes to the next circle. The default takes the time that most ways take."""
+
+    margin: float = 5.0  # m to keep from the edge of the zone
+    pace: float = 5.0  # m/s on the way to the next circle: half of the full speed, because of detours
+    spare: float = 2.0  # s by which to be early in the next circle
+
+
+USUAL = Caution()
 
 
 class Circle(NamedTuple):
@@ -29,26 +36,31 @@ class SafeZone(NamedTuple):
     now: Circle  # the zone
     next: Circle  # to which it shrinks
     shrunk_in: float  # s until the zone has shrunk to the next circle
+    caution: Caution = USUAL
 
     def is_safe(self, place: Vector) -> bool:
         """Return whether the agent can go to a place and from there to the next circle in time."""
-        if self.now.depth(place) < MARGIN:
+        if self.now.depth(place) < self.caution.margin:
             return False
         way_back = max(0.0, -self.next.depth(place))
         way = flat_distance(self.here, place) + way_back
-        return way_back == 0.0 or way / PACE + SPARE <= self.shrunk_in
+        return way_back == 0.0 or way / self.caution.pace + self.caution.spare <= self.shrunk_in
 
 
-def safe_zone(observation: Observation) -> SafeZone:
+def safe_zone(observation: Observation, caution: Caution = USUAL) -> SafeZone:
     """Return the safe zone, which has no edge in a match without one. It is read from the sensor ``zone``.
 
     A server on which the agent plays by hand may not offer that sensor; then no zone is known.
+
+    Args:
+        observation: The current observation.
+        caution: How early to go to the next circle.
     """
     x, y, z = observation.position
     reading = observation.tensors.get("zone")
     if reading is None or not reading[0]:
         everywhere = Circle(observation.position, math.inf)
-        return SafeZone(observation.position, everywhere, everywhere, math.inf)
+        return SafeZone(observation.position, everywhere, everywhere, math.inf, caution)
     _, _, *circles, _, shrunk_in, _ = (float(number) for number in reading)
     now_x, now_z, now_radius, next_x, next_z, next_radius = circles
     return SafeZone(
@@ -56,4 +68,5 @@ def safe_zone(observation: Observation) -> SafeZone:
         now=Circle((x + now_x, y, z + now_z), now_radius),
         next=Circle((x + next_x, y, z + next_z), next_radius),
         shrunk_in=shrunk_in,
+        caution=caution,
     )

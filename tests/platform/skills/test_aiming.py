@@ -5,7 +5,15 @@ import math
 import pytest
 from tests.platform.skills.observations import NOWHERE, enemy, seen
 
-from wildscav.skills.aiming import MAX_TURN, aim_at, enemies_in_sight, look_around, threats_first, velocity_of
+from wildscav.skills.aiming import (
+    MAX_TURN,
+    Thrift,
+    aim_at,
+    enemies_in_sight,
+    look_around,
+    threats_first,
+    velocity_of,
+)
 
 FRAMES = 5  # 0.1 s
 
@@ -66,3 +74,24 @@ def test_the_most_dangerous_come_first() -> None:
     ordered = threats_first(seen(hit_by_seat=3), [near, watcher, shooter])
 
     assert [agent.seat for agent in ordered] == [3, 2, 1]
+
+
+@pytest.mark.parametrize(
+    ("hits", "time", "shoots"),
+    [
+        ([None, None], 1.0, True),
+        ([None, None, None], 1.0, False),  # three misses in a row
+        ([None, None, 1, None], 1.0, True),  # a hit in between
+        ([None, None, None], 4.5, True),  # 3 s later
+    ],
+)
+def test_rounds_are_saved_on_an_enemy_that_they_miss(
+    hits: list[int | None], time: float, shoots: bool
+) -> None:
+    thrift, target = Thrift(), enemy((0.0, 0.0, 10.0))
+    for hit in hits:
+        thrift.may_shoot(seen(time=1.0), target)
+        thrift.look(seen(time=1.0, fired=True, hit_seat=hit))
+
+    assert thrift.may_shoot(seen(time=time), target) is shoots
+    assert thrift.may_shoot(seen(time=time), enemy((0.0, 0.0, 10.0), seat=2))

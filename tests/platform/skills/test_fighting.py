@@ -7,7 +7,7 @@ import pytest
 from tests.platform.skills.observations import enemy, match_info, seen
 
 from wildscav import SupplyWave
-from wildscav.geometry import flat_distance
+from wildscav.geometry import flat_distance, moved
 from wildscav.skills.fighting import (
     Dodging,
     cover_from,
@@ -15,6 +15,7 @@ from wildscav.skills.fighting import (
     is_hidden,
     quiet_place,
     wants_reload,
+    weave,
     would_lose,
 )
 from wildscav.skills.surroundings import Rings, Surroundings
@@ -94,6 +95,24 @@ def test_dodging_is_across_the_line_of_fire_and_changes_sides() -> None:
         directions.add(round(dodging.direction(seen(), ENEMY)))
 
     assert directions == {90, 270}
+
+
+@pytest.mark.parametrize(
+    ("direction", "way"),  # metres in two steps of 0.1 s: half of 2 m, or 1 m across and 0.4 m back
+    [(0.0, 1.0), (180.0, 1.0), (90.0, 0.6), (270.0, 0.6)],
+)
+def test_weaving_changes_sides_in_every_step_and_gets_on(direction: float, way: float) -> None:
+    place, sides = (0.0, 0.0, 0.0), []
+    for step in range(2):
+        walk = weave(seen(step=step), ENEMY, direction)
+        after = moved(place, walk.direction, walk.speed * 0.1)
+        sides.append(after[0] - place[0])
+        place = after
+
+    assert sides[0] * sides[1] < 0.0
+    assert min(map(abs, sides)) > 0.39  # m, of the body's 0.45
+    goal = moved((0.0, 0.0, 0.0), direction, 10.0)
+    assert 10.0 - flat_distance(place, goal) == pytest.approx(way, abs=1e-6)
 
 
 def test_a_hit_is_remembered_for_a_moment() -> None:

@@ -12,7 +12,7 @@ Submissions = Annotated[
     list[Path],
     typer.Argument(
         help="Folders with a submission.toml, archives of such folders, image:NAME, or the baselines random, "
-        "homing, hunter, scavenger, commando, navigator, mapper and learned-navigator.",
+        "homing, hunter, scavenger, commando, survivor, navigator, mapper and learned-navigator.",
         metavar="SUBMISSION",
         show_default=False,
     ),
