@@ -36,7 +36,7 @@ class SafeZone(NamedTuple):
     now: Circle  # the zone
     next: Circle  # to which it shrinks
     shrunk_in: float  # s until the zone has shrunk to the next circle
-    caution: Caution = USUAL
+    caution: Caution = USUAL  # how early the agent goes to the next circle
 
     def is_safe(self, place: Vector) -> bool:
         """Return whether the agent can go to a place and from there to the next circle in time."""
