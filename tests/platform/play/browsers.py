@@ -42,5 +42,6 @@ def start(page: Any, link: str) -> None:
 
 def wait_for_match(page: Any) -> None:
     """Wait until a page shows a match that is played."""
-    page.wait_for_selector("#game[data-state=playing]", timeout=PATIENCE * 1000)
+    page.wait_for_selector("#game:is([data-state=playing], [data-state=failed])", timeout=PATIENCE * 1000)
+    assert page.get_attribute("#game", "data-state") == "playing", page.inner_text("#panel")
     page.wait_for_selector("#clock:not(:empty)", timeout=PATIENCE * 1000)

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from PIL import Image
 from tests.platform.play.browsers import PATIENCE, chromium, start, wait_for_match
-from tests.platform.play.tables import small_plan, table_in_thread
+from tests.platform.play.tables import MEADOW, small_plan, table_in_thread
 
 from wildscav.play.plan import Plan
 from wildscav_engine.record import Record, read_record, verify_record
+from wildscav_engine.specs.map_spec import MapSpec
 
 TURNING = 110.0  # degrees per second, with the arrow keys, as in controls.js
 WIDE = {"viewport": {"width": 960, "height": 600}}
@@ -22,11 +23,12 @@ PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobil
 pytestmark = pytest.mark.slow
 
 
-def face_to_face(people: int = 1, opponents: tuple[str, ...] = (), seconds: float = 8.0) -> Plan:
+def face_to_face(people: int = 1, opponents: tuple[str, ...] = (), seconds: float = 7.0) -> Plan:
     """A battle of two who start a few metres apart, the second north of the first."""
     plan = small_plan("battle", seconds, opponents, people)
     starts = ((0.0, 0.0, -4.0), (0.0, 0.0, 4.0))
-    return replace(plan, spec=plan.spec.model_copy(update={"starts": starts}))
+    lawn = MapSpec(config=MEADOW.model_copy(update={"houses": 0}), seed=5)
+    return replace(plan, spec=plan.spec.model_copy(update={"starts": starts, "map": lawn}))
 
 
 def turn_to(page: Any, bearing: float, within: float = 4.0) -> None:
@@ -97,12 +99,12 @@ def robots_place(page: Any) -> float | None:
 
 
 def test_a_browser_hits_an_easy_robot_by_keys_and_mouse(tmp_path: Path) -> None:
-    plan = face_to_face(opponents=("fighter-easy",), seconds=9.0)
+    plan = face_to_face(opponents=("fighter-easy",), seconds=6.0)
     with table_in_thread(plan, tmp_path) as links, chromium() as new_page:
         page = new_page(**WIDE)
         start(page, links.host)
-        turn_to(page, 0.0)
         page.mouse.down()
+        turn_to(page, 0.0)
         while page.get_attribute("#game", "data-state") == "playing":
             place = robots_place(page)
             if place is None:
@@ -112,7 +114,7 @@ def test_a_browser_hits_an_easy_robot_by_keys_and_mouse(tmp_path: Path) -> None:
         page.mouse.up()
         own, robot = recorded(page).result.seats
     assert own.hits > 0
-    assert own.kills >= robot.kills
+    assert robot.shots > 0  # it fought back
 
 
 class Fingers:
@@ -135,7 +137,7 @@ class Fingers:
 
 
 def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path) -> None:
-    plan = face_to_face(opponents=("walker-easy",), seconds=4.0)
+    plan = face_to_face(opponents=("walker-easy",), seconds=3.0)
     with table_in_thread(plan, tmp_path) as links, chromium() as new_page:
         page = new_page(**PHONE)
         start(page, links.host)
@@ -155,3 +157,30 @@ def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path) -> None:
     assert own.walked > 3.0  # m
     assert own.shots > 0
     assert record.actions[:, 0, 2].sum() == pytest.approx(390 / 4 * 0.3, abs=1.0)  # degrees to the right
+
+
+def test_a_browser_that_loses_its_connection_comes_back_to_its_seat(tmp_path: Path) -> None:
+    sockets: list[Any] = []
+
+    def pass_on(socket: Any) -> None:
+        socket.connect_to_server()
+        sockets.append(socket)
+
+    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, chromium() as new_page:
+        host, guest = new_page(**WIDE), new_page(**WIDE)
+        guest.route_web_socket("**/socket", pass_on)
+        guest.goto(links.guests[0])
+        host.goto(links.host)
+        host.wait_for_selector("#lobby li:nth-child(2)[data-where=here]")
+        host.click("#go")
+        wait_for_match(guest)
+        sockets[0].close(code=3000, reason="as if the network were lost")
+        guest.wait_for_selector("#game[data-state=lost]")
+        wait_for_match(guest)
+        assert len(sockets) == 2
+        other = new_page(**WIDE)  # the same person opens the link once more
+        other.goto(links.guests[0])
+        guest.wait_for_selector("#game[data-state=closed] >> text=Opened elsewhere")
+        guest.click("#go")
+        wait_for_match(guest)
+        other.wait_for_selector("#game[data-state=closed] >> text=Opened elsewhere")

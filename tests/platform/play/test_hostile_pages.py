@@ -51,7 +51,7 @@ async def attacked(guest: PageClient, attack: Attack) -> None:
 @pytest.mark.parametrize("attack", [garbage, nonsense, huge_message, act_for_another, flood])
 def test_the_attacker_is_closed_and_the_match_of_the_others_goes_on(tmp_path: Path, attack: Attack) -> None:
     async def play() -> Path:
-        plan = small_plan("navigation", 1.5, people=2)
+        plan = small_plan("navigation", 0.8, people=2)
         async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
             host, guest = [
                 await stack.enter_async_context(page(link)) for link in (links.host, *links.guests)
@@ -63,14 +63,14 @@ def test_the_attacker_is_closed_and_the_match_of_the_others_goes_on(tmp_path: Pa
             return Path((await host.until("over"))["record"])
 
     record = read_record(asyncio.run(play()))
-    assert record.steps == 75  # all of its 1.5 s
+    assert record.steps == 40  # all of its 0.8 s
     assert not record.actions[:, 0].any()  # nobody acted for the host
     assert verify_record(record).holds
 
 
 def test_a_page_that_stops_reading_stops_nobody(tmp_path: Path) -> None:
     async def play() -> Path:
-        plan = small_plan("navigation", 2.0, people=2)
+        plan = small_plan("navigation", 1.0, people=2)
         async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
             host = await stack.enter_async_context(page(links.host))
             deaf = await stack.enter_async_context(page(links.guests[0], max_queue=1))  # which reads nothing
@@ -97,7 +97,7 @@ def test_connections_that_say_nothing_do_not_keep_people_from_their_match(tmp_pa
 
 def test_each_person_gets_pictures_of_their_own_seat_alone(tmp_path: Path) -> None:
     async def play() -> tuple[Path, list[tuple[float, bytes]]]:
-        plan = small_plan("battle", 1.5, people=2)
+        plan = small_plan("battle", 1.0, people=2)
         async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
             pages = [await stack.enter_async_context(page(link)) for link in (links.host, *links.guests)]
             await pages[0].send(kind="start")

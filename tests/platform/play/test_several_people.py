@@ -30,7 +30,7 @@ async def everybody(client: PageClient, *where: str) -> list[str]:
 
 def test_two_people_play_each_other_and_the_match_is_recorded(tmp_path: Path) -> None:
     async def play() -> tuple[dict[str, object], dict[str, object]]:
-        plan = small_plan("navigation", 2.0, people=2)
+        plan = small_plan("navigation", 1.2, people=2)
         async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
             (host,) = await opened(stack, links.host)
             assert await everybody(host, "here", "expected") == ["person 1", "person 2"]
@@ -60,7 +60,7 @@ def test_two_people_play_each_other_and_the_match_is_recorded(tmp_path: Path) ->
 
 def test_a_seat_stands_idle_until_its_person_is_back(tmp_path: Path) -> None:
     async def play() -> Path:
-        plan = small_plan("navigation", 3.0, people=2)
+        plan = small_plan("navigation", 2.2, people=2)
         async with tables_links(plan, tmp_path) as links, page(links.host) as host:
             async with page(links.guests[0]) as guest:
                 await everybody(host, "here", "here")
@@ -89,7 +89,7 @@ def test_a_seat_stands_idle_until_its_person_is_back(tmp_path: Path) -> None:
 
 def test_a_robot_plays_for_whoever_comes_too_late(tmp_path: Path) -> None:
     async def play() -> Path:
-        plan = small_plan("navigation", 1.0, people=2)
+        plan = small_plan("navigation", 0.7, people=2)
         async with tables_links(plan, tmp_path) as links, page(links.host) as host:
             await host.send(kind="start")
             await host.until("picture")

@@ -53,7 +53,10 @@ const connection = new Connection({
 const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
 
 const handlers = {
-  table: (message) => { table = message; },
+  table: (message) => {
+    table = message;
+    find("escape").textContent = table.may_pause ? "free the mouse, pause" : "free the mouse";
+  },
   people: (message) => {
     lobby.update(message, table.seat, table.stand_in);
     find("lobby").hidden = !showsPeople();
