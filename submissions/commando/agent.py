@@ -6,9 +6,9 @@ from wildscav.skills.aiming import Aim, aim_at, enemies_in_sight, look_around, v
 from wildscav.skills.fighting import (
     Dodging,
     cover_from,
+    fighting_action,
     has_much_to_lose,
     quiet_place,
-    wants_reload,
     would_lose,
 )
 from wildscav.skills.gathering import Gathering
@@ -41,16 +41,7 @@ class Commando(Agent):
         enemies = enemies_in_sight(observation, self.match.team)
         walk = self.walk(observation, enemies)
         aim = self.aim(observation, enemies, walk)
-        return Action(
-            walk_direction=walk.direction,
-            walk_speed=walk.speed,
-            jump=walk.jump,
-            turn=aim.turn,
-            look=aim.look,
-            shoot=aim.shoot,
-            reload=wants_reload(observation, self.match.clip_size, bool(enemies)),
-            pick_up=observation.can_pick_up,
-        )
+        return fighting_action(observation, self.match, walk, aim, bool(enemies))
 
     def walk(self, observation: Observation, enemies: list[VisibleAgent]) -> Walk:
         """Return how to walk: out of a fight that would be lost, across the line of fire, or to supplies."""

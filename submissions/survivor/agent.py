@@ -11,7 +11,7 @@ from wildscav.skills.aiming import (
     threats_first,
     velocity_of,
 )
-from wildscav.skills.fighting import Dodging, cover_from, is_hidden, wants_reload, weave, would_lose
+from wildscav.skills.fighting import Dodging, cover_from, fighting_action, is_hidden, weave, would_lose
 from wildscav.skills.gathering import Gathering
 from wildscav.skills.walking import Walk, hold
 from wildscav.skills.zone import Caution, SafeZone, safe_zone
@@ -47,16 +47,7 @@ class Survivor(Agent):
             self.enemy, self.enemy_at = enemies[0].position, observation.time
         walk = self.walk(observation, enemies)
         aim = self.aim(observation, enemies, walk)
-        return Action(
-            walk_direction=walk.direction,
-            walk_speed=walk.speed,
-            jump=walk.jump,
-            turn=aim.turn,
-            look=aim.look,
-            shoot=aim.shoot,
-            reload=wants_reload(observation, self.match.clip_size, bool(enemies)),
-            pick_up=observation.can_pick_up,
-        )
+        return fighting_action(observation, self.match, walk, aim, bool(enemies))
 
     def walk(self, observation: Observation, enemies: list[VisibleAgent]) -> Walk:
         """Return how to walk: on its way, or if an enemy may shoot at it, weaving there or into cover."""

@@ -4,8 +4,9 @@ import math
 from collections.abc import Sequence
 from itertools import product
 
-from wildscav.agent import MatchInfo, Observation, Vector, VisibleAgent
+from wildscav.agent import Action, MatchInfo, Observation, Vector, VisibleAgent
 from wildscav.geometry import BODY_HEIGHT, EYE_HEIGHT, direction_to, flat_distance, moved, turn_to
+from wildscav.skills.aiming import Aim
 from wildscav.skills.surroundings import Surroundings
 from wildscav.skills.walking import FULL_SPEED, Walk
 
@@ -30,6 +31,30 @@ def wants_reload(observation: Observation, clip_size: int, in_sight: bool) -> bo
     if observation.reloading or observation.spare_ammo == 0:
         return False
     return observation.clip == 0 or (not in_sight and observation.clip < clip_size * LOW_CLIP)
+
+
+def fighting_action(
+    observation: Observation, match: MatchInfo, walk: Walk, aim: Aim, in_sight: bool
+) -> Action:
+    """Return the action of an agent that walks and aims; it picks up what is in reach and reloads in time.
+
+    Args:
+        observation: The current observation.
+        match: What is known of the match.
+        walk: How to walk.
+        aim: How to turn, and whether to shoot.
+        in_sight: Whether an enemy is in sight.
+    """
+    return Action(
+        walk_direction=walk.direction,
+        walk_speed=walk.speed,
+        jump=walk.jump,
+        turn=aim.turn,
+        look=aim.look,
+        shoot=aim.shoot,
+        reload=wants_reload(observation, match.clip_size, in_sight),
+        pick_up=observation.can_pick_up,
+    )
 
 
 def would_lose(observation: Observation, enemies: Sequence[VisibleAgent], start_health: int) -> bool:
