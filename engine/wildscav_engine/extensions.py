@@ -47,6 +47,8 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
         "compass": "wildscav_engine.sensors.compass:Compass",
         "zone": "wildscav_engine.sensors.safe_zone:SafeZone",
         "hot_spot": "wildscav_engine.sensors.hot_spot:HotSpotSensor",
+        "sights": "wildscav_engine.sensors.sights:Sights",
+        "to_hot_spot": "wildscav_engine.sensors.to_hot_spot:ToHotSpot",
     },
     "wildscav.robots": {
         "walker": "wildscav_engine.simulation.robots.walker:WALKERS",

@@ -13,7 +13,9 @@ from wildscav_engine.sensors.nearby_supplies import NearbySupplies
 from wildscav_engine.sensors.normals import NormalCamera
 from wildscav_engine.sensors.safe_zone import SafeZone
 from wildscav_engine.sensors.segmentation import SegmentationCamera
+from wildscav_engine.sensors.sights import Sights
 from wildscav_engine.sensors.teammates import Teammates
+from wildscav_engine.sensors.to_hot_spot import ToHotSpot
 from wildscav_engine.sensors.visible_agents import VisibleAgents
 
 SENSORS: Registry[type[Sensor]] = Registry("wildscav.sensors")
@@ -30,7 +32,9 @@ __all__ = [
     "SafeZone",
     "SegmentationCamera",
     "Sensor",
+    "Sights",
     "Teammates",
+    "ToHotSpot",
     "VisibleAgents",
     "parse_sensor",
     "parse_sensors",

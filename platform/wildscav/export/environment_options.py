@@ -8,7 +8,7 @@ from wildscav.export.trained_model import Shape, TrainedModel
 from wildscav.policy.action_choice import ACTIONS, NUMBERS, SCORES
 from wildscav.policy.action_modes import ActionMode, action_mode
 
-MODES = ("multidiscrete", "baseline", "box")  # the action modes that a network can play
+MODES = ("multidiscrete", "fine", "baseline", "box")  # the action modes that a network can play
 
 
 def policy_tables(trained: TrainedModel, track: str, options: Mapping[str, Any]) -> dict[str, Any]:

@@ -126,6 +126,7 @@ MODES: dict[str, type[Any]] = {
     "box": BoxMode,
     "baseline": TableMode,
     "multidiscrete": ChoicesMode,
+    "fine": ChoicesMode,
 }
 
 

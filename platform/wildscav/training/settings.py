@@ -10,7 +10,7 @@ from wildscav.training.algorithms import ALGORITHMS
 from wildscav.training.hyperparameters import Hyperparameters
 from wildscav.training.opposition import Opposition
 
-MODES = ("multidiscrete", "baseline")  # the action modes that can be learned
+MODES = ("multidiscrete", "fine", "baseline")  # the action modes that can be learned
 
 
 PRESETS = ("tuned", "paper")

@@ -5,10 +5,14 @@ matches.
 """
 
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, wrap
+from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
 
 Seats = NDArray[np.int64]
 Readings = NDArray[np.float32]
@@ -70,8 +74,38 @@ def _motion(agents: Any, match: Any, own: Any, others: Any) -> tuple[Any, ...]:
     return x, y, z, distance, *agents.velocity[match, others].T, agents.yaw[match, others]
 
 
+def sights(sensor: Any, state: Any, seen: Any, seats: Seats) -> Readings:
+    """What ``Sights`` reads, enemy by enemy."""
+    agents = state.agents
+    readings = np.zeros((len(seen.agents), len(seats), sensor.limit, 10), np.float32)
+    for match, (place, seat) in product(range(len(seen.agents)), enumerate(seats)):
+        count = seen.agent_count[match, seat]
+        others = [
+            other
+            for other in seen.agents[match, seat, :count]
+            if agents.team[match, other] != agents.team[match, seat]
+        ]
+        for row, other in zip(readings[match, place], others, strict=False):
+            way = agents.position[match, other] - agents.position[match, seat]
+            moved = (agents.velocity[match, other] - agents.velocity[match, seat]) * sensor.lead
+            angles = []
+            for x, y, z in (way, way + moved):
+                off = wrap(arctangent(x, z) - agents.yaw[match, seat])
+                drop = arctangent(EYE_HEIGHT - 1.1 - y, np.sqrt(x * x + z * z)) - agents.pitch[match, seat]
+                angles += [np.copysign(logarithm(1.0 + abs(angle)), angle) for angle in (off, drop)]
+            x, y, z = way
+            level = np.sqrt(x * x + z * z)
+            faces = cosine(agents.yaw[match, other] - arctangent(-x, -z))
+            half_width = logarithm(1.0 + arctangent(BODY_RADIUS, level))
+            distance = logarithm(1.0 + np.sqrt(level * level + y * y))
+            state_of = agents.health[match, other], agents.invincible_left[match, other] > 0
+            row[:] = (1.0, *angles, half_width, faces, distance, *state_of)
+    return readings
+
+
 ARRAY_SENSORS: dict[str, Callable[[Any, Any, Any, Seats], Readings]] = {
     "visible_agents": visible_agents,
     "teammates": teammates,
     "nearby_supplies": nearby_supplies,
+    "sights": sights,
 }

@@ -33,11 +33,12 @@ def test_a_match_reads_the_same_alone_and_in_a_batch(name: str, options: dict[st
         assert together.shape == (3, 3, *sensor.space.shape)
         assert together.tobytes() == np.stack(alone).tobytes()
         found.append(together)
-    assert np.any(found, axis=(0, 3, 4)).all()  # every seat had something to read
+    read = np.any(found, axis=(0, 3, 4))
+    assert read.any() if name == "sights" else read.all()  # some seats see teammates alone
 
 
 def test_the_lists_of_the_default_sensors_are_among_them() -> None:
-    assert BATCHED == ["visible_agents", "teammates", "nearby_supplies"] == list(ARRAY_SENSORS)
+    assert BATCHED == ["visible_agents", "teammates", "nearby_supplies", "sights"] == list(ARRAY_SENSORS)
 
 
 @pytest.mark.parametrize("name", BATCHED)

@@ -33,6 +33,7 @@ ODD: dict[str, list[dict[str, object]]] = {
         {"width": 5, "height": 9, "label": "kind"},
     ],
     "visible_agents": [{"limit": 1}, {"limit": 3}],
+    "sights": [{"limit": 1}, {"limit": 16, "lead": 0.5}],
     "teammates": [{"limit": 1}, {"limit": 64}],
     "nearby_supplies": [{"range": 3.3, "limit": 2}, {"range": 200.0}],
 }
@@ -192,7 +193,7 @@ def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
 
         match = make_match("gathering")
         match.step()
-        for name in ("visible_agents", "teammates", "nearby_supplies", "compass", "zone", "hot_spot"):
+        for name in ("visible_agents", "teammates", "nearby_supplies", "compass", "zone", "sights"):
             SENSORS[name]().read(match, [0])
         print("scene" in vars(match.game_map))
         SENSORS["depth"]().read(match, [0])

@@ -28,6 +28,8 @@ EVERY_SENSOR: dict[str, dict[str, Any]] = {
     "compass": {},
     "zone": {},
     "hot_spot": {},
+    "sights": {"limit": 2},
+    "to_hot_spot": {},
 }
 MORE: dict[str, dict[str, Any]] = {
     "gathering": {"teammates": ("gatherer",)},

@@ -125,7 +125,7 @@ def test_a_learner_that_has_left_its_match_is_not_counted() -> None:
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        ({"flat": False}, "needs flat=true and action_mode multidiscrete or baseline"),
+        ({"flat": False}, "needs flat=true and action_mode multidiscrete or fine or baseline"),
         ({"action_mode": "box"}, "needs flat=true"),
         ({"flatt": True}, "the options of the environment: unexpected keyword argument 'flatt'"),
         ({"agents": 0}, "the options of the environment: agents"),

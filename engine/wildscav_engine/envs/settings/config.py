@@ -19,7 +19,7 @@ from wildscav_engine.specs.zone_config import ZoneConfig
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum
 
-ActionMode = Literal["dict", "box", "baseline", "multidiscrete"]
+ActionMode = Literal["dict", "box", "baseline", "multidiscrete", "fine"]
 RenderMode = Literal["rgb_array", "depth_array", "human", "rerun"]
 RenderView = Literal["eyes", "behind", "top"]
 Width = Annotated[int, Field(ge=16, le=1920)]  # pixels

@@ -67,7 +67,9 @@ class PolicyOpponent:
     name: str = ""  # in errors and in the table of a league; "": the name of the function or class
     sensors: Mapping[str, Mapping[str, Any]] | None = None  # None: as the learner's
     flat: bool | None = None  # None: as the learner's
-    action_mode: Literal["dict", "box", "baseline", "multidiscrete"] | None = None  # None: as the learner's
+    action_mode: Literal["dict", "box", "baseline", "multidiscrete", "fine"] | None = (
+        None  # None: the learner's
+    )
 
     def __post_init__(self) -> None:
         """Check that the policy can be called, and give it a name.

@@ -5,12 +5,13 @@
   45 and 20 degrees per step), then jump and the track's other flags, which are set above 0.
 - ``baseline``: one number, as in the public baselines: a compass direction, a speed, and whether to pick up.
 - ``multidiscrete``: a few choices per field; directions are clockwise from the view.
+- ``fine``: the same with more turns and looks, for aiming.
 """
 
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.action_mode import ActionError, ActionMode
 from wildscav_engine.envs.spaces.box_mode import BoxMode
-from wildscav_engine.envs.spaces.choice_modes import BaselineMode, MultiDiscreteMode
+from wildscav_engine.envs.spaces.choice_modes import BaselineMode, FineMode, MultiDiscreteMode
 from wildscav_engine.envs.spaces.dict_mode import DictMode
 
 __all__ = ["MODES", "ActionError", "ActionMode", "action_mode"]
@@ -20,6 +21,7 @@ MODES: dict[str, type[ActionMode]] = {
     "box": BoxMode,
     "baseline": BaselineMode,
     "multidiscrete": MultiDiscreteMode,
+    "fine": FineMode,
 }
 
 

@@ -1,7 +1,7 @@
-"""The action modes of choices: ``baseline``, one number, and ``multidiscrete``, a few."""
+"""The action modes of choices: ``baseline``, one number, and ``multidiscrete`` and ``fine``, a few."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
@@ -27,6 +27,11 @@ WALKS = ("stand", *(f"{45 * place}°" for place in range(DIRECTIONS)))
 WALK_SPEEDS = (5.0, 10.0)  # m/s
 TURNS = (-45.0, -15.0, -5.0, 0.0, 5.0, 15.0, 45.0)  # degrees per step
 LOOKS = (-20.0, -5.0, 0.0, 5.0, 20.0)  # degrees per step
+# Of the mode fine: each is 1.6 to 2 times the one before, so that an aim is as good near as far, relatively.
+_FINE_TURNS = (0.5, 1.0, 2.0, 3.5, 6.0, 10.0, 17.0, 30.0, 60.0, 120.0)
+_FINE_LOOKS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+FINE_TURNS = (*(-turn for turn in reversed(_FINE_TURNS)), 0.0, *_FINE_TURNS)  # degrees per step
+FINE_LOOKS = (*(-look for look in reversed(_FINE_LOOKS)), 0.0, *_FINE_LOOKS)  # degrees per step
 
 
 class BaselineMode(ActionMode):
@@ -90,13 +95,17 @@ def _look_up(choices: NDArray[np.int64], table: NDArray[np.float32], rows: Rows)
 class MultiDiscreteMode(ActionMode):
     """The mode ``multidiscrete``: a few choices per field."""
 
+    name: ClassVar[str] = "multidiscrete"
+    turns: ClassVar[tuple[float, ...]] = TURNS
+    looks: ClassVar[tuple[float, ...]] = LOOKS
+
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
         super().__init__(fields, frames_per_action)
         self.sizes = np.array(
-            [len(WALKS), len(WALK_SPEEDS), len(TURNS), len(LOOKS), *[2] * len(self.flags)], np.int64
+            [len(WALKS), len(WALK_SPEEDS), len(self.turns), len(self.looks), *[2] * len(self.flags)], np.int64
         )
         self._speeds = np.array(WALK_SPEEDS)
-        self._turns, self._looks = np.array(TURNS) / self.frames, np.array(LOOKS) / self.frames
+        self._turns, self._looks = np.array(self.turns) / self.frames, np.array(self.looks) / self.frames
 
     @property
     def space(self) -> MultiDiscrete:
@@ -106,20 +115,22 @@ class MultiDiscreteMode(ActionMode):
     @property
     def columns(self) -> tuple[Column, ...]:
         """The choices, in order."""
-        speeds, turns, looks = (_listed(numbers) for numbers in (WALK_SPEEDS, TURNS, LOOKS))
+        speeds, turns, looks = (_listed(numbers) for numbers in (WALK_SPEEDS, self.turns, self.looks))
         walk = "0 stands still; 1 to 8 walk 0, 45, … 315° clockwise from the view"
         return (
             Column("walk", "", 0.0, len(WALKS) - 1.0, walk),
             Column("speed", "", 0.0, len(WALK_SPEEDS) - 1.0, f"walk at {speeds} m/s"),
-            Column("turn", "", 0.0, len(TURNS) - 1.0, f"turn by {turns}° in the step; positive is right"),
-            Column("look", "", 0.0, len(LOOKS) - 1.0, f"look by {looks}° in the step; positive is down"),
+            Column(
+                "turn", "", 0.0, len(self.turns) - 1.0, f"turn by {turns}° in the step; positive is right"
+            ),
+            Column("look", "", 0.0, len(self.looks) - 1.0, f"look by {looks}° in the step; positive is down"),
             *self._flag_columns("", 0.0, "1"),
         )
 
     def describe(self) -> dict[str, Any]:
         """Return the choices: degrees clockwise from the view (None: stand), m/s, and degrees per frame."""
         return {
-            "mode": "multidiscrete",
+            "mode": self.name,
             "directions": [None, *(45.0 * place for place in range(DIRECTIONS))],
             "speeds": self._speeds.tolist(),
             "turns": self._turns.tolist(),
@@ -139,6 +150,14 @@ class MultiDiscreteMode(ActionMode):
     def mask(self, alive: bool) -> tuple[NDArray[np.int8], ...]:
         """Return a mask for each field."""
         return tuple(choice_mask(int(size), alive) for size in self.sizes)
+
+
+class FineMode(MultiDiscreteMode):
+    """The mode ``fine``: ``multidiscrete`` with more turns and looks, from half a degree on."""
+
+    name: ClassVar[str] = "fine"
+    turns: ClassVar[tuple[float, ...]] = FINE_TURNS
+    looks: ClassVar[tuple[float, ...]] = FINE_LOOKS
 
 
 def _listed(numbers: Sequence[float]) -> str:

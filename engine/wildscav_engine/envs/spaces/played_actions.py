@@ -1,7 +1,7 @@
 """From the actions that were played to those of an action mode: the nearest ones, for learners that imitate.
 
 The mode ``dict`` keeps what was played, so its space here allows any walk speed. The others approximate:
-``box`` limits how fast an agent turns, and ``baseline`` and ``multidiscrete`` have few choices.
+``box`` limits how fast an agent turns, and the others have few choices.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.box_mode import LOOK_STEP, TURN_STEP
-from wildscav_engine.envs.spaces.choice_modes import DIRECTIONS, LOOKS, TURNS, WALK_SPEEDS, BaselineMode
+from wildscav_engine.envs.spaces.choice_modes import (
+    DIRECTIONS,
+    WALK_SPEEDS,
+    BaselineMode,
+    MultiDiscreteMode,
+)
 from wildscav_engine.envs.spaces.dict_mode import LOOK_LIMIT, TURN_LIMIT
 from wildscav_engine.specs.actions import MAX_WALK_SPEED, Field
 
@@ -40,10 +45,11 @@ def played_encoder(config: EnvConfig) -> Encoder:
         return lambda rows, _: _fields(rows, config.fields)
     if config.action_mode == "box":
         return lambda rows, _: _box(rows, frames, flags)
-    if config.action_mode == "multidiscrete":
-        return lambda rows, yaws: _choices(rows, yaws, frames, flags)
-    mode = BaselineMode(config.fields, frames)
-    return lambda rows, _: _nearest_rows(rows, mode.table)
+    mode = action_mode(config)
+    if isinstance(mode, MultiDiscreteMode):
+        return lambda rows, yaws: _choices(rows, yaws, mode, flags)
+    table = BaselineMode(config.fields, frames).table
+    return lambda rows, _: _nearest_rows(rows, table)
 
 
 def _fields(rows: Played, fields: tuple[Field, ...]) -> dict[str, NDArray[Any]]:
@@ -74,16 +80,16 @@ def _box(rows: Played, frames: int, flags: list[Field]) -> NDArray[np.float32]:
     return np.concatenate(parts, axis=1).clip(-1.0, 1.0).astype(np.float32)
 
 
-def _choices(rows: Played, yaws: Yaws, frames: int, flags: list[Field]) -> NDArray[np.int64]:
-    """Return (N, k) actions of the mode ``multidiscrete``."""
+def _choices(rows: Played, yaws: Yaws, mode: MultiDiscreteMode, flags: list[Field]) -> NDArray[np.int64]:
+    """Return (N, k) actions of the modes ``multidiscrete`` and ``fine``."""
     speed = rows[:, Field.WALK_SPEED]
     sector = np.rint((rows[:, Field.WALK_DIRECTION] - yaws) / (360.0 / DIRECTIONS)).astype(np.int64)
     walk = np.where(speed < WALK_SPEEDS[0] / 2.0, 0, 1 + sector % DIRECTIONS)
     chosen = [
         walk,
         _nearest(speed, WALK_SPEEDS),
-        _nearest(rows[:, Field.TURN] * frames, TURNS),
-        _nearest(rows[:, Field.LOOK] * frames, LOOKS),
+        _nearest(rows[:, Field.TURN] * mode.frames, mode.turns),
+        _nearest(rows[:, Field.LOOK] * mode.frames, mode.looks),
     ]
     return np.concatenate([np.stack(chosen, axis=1), rows[:, flags].astype(np.int64)], axis=1)
 

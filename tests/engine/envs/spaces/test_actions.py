@@ -40,6 +40,8 @@ def decoded(track: str, mode: str, action: Any, yaw: float = 0.0) -> dict[str, f
             [3, 0, 6, 2, 1],
             {"walk_direction": 120, "walk_speed": 5, "turn": 9, "jump": 1},
         ),
+        ("navigation", "fine", [0, 1, 11, 6, 0], {"turn": 0.1}),
+        ("battle", "fine", [0, 0, 0, 12, 0, 0, 1, 0], {"turn": -24, "look": 3.2, "shoot": 1}),
         (
             "battle",
             "multidiscrete",

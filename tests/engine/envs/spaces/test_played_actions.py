@@ -79,6 +79,11 @@ def test_the_mode_multidiscrete_has_the_nearest_choices(yaw: float, walk: int) -
     assert encoded("multidiscrete", yaw=yaw)[0].tolist() == [walk, 0, 5, 1, 1, 0, 1, 0]
 
 
+def test_the_mode_fine_has_the_nearest_of_more_turns() -> None:
+    # 25° is nearer to 30 than to 17, and -5° to -4 than to -8.
+    assert encoded("fine")[0].tolist() == [2, 0, 10 + 8, 6 - 4, 1, 0, 1, 0]
+
+
 def test_who_hardly_walks_stands() -> None:
     row = np.zeros((1, FIELDS), np.float32)
     row[0, Field.WALK_SPEED] = 2.0
@@ -99,7 +104,7 @@ def test_the_mode_baseline_has_the_nearest_walk(
 
 
 @pytest.mark.parametrize("track", ["navigation", "gathering", "battle"])
-@pytest.mark.parametrize("mode", ["dict", "box", "baseline", "multidiscrete"])
+@pytest.mark.parametrize("mode", ["dict", "box", "baseline", "multidiscrete", "fine"])
 def test_actions_of_a_mode_come_back_from_what_they_played(mode: str, track: str) -> None:
     decoder, encoder = action_mode(config(mode, track)), played_encoder(config(mode, track))
     space = decoder.space

@@ -1,0 +1,76 @@
+"""The ways to the hot spot and to its next place, relative to the agent's yaw.
+
+Nine numbers: 1 if the hot spot is at a place; the way there to the right of the yaw and along it, of 1; the
+logarithm of its horizontal distance; the same four numbers of the next place; and the time until the hot spot
+comes there (s). What is not known is 0, as in the sensor ``hot_spot``.
+"""
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, logarithm, sine
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.scalars import ScalarSensor, Write
+from wildscav_engine.simulation.state import Agents, Matches
+from wildscav_engine.simulation.systems.hot_spot import hot_spot_at
+from wildscav_engine.specs.rules import FRAME
+
+COLUMNS = (
+    Column("here", "0 or 1", 0, 1, "whether the hot spot is at a place"),
+    Column("right", "of 1", -1, 1, "the way there: its part to the right of the yaw"),
+    Column("ahead", "of 1", -1, 1, "the same way's part along the yaw"),
+    Column("log distance", "ln m", 0, 10, "logarithm of 1 m + the horizontal distance"),
+    Column("next", "0 or 1", 0, 1, "whether it comes to another place"),
+    Column("next right", "of 1", -1, 1, "the way to the next place: its part to the right of the yaw"),
+    Column("next ahead", "of 1", -1, 1, "the same way's part along the yaw"),
+    Column("next log distance", "ln m", 0, 10, "logarithm of 1 m + the horizontal distance"),
+    Column("comes_in", "s", 0, np.inf, "time until it comes to its next place"),
+)
+
+
+@kernel
+def _write_way(agents: Agents, match: int, seat: int, x: float, z: float, row: NDArray[np.float32]) -> None:
+    """Write (4,) the way of an agent to a place."""
+    east, north = x - agents.position[match, seat, 0], z - agents.position[match, seat, 2]
+    distance, yaw = np.sqrt(east * east + north * north), agents.yaw[match, seat]
+    row[0] = 1.0
+    if distance > 0.0:
+        row[1] = max(-1.0, min(1.0, (east * cosine(yaw) - north * sine(yaw)) / distance))
+        row[2] = max(-1.0, min(1.0, (east * sine(yaw) + north * cosine(yaw)) / distance))
+    row[3] = logarithm(1.0 + distance)
+
+
+@kernel
+def _write_to_hot_spot(
+    agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]
+) -> None:
+    """Write the ways of a seat to the hot spot; all 0 if there is none."""
+    frame = matches.frame[match]
+    place = hot_spot_at(matches, match, frame)
+    if place.number >= 0:
+        _write_way(agents, match, seat, place.x, place.z, row[:4])
+    following = place.number + 1
+    if following < matches.places[match]:
+        come = matches.hot_spots[match, following]
+        _write_way(agents, match, seat, come[1], come[2], row[4:8])
+        row[8] = (come[0] - frame) * FRAME
+
+
+@sensor
+class ToHotSpot(ScalarSensor):
+    """The ways to the hot spot and to its next place, relative to the yaw."""
+
+    name: ClassVar[str] = "to_hot_spot"
+    title: ClassVar[str] = (
+        "the way to the hot spot: known, right, ahead, log distance, ln m; the same of its next place; s "
+        "until it comes there"
+    )
+    scalars: ClassVar[tuple[Column, ...]] = COLUMNS
+
+    @staticmethod
+    def kernel() -> Write:
+        """Return the kernel that writes the numbers."""
+        return _write_to_hot_spot
