@@ -1,6 +1,6 @@
 """How soon a person sees what was done, and how many pictures a second arrive.
 
-    python benchmarks/play.py [--seconds 20] [--json FILE]
+    python benchmarks/play.py [--people 1] [--seconds 20] [--json FILE]
 
 A client on this machine plays as the page does, without a browser: it turns the view all the time, and the
 delay is the time from sending an input to having decoded the first picture in which it took effect. A browser
@@ -12,8 +12,9 @@ import io
 import json
 import struct
 import time
+from contextlib import AsyncExitStack
 from pathlib import Path
-from statistics import median, quantiles
+from statistics import mean, median, quantiles
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
@@ -72,41 +73,57 @@ class Player:
             if number == head["input"] and now > self.shown[0] + WARM_UP:
                 self.delays.append(now - sent)
 
+    @property
+    def rate(self) -> float:
+        """Pictures a second, after warming up."""
+        counted = [when for when in self.shown if when > self.shown[0] + WARM_UP]
+        return (len(counted) - 1) / (counted[-1] - counted[0])
+
     async def _send(self, message: dict[str, object]) -> None:
         await self._socket.send(json.dumps(message))
 
 
-async def play(track: str, seconds: float, folder: Path) -> list[Figure]:
-    """Play, and return what was measured."""
-    plan = make_plan(track, None, 0, None, 600.0)
+async def play(track: str, people: int, seconds: float, folder: Path) -> list[Figure]:
+    """Play, and return what was measured; with several people, the mean of what each of them gets."""
+    plan = make_plan(track, None, 0, None, 600.0, people)
     prepare(plan)
-    async with (
-        served(plan, folder, "127.0.0.1", 0, print) as (links, _),
-        connect(f"{links.host.replace('http:', 'ws:')}/socket", proxy=None) as socket,
-    ):
-        player = Player(socket)
-        turning = asyncio.create_task(player.turn())
-        await player.watch(seconds)
-        turning.cancel()
-    counted = [when for when in player.shown if when > player.shown[0] + WARM_UP]
-    rate = (len(counted) - 1) / (counted[-1] - counted[0])
+    async with AsyncExitStack() as stack:
+        links, _ = await stack.enter_async_context(served(plan, folder, "127.0.0.1", 0, print, countdown=0))
+        players = []
+        for link in (*links.guests, links.host):  # the host starts the match, and so comes last
+            address = f"{link.replace('http:', 'ws:')}/socket"
+            players.append(
+                Player(await stack.enter_async_context(connect(address, proxy=None, max_queue=None)))
+            )
+        turning = [asyncio.create_task(player.turn()) for player in players]
+        await asyncio.gather(*(player.watch(seconds) for player in players))
+        for task in turning:
+            task.cancel()
+    return _figures(players)
+
+
+def _figures(players: list[Player]) -> list[Figure]:
+    delays = [delay for player in players for delay in player.delays]
+    rate = mean(player.rate for player in players)
+    size = mean(player.bytes / len(player.shown) for player in players)
     return [
         Figure("pictures of 640 × 360", rate, "/s"),
-        Figure("input to picture, median", 1000 * median(player.delays), "ms"),
-        Figure("input to picture, 95 % within", 1000 * quantiles(player.delays, n=20)[-1], "ms"),
-        Figure("stream", player.bytes / len(player.shown) * rate * 8e-6, "Mbit/s"),
+        Figure("input to picture, median", 1000 * median(delays), "ms"),
+        Figure("input to picture, 95 % within", 1000 * quantiles(delays, n=20)[-1], "ms"),
+        Figure("stream", size * rate * 8e-6, "Mbit/s"),
     ]
 
 
 def main(
     track: Annotated[str, typer.Option(help="Track to play, against its usual robots.")] = "battle",
+    people: Annotated[int, typer.Option(help="How many play.", min=1, max=8)] = 1,
     seconds: Annotated[float, typer.Option(help="How long to measure.")] = 20.0,
     json_file: JsonFile = None,
 ) -> None:
     """Measure the delay from input to picture, and pictures a second."""
     with TemporaryDirectory() as folder:
-        figures = asyncio.run(play(track, seconds, Path(folder)))
-    publish(f"A person plays {track}", figures, json_file)
+        figures = asyncio.run(play(track, people, seconds, Path(folder)))
+    publish(f"{people} {'person plays' if people == 1 else 'people play'} {track}", figures, json_file)
 
 
 if __name__ == "__main__":

@@ -138,7 +138,7 @@ function headline({ ending, time, rows }) {
 }
 
 function showEnd(message) {
-  showPanel("over", headline(message), message.ending === "time_up" ? "The time is up." : "The match is over.",
+  showPanel("over", headline(message), `${message.ending === "time_up" ? "The time is up." : "The match is over."}${isHost() ? "" : " The host starts the next one."}`,
     startButton("Play again"));
   fillTable(find("result"), message.metrics.map(({ title, unit }) => (unit ? `${title} (${unit})` : title)), message.rows, table.seat);
   find("record").querySelector("code").textContent = message.record ?? "";
