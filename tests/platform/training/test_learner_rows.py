@@ -64,7 +64,10 @@ def test_learners_that_leave_one_by_one_are_no_rows() -> None:
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        ({"flat": False}, "the algorithm a2c needs flat=true and action_mode multidiscrete or baseline"),
+        (
+            {"flat": False},
+            "the algorithm a2c needs flat=true and action_mode multidiscrete or fine or baseline",
+        ),
         ({"action_mode": "box"}, "the algorithm a2c needs flat=true"),
         ({"flatt": True}, "the options of the environment: unexpected keyword argument 'flatt'"),
     ],
