@@ -28,11 +28,13 @@ def small_plan(
 
 
 @asynccontextmanager
-async def tables_links(plan: Plan, folder: Path, said: list[str] | None = None) -> AsyncIterator[Addresses]:
+async def tables_links(
+    plan: Plan, folder: Path, public_url: str | None = None, countdown: int = 0
+) -> AsyncIterator[Addresses]:
     """Serve a table, and yield its links."""
     prepare(plan)
-    say = (said if said is not None else []).append
-    async with served(plan, folder, "127.0.0.1", 0, say, countdown=0) as (links, _):
+    options: Any = {"public_url": public_url, "countdown": countdown}
+    async with served(plan, folder, "127.0.0.1", 0, [].append, **options) as (links, _):
         yield links
 
 

@@ -9,7 +9,7 @@ from urllib.request import ProxyHandler, build_opener
 import pytest
 from tests.platform.play.pages import PageClient, page
 from tests.platform.play.tables import small_plan, tables_links
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav.play.page import RENEWED
 from wildscav.play.player_page import MOST_COMMANDS
@@ -189,5 +189,37 @@ def test_a_flood_of_what_everybody_is_told_is_closed(tmp_path: Path) -> None:
             with pytest.raises(ConnectionClosed, match="too many messages"):
                 await guest.until("over")
             await everybody(host, "here", "away")
+
+    asyncio.run(play())
+
+
+def test_pages_behind_a_proxy_are_this_sites_own(tmp_path: Path) -> None:
+    async def play() -> None:
+        public = "https://play.example.org/"
+        async with tables_links(small_plan(people=2), tmp_path, public_url=public) as links:
+            assert links.guests[0].startswith(public)
+            async with page(links.host, origin="https://play.example.org") as host:
+                shown = await host.until("people")
+                assert shown["links"] == {"1": links.guests[0]}
+                assert not shown["local_only"]
+            with pytest.raises(InvalidStatus, match="403"):
+                async with page(links.host, origin="https://elsewhere.example.org"):
+                    pass
+
+    asyncio.run(play())
+
+
+def test_a_match_of_several_people_is_counted_down(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with (
+            tables_links(small_plan(people=2), tmp_path, countdown=1) as links,
+            page(links.host) as host,
+            page(links.guests[0]) as guest,
+        ):
+            await everybody(host, "here", "here")
+            await host.send(kind="start")
+            for client in (host, guest):
+                assert (await client.until("countdown"))["seconds"] == 1
+                assert (await client.until("picture"))["time"] < 0.5
 
     asyncio.run(play())
