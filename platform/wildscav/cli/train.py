@@ -23,7 +23,7 @@ Algorithm = Annotated[
     str,
     typer.Option(
         help="ppo (one file to read and to start from); sb3-ppo or a2c (Stable-Baselines3; A2C is the "
-        "synchronous form of A3C)."
+        "synchronous form of A3C); rllib-ppo (RLlib)."
     ),
 ]
 Preset = Annotated[
@@ -71,6 +71,13 @@ Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=
 Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
 Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MOST_SEEDS)]
 AtOnce = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MOST_SEEDS)]
+Workers = Annotated[
+    int, typer.Option(help="RLlib: processes that play; 0 plays where it learns.", min=0, max=1000)
+]
+Address = Annotated[
+    str | None,
+    typer.Option(metavar="HOST:PORT", help="RLlib: the Ray cluster whose machines play, with --workers."),
+]
 Out = Annotated[Path, typer.Option(help="Folder of the results; each run has a folder in it.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue what an interruption left in that folder.")]
 Episodes = Annotated[
@@ -98,6 +105,8 @@ def train(
     seed: Seed = 0,
     seeds: Seeds = 1,
     at_once: AtOnce = 1,
+    workers: Workers = 0,
+    address: Address = None,
     out: Out = Path("out/training"),
     resume: Resume = False,
     episodes: Episodes = 100,
@@ -111,6 +120,7 @@ def train(
     options = _environment(level, map_number, option)
     first = _settings(algorithm, preset, track, options, changes, curriculum, steps, seed)
     first = _opposed(first, opponents, opponent_seats, easy_first=easy_first)
+    first = _spread(first, workers, address)
     runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
     _check_folders(out, submission, resume=resume)
     results = _train_all(runs, out, episodes, min(at_once, seeds), resume=resume)
@@ -205,6 +215,32 @@ def _opposed(
         raise UserError("--opponents and --option opponents=… are both given: take one", exit_code=2)
     found = read_opposition(names, settings.track, settings.options, seats, easy_first=easy_first)
     return replace(settings, opposition=found)
+
+
+def _spread(settings: "TrainingSettings", workers: int, address: str | None) -> "TrainingSettings":
+    """Return the settings of a run with the processes that play for it.
+
+    Raises:
+        UserError: The algorithm plays in one process, the address is wrong, or the processes outnumber the
+            matches.
+    """
+    from wildscav.training.algorithms import ALGORITHMS, RLLIB
+    from wildscav.training.rllib_cluster import check_address
+
+    if (workers or address) and ALGORITHMS[settings.algorithm].library != RLLIB:
+        names = ", ".join(name for name, one in ALGORITHMS.items() if one.library == RLLIB)
+        raise UserError(f"--workers and --address are for {names}, not for {settings.algorithm}", exit_code=2)
+    if address is not None:
+        if not workers:
+            raise UserError("--address needs --workers, the number of processes that play there", exit_code=2)
+        check_address(address)
+    matches = settings.hyperparameters.matches
+    if workers > matches:
+        raise UserError(
+            f"--workers is {workers}, must be at most {matches}, the matches at once (--set matches=…)",
+            exit_code=2,
+        )
+    return replace(settings, workers=workers, address=address)
 
 
 def _stages(text: str) -> tuple[float, ...]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields, replace
 
 from wildscav.training.hyperparameters import PAPER, Hyperparameters
 
-OURS, STABLE = "", "stable_baselines3"  # the library that an algorithm comes from
+OURS, STABLE, RLLIB = "", "stable_baselines3", "ray.rllib"  # the library that an algorithm comes from
 
 
 @dataclass(frozen=True)
@@ -39,4 +39,5 @@ ALGORITHMS: dict[str, Algorithm] = {
         replace(TUNED, rollout=5, learning_rate=2e-3),
         PAPER_A3C,
     ),
+    "rllib-ppo": Algorithm("PPO of RLlib", RLLIB, (), TUNED, PAPER),
 }

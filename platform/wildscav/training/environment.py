@@ -26,13 +26,13 @@ def make_env(
     Raises:
         UserError: An option is invalid, or the environment is not one that can be learned here.
     """
-    options = {**settings.options, **more}
+    options = {"autoreset_mode": "SameStep", **settings.options, **more}
     if settings.opposition is not None and "opponents" not in more:
         options["opponents"] = fixed_opponents(settings.opposition)
     if start_range is not None:
         options["start_range"] = start_range
     try:
-        env = BatchedArena(settings.track, matches, autoreset_mode="SameStep", **options)
+        env = BatchedArena(settings.track, matches, **options)
     except (TypeError, ValueError) as error:
         raise UserError(f"the options of the environment: {error}", exit_code=2) from None
     if not env.config.flat or env.config.action_mode not in MODES:

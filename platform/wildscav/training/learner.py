@@ -1,9 +1,11 @@
 """What all algorithms of ``wildscav train`` have in common, and how a run gets its own."""
 
-from collections.abc import Mapping
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
 from typing import Any, Protocol
 
-from wildscav.training.algorithms import ALGORITHMS, STABLE
+from wildscav.training.algorithms import ALGORITHMS, RLLIB, STABLE
 from wildscav.training.settings import TrainingSettings
 
 
@@ -11,9 +13,15 @@ class Learner(Protocol):
     """A policy in training."""
 
     steps: int  # of all learners so far
-    rollouts: int  # so far
     total: int  # rollouts of the run
-    policy: Any  # layers one after the other, from rows (N, n) to scores (N, C)
+
+    @property
+    def rollouts(self) -> int:
+        """Rollouts so far."""
+
+    @property
+    def policy(self) -> Any:
+        """The layers one after the other, from rows (N, n) to scores (N, C)."""
 
     def iterate(self) -> dict[str, float]:
         """Play a rollout, learn from it, and return figures about both by name."""
@@ -25,16 +33,32 @@ class Learner(Protocol):
         """Continue from what ``state`` returned."""
 
 
-def make_learner(settings: TrainingSettings) -> Learner:
-    """Return the learner of a run, which knows nothing yet.
+@contextmanager
+def learning(settings: TrainingSettings) -> Iterator[Learner]:
+    """Yield the learner of a run, which knows nothing yet.
 
     Raises:
         UserError: The environment cannot be made, or is not one that the algorithm learns.
     """
-    if ALGORITHMS[settings.algorithm].library == STABLE:
+    library = ALGORITHMS[settings.algorithm].library
+    if library == RLLIB:
+        from wildscav.training.rllib_cluster import connected
+
+        with connected(settings.address, settings.workers):
+            from wildscav.training.rllib_learner import RllibLearner
+
+            with closing(RllibLearner(settings)) as learner:
+                yield learner
+    elif library == STABLE:
         from wildscav.training.stable_learner import StableLearner
 
-        return StableLearner(settings)
-    from wildscav.training.ppo import PPO
+        yield StableLearner(settings)
+    else:
+        from wildscav.training.ppo import PPO
 
-    return PPO(settings)
+        yield PPO(settings)
+
+
+def processor_seconds(learner: Learner) -> float:
+    """Return the processor time of this process, and of those that play for the learner, s."""
+    return time.process_time() + float(getattr(learner, "worker_seconds", 0.0))

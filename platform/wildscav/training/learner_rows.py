@@ -26,14 +26,23 @@ class RowsOutcome(NamedTuple):
 class LearnerRows:
     """B matches with L learners each, as N = B × L rows that share one policy."""
 
-    def __init__(self, settings: TrainingSettings, start_range: float | None) -> None:
+    def __init__(
+        self, settings: TrainingSettings, start_range: float | None, autoreset_mode: str = "SameStep"
+    ) -> None:
         """Make the environment.
+
+        Args:
+            settings: The run.
+            start_range: The farthest start from the target, m; None: any.
+            autoreset_mode: Gymnasium's: when a match that has ended is reset.
 
         Raises:
             UserError: An option is invalid, or learners would leave a match before the others.
         """
         self.settings = settings
-        self.env = make_env(settings, settings.hyperparameters.matches, start_range)
+        self.env = make_env(
+            settings, settings.hyperparameters.matches, start_range, autoreset_mode=autoreset_mode
+        )
         self.count = self.env.num_matches * self.env.num_agents
         if self.env.num_agents > 1 and TRACKS[settings.track].has_zone:
             raise UserError(

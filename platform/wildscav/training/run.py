@@ -11,7 +11,7 @@ from tensorboardX import SummaryWriter
 
 from wildscav.training.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
 from wildscav.training.evaluation import Score, evaluate
-from wildscav.training.learner import Learner, make_learner
+from wildscav.training.learner import Learner, learning, processor_seconds
 from wildscav.training.settings import TrainingSettings
 
 EVERY = 60.0  # s between two checkpoints
@@ -50,12 +50,13 @@ def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: b
     torch.set_num_threads(1)
     place = RunFolder(folder)
     place.begin(settings, resume=resume)
-    learner = make_learner(settings)
-    spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
-    cpu, wall = _learn(learner, place, report, spent)
-    _save_layers(folder / WEIGHTS, learner.policy)
-    scores = evaluate(learner.policy, settings, episodes)
-    result = Result(settings.seed, learner.steps, round(cpu, 1), round(wall, 1), scores)
+    with learning(settings) as learner:
+        spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
+        cpu, wall = _learn(learner, place, report, spent)
+        steps, policy = learner.steps, learner.policy
+    _save_layers(folder / WEIGHTS, policy)
+    scores = evaluate(policy, settings, episodes)
+    result = Result(settings.seed, steps, round(cpu, 1), round(wall, 1), scores)
     write_json(folder / RESULT, result.as_json())
     return result
 
@@ -73,10 +74,10 @@ def _learn(
     learner: Learner, place: RunFolder, report: Report, spent: tuple[float, float]
 ) -> tuple[float, float]:
     """Iterate to the end; return the processor time and the time spent in all sittings, s."""
-    cpu_start, wall_start = time.process_time() - spent[0], time.monotonic() - spent[1]
+    cpu_start, wall_start = processor_seconds(learner) - spent[0], time.monotonic() - spent[1]
 
     def now() -> tuple[float, float]:
-        return time.process_time() - cpu_start, time.monotonic() - wall_start
+        return processor_seconds(learner) - cpu_start, time.monotonic() - wall_start
 
     saved = time.monotonic()
     with _TensorBoard(place.path, learner.steps) as board:

@@ -39,11 +39,14 @@ class TrainingSettings:
     curriculum: tuple[float, ...] = ()  # m, the start range of each stage but the last, which has none
     algorithm: str = "ppo"
     opposition: Opposition | None = None  # None: the opponents in the options
+    workers: int = 0  # processes of Ray that play; 0: the one that learns does. Not part of what a run is
+    address: str | None = None  # of a Ray cluster; None: this machine alone. Not part of what a run is
 
     def as_json(self) -> dict[str, Any]:
         """Return the settings as values for JSON."""
         own = {**asdict(self), "curriculum": list(self.curriculum), "options": dict(self.options)}
-        del own["opposition"]
+        for name in ("opposition", "workers", "address"):
+            del own[name]
         numbers = asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
         opposition = {} if self.opposition is None else {"opposition": self.opposition.as_json()}
         return {**own, "hyperparameters": numbers, **opposition}
