@@ -12,23 +12,21 @@ An episode has at most 400 steps of 15 frames. Starts and targets are anywhere o
 
 import json
 import sys
-import time
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import torch
 import typer
+from measured_training import trained
 from numpy.typing import NDArray
 from paper_curves import draw
 from paper_table import table
-from report import machine
 from rich.console import Console
 
 from wildscav.opponents import Oracle, submission
 from wildscav.training.environment import make_env, sizes_of
 from wildscav.training.evaluation import FIRST, play_episodes
-from wildscav.training.ppo import PPO
 from wildscav.training.settings import TrainingSettings, preset_settings
 from wildscav_engine.envs import SeatController
 from wildscav_engine.simulation.batch import Batch
@@ -39,9 +37,7 @@ RESULTS = Path(__file__).parent / "results" / "paper"
 FRAMES, TIME_LIMIT = 15, 120.0  # of a step; s, 400 steps
 STEPS = {103: 200_000, 104: 200_000, 101: 150_000, 102: 150_000, 14: 300_000, 8: 300_000}  # of training
 EPISODES = 200  # of each score
-EARLY, POINTS = (0, 1, 2, 3), 6  # of a learning curve: after so many rollouts, and so many evenly
 POINT_EPISODES = 50  # of each point
-WAYS = ("sampled", "deterministic")
 
 
 class Episodes(NamedTuple):
@@ -70,35 +66,14 @@ def episodes_of(success: NDArray[Any], seconds: NDArray[Any]) -> Episodes:
     return Episodes(success.astype(int).tolist(), length.astype(int).tolist())
 
 
-def trained(settings: TrainingSettings) -> dict[str, Any]:
-    """Train a policy and measure it; the time for measuring does not count."""
-    learner = PPO(settings)
-    cpu = wall = 0.0
-    points = {*EARLY, *(-(-learner.total * point // POINTS) for point in range(1, POINTS + 1))}
-    curve = [point_of(learner)]
-    while learner.rollouts < learner.total:
-        cpu_start, wall_start = time.process_time(), time.monotonic()
-        learner.iterate()
-        cpu, wall = cpu + time.process_time() - cpu_start, wall + time.monotonic() - wall_start
-        if learner.rollouts in points:
-            curve.append(point_of(learner))
-    scores = {way: played(learner.policy, settings, EPISODES, way)._asdict() for way in WAYS}
-    return {
-        "map": settings.options["map"],
-        "seed": settings.seed,
-        "steps": learner.steps,
-        "cpu_seconds": round(cpu, 1),
-        "wall_seconds": round(wall, 1),
-        "machine": {key: value for key, value in machine().items() if key in {"processor", "cores"}},
-        "curve": curve,
-        "scores": scores,
-    }
+def played_numbers(policy: Any, settings: TrainingSettings, episodes: int, choose: str) -> dict[str, Any]:
+    """Return the numbers of test episodes by name."""
+    return played(policy, settings, episodes, choose)._asdict()
 
 
-def point_of(learner: PPO) -> tuple[int, float]:
-    """Return the steps of a learner so far, and the share of targets that it reaches."""
-    now = played(learner.policy, learner.settings, POINT_EPISODES, "sampled")
-    return learner.steps, float(np.mean(now.success))
+def trained_on(settings: TrainingSettings) -> dict[str, Any]:
+    """Train a policy and measure it."""
+    return trained(settings, played_numbers, "success", (POINT_EPISODES, EPISODES))
 
 
 def untrained(settings: TrainingSettings) -> dict[str, Any]:
@@ -153,7 +128,7 @@ def main(
     console = Console(stderr=True)
     for seed in numbers(seeds):
         for number in numbers(maps):
-            add(out / f"{number:03}-seed-{seed}.json", trained, settings_of(number, seed), console)
+            add(out / f"{number:03}-seed-{seed}.json", trained_on, settings_of(number, seed), console)
     for number in numbers(maps):
         add(out / f"{number:03}-untrained.json", untrained, settings_of(number, 0), console)
     sys.stdout.write(table(out))

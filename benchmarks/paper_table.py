@@ -17,6 +17,12 @@ PAPER = {
     8: {"A3C": (0.71, 255.9, 126.9), "PPO": (0.66, 283.1, 118.6), "IMPALA": (0.19, 354.1, 105.0)},
     14: {"A3C": (0.74, 239.6, 124.3), "PPO": (0.62, 284.0, 121.7), "IMPALA": (0.23, 353.4, 97.8)},
 }
+# Supplies of a team of four in three minutes, and the length of an episode of capture, both on map 101.
+PAPER_TEAMS = {
+    "gathering": {"A3C": (49.49, 18.67), "PPO": (98.92, 52.62), "IMPALA": (91.68, 45.90)},
+    "capture": {"A3C": (143.18, 122.71), "PPO": (94.69, 98.55), "IMPALA": (251.58, 166.72)},
+}
+TEAM_COLUMNS = {"gathering": "boxes | supplies", "capture": "episode length | success"}
 HEAD = "| map | agent | success | episode length | seeds | steps | CPU s |\n|---|---|---|---|---|---|---|\n"
 TITLES = {"sampled": "trained", "deterministic": "trained, greedy"}
 
@@ -65,5 +71,45 @@ def trained_row(runs: Sequence[Mapping[str, Any]], choose: str) -> str:
 
 def lengths(scores: Sequence[Mapping[str, Any]]) -> str:
     """Return the mean and the standard deviation of the length of all episodes, as the paper does."""
-    every = [length for score in scores for length in score["length"]]
+    return spread_of(scores, "length")
+
+
+def spread_of(scores: Sequence[Mapping[str, Any]], name: str) -> str:
+    """Return the mean and the standard deviation of a number over all episodes."""
+    every = [value for score in scores for value in score[name]]
     return f"{statistics.fmean(every):.1f} ± {statistics.stdev(every):.1f}"
+
+
+def team_table(folder: Path) -> str:
+    """Return the tables of gathering and capture with all results, in Markdown."""
+    runs = [json.loads(path.read_text("utf-8")) for path in sorted(folder.glob("*.json"))]
+    return "\n".join(team_rows(task, [run for run in runs if run["task"] == task]) for task in PAPER_TEAMS)
+
+
+def team_rows(task: str, runs: Sequence[Any]) -> str:
+    """Return the table of a task: runs of training, the paper's, and agents without training."""
+    learned = [run for run in runs if "seed" in run]
+    rows = [f"| {task}, 101 | {TEAM_COLUMNS[task]} | episodes | seeds | steps | CPU s |\n{7 * '|---'}|\n"]
+    for choose in TITLES if learned else ():
+        seconds = statistics.fmean(run["cpu_seconds"] for run in learned)
+        effort = f"{len(learned)} | {learned[0]['steps']:,} | {seconds:.0f}"
+        cells = team_cells(task, [run["scores"][choose] for run in learned])
+        rows.append(f"| {TITLES[choose]} | {cells} | {effort} |\n")
+    rows += [paper_row(name, mean, spread) for name, (mean, spread) in PAPER_TEAMS[task].items()]
+    others = [(name, score) for run in runs if "seed" not in run for name, score in run["scores"].items()]
+    rows += [f"| `{name}` | {team_cells(task, [score])} | | | |\n" for name, score in others]
+    return "".join(rows)
+
+
+def team_cells(task: str, scores: Sequence[Mapping[str, Any]]) -> str:
+    """Return the figures of a team, over all episodes of all seeds, and the number of those."""
+    count = sum(len(score["length"]) for score in scores)
+    if task == "gathering":
+        return f"{spread_of(scores, 'boxes')} | {spread_of(scores, 'supplies')} | {count}"
+    success = rate([bool(one) for score in scores for one in score["success"]])
+    return f"{lengths(scores)} | {success} | {count}"
+
+
+def paper_row(name: str, mean: float, spread: float) -> str:
+    """Return a row with the paper's figure: it counted boxes in gathering, and steps in capture."""
+    return f"| the paper's {name} | {mean} ± {spread} | | | | | |\n"

@@ -6,7 +6,16 @@ from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
 
 ALL_ROUND = ("random", "homing", "hunter")  # those that play every track
-NAMES = (*ALL_ROUND, "scavenger", "commando", "survivor", "navigator", "mapper", "learned-navigator")
+NAMES = (
+    *ALL_ROUND,
+    "scavenger",
+    "commando",
+    "survivor",
+    "navigator",
+    "mapper",
+    "learned-navigator",
+    "learned-scavenger",
+)
 PREFIX = "baseline:"
 PACKAGE = Path(__file__).parent
 # In an installed wheel they are inside the package, in a checkout in its top folder.

@@ -20,10 +20,13 @@ SEATS: dict[str, dict[str, Any]] = {
     "gathering": {"agents": 4, "teams": [0, 0, 0, 0]},
     "capture": {"agents": 4},
 }
-# Rewards of the preset "tuned", where they are not the track's own.
+# The sensors of the preset "tuned" on the way to a target: two rings of LIDAR show the walls on all sides,
+# of which the depth map shows only those ahead.
+ALL_ROUND = {"depth": {"width": 10, "height": 10}, "lidar": {"channels": 2, "azimuths": 32}}
+# Rewards and sensors of the preset "tuned", where they are not the track's own.
 SHAPED: dict[str, dict[str, Any]] = {
-    "navigation": {"rewards": {"target_reached": 1.0, "approach": 0.01}},
-    "capture": {"rewards": {"target_reached": 1.0, "approach": 0.01}},
+    "navigation": {"rewards": {"target_reached": 1.0, "approach": 0.01}, "sensors": ALL_ROUND},
+    "capture": {"rewards": {"target_reached": 1.0, "approach": 0.01}, "sensors": ALL_ROUND},
 }
 
 

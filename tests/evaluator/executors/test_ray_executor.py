@@ -90,11 +90,11 @@ def faults(out: Path) -> list[str]:
     return [fault for match in matches for fault in match["platform_faults"]]
 
 
-@pytest.mark.parametrize("sandbox", ["process", "bubblewrap", "oci"])
+@pytest.mark.parametrize("sandbox", ["bubblewrap", "oci"])
 def test_a_cluster_gives_the_records_and_scores_of_this_machine(
     submit: Submit, suite: Path, in_cluster: RayCluster, wildscav: Command, tmp_path: Path, sandbox: str
 ) -> None:
-    if why := missing(sandbox) if sandbox != "process" else "":
+    if why := missing(sandbox):
         pytest.skip(f"{sandbox} does not work here: {why}")
     talker = submit("talker", TALKER, tracks=BOTH)
     here = played_here(wildscav, talker.folder, suite, tmp_path / "here", sandbox)

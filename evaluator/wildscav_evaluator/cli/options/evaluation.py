@@ -12,7 +12,8 @@ Submissions = Annotated[
     list[Path],
     typer.Argument(
         help="Folders with a submission.toml, archives of such folders, image:NAME, or the baselines random, "
-        "homing, hunter, scavenger, commando, survivor, navigator, mapper and learned-navigator.",
+        "homing, hunter, scavenger, commando, survivor, navigator, mapper, learned-navigator and "
+        "learned-scavenger.",
         metavar="SUBMISSION",
         show_default=False,
     ),

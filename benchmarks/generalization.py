@@ -1,0 +1,150 @@
+"""How well policies for navigation do on maps that they have never seen, by the number of maps of training.
+
+    python benchmarks/generalization.py --seeds 0,1,2 --picture docs/images/generalization.png
+
+trains on 1, 10, 100 and 1,000 random maps of the levels normal and hard, and measures success and SPL on the
+maps of training, in other episodes, and on 100 others, as Cobbe et al. did ("Leveraging Procedural Generation
+to Benchmark Reinforcement Learning", 2020). It adds what is not yet in the folder of results, and prints the
+table of all that is there; with ``--seeds ''`` it only does that. Maps take up to 6 GB of memory.
+"""
+
+import json
+import statistics
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import torch
+import typer
+from paper import FRAMES, TIME_LIMIT, numbers
+from paper_curves import QUANTILES
+from rich.console import Console
+
+from wildscav.training.evaluation import play_episodes
+from wildscav.training.ppo import PPO
+from wildscav.training.settings import TrainingSettings, preset_settings
+
+RESULTS = Path(__file__).parent / "results" / "generalization"
+LEVELS, COUNTS = ("normal", "hard"), (1, 10, 100, 1000)
+STEPS, EPISODES, TEST_MAPS = 200_000, 100, 100
+TITLES = {"train": "maps of training", "test": "unseen maps"}
+NORMAL = 2.5  # quantile for more seeds than the table of Student's t has, on the safe side
+
+
+def settings_of(level: str, maps: int, seed: int) -> TrainingSettings:
+    """Return the run of a level and a number of maps."""
+    options = {"level": level, "random_maps": maps, "time_limit": TIME_LIMIT, "frames_per_action": FRAMES}
+    hyperparameters, options = preset_settings("tuned", "navigation", options)
+    return TrainingSettings("navigation", options, STEPS, seed, hyperparameters)
+
+
+def scores(policy: Any, settings: TrainingSettings, split: str) -> dict[str, list[float]]:
+    """Return the successes and SPL of episodes by name, on maps of training or on others."""
+    maps = settings.options["random_maps"] if split == "train" else TEST_MAPS
+    with_spl = replace(settings, options={**settings.options, "random_maps": maps, "all_metrics": True})
+    names, found = play_episodes(policy, with_spl, EPISODES, split, "sampled")
+    return {name: np.round(found[:, names.index(name)], 4).tolist() for name in ("success", "spl")}
+
+
+def trained(settings: TrainingSettings) -> dict[str, Any]:
+    """Train a policy and measure it on both splits."""
+    learner = PPO(settings)
+    began = time.process_time()
+    while learner.rollouts < learner.total:
+        learner.iterate()
+    seconds = time.process_time() - began
+    return {
+        "level": settings.options["level"],
+        "maps": settings.options["random_maps"],
+        "seed": settings.seed,
+        "steps": learner.steps,
+        "cpu_seconds": round(seconds, 1),
+        "scores": {split: scores(learner.policy, settings, split) for split in TITLES},
+    }
+
+
+def interval(runs: Sequence[Mapping[str, Any]], split: str, name: str) -> tuple[float, float]:
+    """Return the mean over the seeds, and half of its 95 % interval (Student's t)."""
+    means = [statistics.fmean(run["scores"][split][name]) for run in runs]
+    if len(means) == 1:
+        return means[0], 0.0
+    reach = QUANTILES.get(len(means), NORMAL) * statistics.stdev(means) / len(means) ** 0.5
+    return statistics.fmean(means), reach
+
+
+def table(results: Sequence[Any]) -> str:
+    """Return a row for each level and number of maps, in Markdown."""
+    rows = ["| level | maps | seeds | success, trained | SPL | success, unseen | SPL | CPU s |\n"]
+    rows.append(f"{8 * '|---'}|\n")
+    for level, maps, runs in grouped(results):
+        cells = []
+        for split in TITLES:
+            middle, reach = interval(runs, split, "success")
+            cells.append(f"{100.0 * middle:.1f} ± {100.0 * reach:.1f} %")
+            cells.append("{:.2f} ± {:.2f}".format(*interval(runs, split, "spl")))
+        seconds = statistics.fmean(run["cpu_seconds"] for run in runs)
+        rows.append(f"| {level} | {maps:,} | {len(runs)} | {' | '.join(cells)} | {seconds:.0f} |\n")
+    return "".join(rows)
+
+
+def grouped(results: Sequence[Any]) -> list[tuple[str, int, list[Any]]]:
+    """Return the runs of each level and number of maps that there are."""
+    groups = [
+        (level, maps, [run for run in results if (run["level"], run["maps"]) == (level, maps)])
+        for level in LEVELS
+        for maps in COUNTS
+    ]
+    return [group for group in groups if group[2]]
+
+
+def draw(results: Sequence[Any], picture: Path) -> None:
+    """Draw success on maps of training and on unseen ones over the number of maps, with 95 % intervals."""
+    from matplotlib import pyplot as plt
+
+    figure, grid = plt.subplots(1, len(LEVELS), figsize=(7.5, 3.0), sharey=True, layout="constrained")
+    for level, axes in zip(LEVELS, grid, strict=True):
+        groups = [(maps, runs) for name, maps, runs in grouped(results) if name == level]
+        for split, title in TITLES.items():
+            points = [interval(runs, split, "success") for _, runs in groups]
+            middles, reaches = (100.0 * np.array(column) for column in zip(*points, strict=True))
+            where = [maps for maps, _ in groups]
+            axes.plot(where, middles, marker="o", markersize=4, label=title)
+            axes.fill_between(where, middles - reaches, np.minimum(middles + reaches, 100.0), alpha=0.2)
+        axes.set_xscale("log")
+        axes.set_xlabel("maps of training")
+        axes.set_title(f"level {level}", fontsize=10)
+        axes.set_ylim(0, 103)
+        axes.grid(alpha=0.3)
+    grid[0].set_ylabel("targets reached, %")
+    grid[0].legend(loc="lower right", fontsize=8, frameon=False)
+    figure.savefig(picture, dpi=110)
+
+
+def main(
+    levels: Annotated[str, typer.Option(help="Levels, separated by commas.")] = ",".join(LEVELS),
+    seeds: Annotated[str, typer.Option(help="Seeds of the runs.")] = "0",
+    out: Annotated[Path, typer.Option(help="Folder of the results.")] = RESULTS,
+    picture: Annotated[Path | None, typer.Option(help="File for the plot.")] = None,
+) -> None:
+    """Train what is missing, and print the table."""
+    torch.set_num_threads(1)
+    out.mkdir(parents=True, exist_ok=True)
+    console = Console(stderr=True)
+    runs = [(level, maps, seed) for seed in numbers(seeds) for level in levels.split(",") for maps in COUNTS]
+    for level, maps, seed in runs:
+        path = out / f"{level}-{maps}-seed-{seed}.json"
+        if not path.exists():
+            console.print(path.stem)
+            path.write_text(json.dumps(trained(settings_of(level, maps, seed))) + "\n", "utf-8")
+    results = [json.loads(path.read_text("utf-8")) for path in sorted(out.glob("*.json"))]
+    sys.stdout.write(table(results))
+    if picture is not None:
+        draw(results, picture)
+
+
+if __name__ == "__main__":
+    typer.run(main)
