@@ -224,8 +224,8 @@ def _spread(settings: "TrainingSettings", workers: int, address: str | None) -> 
         UserError: The algorithm plays in one process, the address is wrong, or the processes outnumber the
             matches.
     """
+    from wildscav.system.ray_clusters import check_address
     from wildscav.training.algorithms import ALGORITHMS, RLLIB
-    from wildscav.training.rllib_cluster import check_address
 
     if (workers or address) and ALGORITHMS[settings.algorithm].library != RLLIB:
         names = ", ".join(name for name, one in ALGORITHMS.items() if one.library == RLLIB)

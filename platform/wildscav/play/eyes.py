@@ -3,6 +3,8 @@
 import io
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from wildscav_engine.sensors import parse_sensors
@@ -55,7 +57,11 @@ class Eyes:
 
     def picture(self, moment: Moment) -> bytes:
         """Return what the seat sees at a moment, as JPEG."""
-        pixels = self.camera.read(cast("MatchView", moment), [self._seat])[0]
-        file = io.BytesIO()
-        Image.fromarray(pixels).save(file, "JPEG", quality=QUALITY)
-        return file.getvalue()
+        return as_jpeg(self.camera.read(cast("MatchView", moment), [self._seat])[0])
+
+
+def as_jpeg(pixels: NDArray[np.uint8]) -> bytes:
+    """Return (H, W, 3) pixels as JPEG."""
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "JPEG", quality=QUALITY)
+    return file.getvalue()

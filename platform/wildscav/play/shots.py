@@ -1,14 +1,12 @@
 """What spectators see of a match: through the eyes of a seat, or everybody from above."""
 
-import io
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
-from PIL import Image
 
 from wildscav.play.display import display_of
-from wildscav.play.eyes import HEIGHT, QUALITY, WIDTH, Eyes, Moment, moment_of
+from wildscav.play.eyes import HEIGHT, WIDTH, Eyes, Moment, as_jpeg, moment_of
 from wildscav.proto.match_pb2 import Observation
 from wildscav.server.hosting.observations import SeatObservations, match_info
 from wildscav.wire.observations import decode_observation
@@ -122,6 +120,4 @@ class Overview:
             np.array([camera.pitch]),
             moving=dynamic_objects_of(moment),
         )[0]
-        file = io.BytesIO()
-        Image.fromarray(pixels).save(file, "JPEG", quality=QUALITY)
-        return file.getvalue()
+        return as_jpeg(pixels)

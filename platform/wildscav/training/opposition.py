@@ -1,6 +1,6 @@
 """Who plays against the learners of a run: robots, submissions, and copies of the policy itself."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import cycle, islice
 from pathlib import Path
@@ -9,13 +9,10 @@ from typing import Any
 from wildscav.baselines import is_baseline
 from wildscav.errors import UserError
 from wildscav.opponents import submission
-from wildscav_engine.extensions import Registry
-from wildscav_engine.simulation.robots.base import Robot
-from wildscav_engine.simulation.robots.skill import LEVELS
+from wildscav_engine.simulation.robots.decide import KINDS, ROBOTS
 from wildscav_engine.tracks import TRACKS
 
 SELF = "self"  # among the names: copies of the policy
-_ROBOTS: Registry[tuple[Robot, ...]] = Registry("wildscav.robots")
 
 
 @dataclass(frozen=True)
@@ -38,32 +35,20 @@ class Opposition:
     @property
     def robots(self) -> tuple[tuple[str, ...], ...]:
         """The levels of each robot that the learner meets one after the other; the last is the one named."""
-        names = [name for name in self.names if name in _robot_names()]
+        names = [name for name in self.names if name in ROBOTS]
         return tuple(_levels_to(name) if self.easy_first else (name,) for name in names)
 
     @property
     def submissions(self) -> tuple[str, ...]:
         """The submissions among them: names of baselines, or folders."""
-        return tuple(name for name in self.names if name != SELF and name not in _robot_names())
-
-
-def _robot_names() -> list[str]:
-    return [robot.name for levels in _ROBOTS.values() for robot in levels]
+        return tuple(name for name in self.names if name != SELF and name not in ROBOTS)
 
 
 def _levels_to(name: str) -> tuple[str, ...]:
     """Return the levels of a robot, from the easy one to the one of this name."""
-    (kind,) = [[robot.name for robot in levels] for levels in _ROBOTS.values() if name in _names(levels)]
-    by_level = [one for level in LEVELS for one in kind if _level_of(one) == level]
-    return tuple(by_level[: by_level.index(name) + 1])
-
-
-def _names(levels: Sequence[Robot]) -> list[str]:
-    return [robot.name for robot in levels]
-
-
-def _level_of(name: str) -> str:
-    return next((level for level in LEVELS if name.endswith(f"-{level}")), "normal")
+    kinds = ([robot.name for robot in levels] for levels in KINDS.values())
+    names = next(names for names in kinds if name in names)
+    return tuple(names[: names.index(name) + 1])
 
 
 def read_opposition(
@@ -101,12 +86,12 @@ def _check(name: str, track: str) -> None:
     Raises:
         UserError: It does not.
     """
-    if name == SELF or name in _robot_names():
+    if name == SELF or name in ROBOTS:
         return
     if not is_baseline(name) and not Path(name).is_dir():
         raise UserError(
             f"--opponents: there is no {name!r}; allowed are self, the folder or name of a submission, and "
-            f"the robots {', '.join(_robot_names())}",
+            f"the robots {', '.join(ROBOTS)}",
             exit_code=2,
         )
     try:

@@ -6,35 +6,16 @@ import logging
 import os
 import re
 import secrets
-import socket
 import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 from wildscav.errors import UserError
+from wildscav.system.ray_clusters import check_address, has_token, use_token
 
-REACH_TIME = 5.0  # s for a connection to the address
-TOKEN_FILE = Path("~/.ray/auth_token")  # written by `ray start --head`
-TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 SHOWN = 200  # characters of an error of Ray
-
-
-def check_address(address: str) -> None:
-    """Refuse an address where nothing listens, for which Ray would wait a minute.
-
-    Raises:
-        UserError: It is no address, or nothing listens there.
-    """
-    host, _, port = address.rpartition(":")
-    if not host or not port.isdecimal() or not 0 < int(port) < 65_536 or "/" in host:
-        raise UserError(f"--address {address} is no address of a Ray cluster: must be HOST:PORT", exit_code=2)
-    try:
-        socket.create_connection((host.strip("[]"), int(port)), REACH_TIME).close()
-    except OSError as error:
-        raise UserError(f"there is no Ray cluster at {address}: {error.strerror or error}") from None
 
 
 @contextmanager
@@ -75,12 +56,9 @@ def _set_environment(address: str | None) -> None:
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     os.environ["RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO"] = "0"
     os.environ.setdefault("RAY_worker_niceness", "0")  # those that play are as urgent as the one that learns
-    known = any(name in os.environ for name in TOKEN_VARIABLES) or TOKEN_FILE.expanduser().is_file()
-    if address is None and not known:
+    if address is None and not has_token():
         os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)  # nobody else may use a Ray of its own
-        known = True
-    if known:
-        os.environ.setdefault("RAY_AUTH_MODE", "token")
+    use_token()
 
 
 def _start(address: str | None, processes: int) -> None:

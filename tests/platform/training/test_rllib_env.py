@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from wildscav.cli.main import app
 from wildscav.errors import UserError
-from wildscav.training.rllib_cluster import check_address
+from wildscav.system.ray_clusters import check_address
 from wildscav.training.rllib_env import LearnersVectorEnv, share_of
 
 

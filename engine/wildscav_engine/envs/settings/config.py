@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
-from wildscav_engine.envs.settings.players import Player, Sampler, read_entry, seat_entry
+from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, parse_sensors
 from wildscav_engine.specs.actions import Field as ActionField
@@ -19,7 +19,6 @@ from wildscav_engine.specs.zone_config import ZoneConfig
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum
 
-ActionMode = Literal["dict", "box", "baseline", "multidiscrete", "fine"]
 RenderMode = Literal["rgb_array", "depth_array", "human", "rerun"]
 RenderView = Literal["eyes", "behind", "top"]
 Width = Annotated[int, Field(ge=16, le=1920)]  # pixels

@@ -7,8 +7,8 @@ the names are equal.
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypedDict
 
-from wildscav_engine.envs.settings.config import ActionMode, RenderMode, RenderView
-from wildscav_engine.envs.settings.players import Player, Policy, Sampler, StatefulPolicy
+from wildscav_engine.envs.settings.config import RenderMode, RenderView
+from wildscav_engine.envs.settings.players import ActionMode, Player, Policy, Sampler, StatefulPolicy
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import Position

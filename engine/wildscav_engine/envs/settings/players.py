@@ -31,6 +31,7 @@ Policy: TypeAlias = Callable[[Any], Any]  # from the observations of N seats to 
 Indices: TypeAlias = NDArray[np.int64]
 
 LONGEST_NAME = 100  # characters
+ActionMode = Literal["dict", "box", "baseline", "multidiscrete", "fine"]
 _ROBOTS: Registry[tuple[RobotName, ...]] = Registry("wildscav.robots")
 
 
@@ -67,9 +68,7 @@ class PolicyOpponent:
     name: str = ""  # in errors and in the table of a league; "": the name of the function or class
     sensors: Mapping[str, Mapping[str, Any]] | None = None  # None: as the learner's
     flat: bool | None = None  # None: as the learner's
-    action_mode: Literal["dict", "box", "baseline", "multidiscrete", "fine"] | None = (
-        None  # None: the learner's
-    )
+    action_mode: ActionMode | None = None  # None: as the learner's
 
     def __post_init__(self) -> None:
         """Check that the policy can be called, and give it a name.

@@ -9,7 +9,7 @@ from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.world import World
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.view.overview import fitted
+from wildscav_engine.view.overview import Overview, fitted
 from wildscav_engine.view.recording.coordinates import directions
 from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.moments import Moment
@@ -122,16 +122,14 @@ class Above:
         high = _filled(np.where(alive, agents.position, -np.inf).max(axis=1), some)
         if history.target is not None:
             low, high = np.minimum(low, history.target), np.maximum(high, history.target)
-        short = np.maximum(0.0, LEAST_EXTENT - (high - low)) / 2 * [1, 0, 1]
-        steps, edge = _steps(history, GLIDE), MARGIN * np.array([1.0, 0.0, 1.0])
-        low, high = low - np.maximum(short, edge), high + np.maximum(short, edge) + [0.0, ROOF, 0.0]
+        low, high = widened(low, high)
+        steps = _steps(history, GLIDE)
         every = max(1, steps // 3)  # rows for which the camera is fitted; it glides in between
         self._rows = np.unique([*range(0, len(low), every), len(low) - 1])
         columns = [-_greatest(-low[:, axis], steps) for axis in range(3)]
         columns += [_greatest(high[:, axis], steps) for axis in range(3)]
         boxes = np.stack([_mean(column, steps) for column in columns], axis=-1)[self._rows]
-        slope = float(np.tan(np.radians(ANGLE / 2)))
-        views = [fitted(corners_of(box[:3], box[3:]), slope, slope / aspect, FROM) for box in boxes]
+        views = [view_above(box[:3], box[3:], aspect) for box in boxes]
         self._targets = np.array([view.target for view in views])
         self._eyes = over_map(world, np.array([view.eye for view in views]), self._targets)
 
@@ -142,14 +140,27 @@ class Above:
             np.array([np.interp(moment.frame, frames, places[:, axis]) for axis in range(3)])
             for places in (self._eyes, self._targets)
         )
-        x, y, z = (target - eye).tolist()
-        return Camera(
-            eye,
-            float(np.degrees(np.arctan2(x, z))),
-            float(np.degrees(np.arctan2(-y, np.hypot(x, z)))),
-            None,
-            ABOVE_FAR,
-        )
+        return camera_above(eye, target)
+
+
+def widened(low: Vector, high: Vector) -> tuple[Vector, Vector]:
+    """Return (…, 3) and (…, 3) m, the corners of what is to be in view of those between two corners."""
+    level = np.array([1.0, 0.0, 1.0])
+    around = np.maximum(MARGIN, (LEAST_EXTENT - (high - low)) / 2) * level
+    return low - around, high + around + [0.0, ROOF, 0.0]
+
+
+def view_above(low: Vector, high: Vector, aspect: float) -> Overview:
+    """Return the view from above in which a box fits into pictures of an aspect."""
+    slope = float(np.tan(np.radians(ANGLE / 2)))
+    return fitted(_corners(low, high), slope, slope / aspect, FROM)
+
+
+def camera_above(eye: Vector, target: Vector) -> Camera:
+    """Return the camera at a place (3,) m that looks at another."""
+    x, y, z = (target - eye).tolist()
+    yaw, pitch = np.degrees(np.arctan2(x, z)), np.degrees(np.arctan2(-y, np.hypot(x, z)))
+    return Camera(eye, float(yaw), float(pitch), None, ABOVE_FAR)
 
 
 def over_map(world: World, eyes: NDArray[np.float64], targets: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -196,7 +207,7 @@ def _filled(values: NDArray[np.float64], known: NDArray[np.bool_]) -> NDArray[np
     return np.where(np.isfinite(filled), filled, 0.0)
 
 
-def corners_of(low: Vector, high: Vector) -> NDArray[np.float64]:
+def _corners(low: Vector, high: Vector) -> NDArray[np.float64]:
     """Return (8, 3) m the corners of a box."""
     return np.array(
         [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]

@@ -4,18 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import World
-from wildscav_engine.view.overview import fitted
-from wildscav_engine.view.video.cameras import (
-    ABOVE_FAR,
-    ANGLE,
-    FROM,
-    LEAST_EXTENT,
-    MARGIN,
-    ROOF,
-    Camera,
-    corners_of,
-    over_map,
-)
+from wildscav_engine.view.video.cameras import Camera, camera_above, over_map, view_above, widened
 
 OPENING, CLOSING = 0.5, 2.5  # s in which the view widens and narrows by about two thirds of the way
 
@@ -41,14 +30,11 @@ class LiveAbove:
             time: s of the match.
         """
         if self._box is None or len(positions):
-            self._box = self._glided(*_box(positions if len(positions) else np.zeros((1, 3))), time)
+            places = positions if len(positions) else np.zeros((1, 3))
+            self._box = self._glided(*widened(places.min(axis=0), places.max(axis=0)), time)
         self._time = time
-        slope = float(np.tan(np.radians(ANGLE / 2)))
-        view = fitted(corners_of(*self._box), slope, slope / self._aspect, FROM)
-        eye = over_map(self._world, view.eye[None], view.target[None])[0]
-        x, y, z = (view.target - eye).tolist()
-        yaw, pitch = np.degrees(np.arctan2(x, z)), np.degrees(np.arctan2(-y, np.hypot(x, z)))
-        return Camera(eye, float(yaw), float(pitch), None, ABOVE_FAR)
+        view = view_above(*self._box, self._aspect)
+        return camera_above(over_map(self._world, view.eye[None], view.target[None])[0], view.target)
 
     def _glided(
         self, low: NDArray[np.float64], high: NDArray[np.float64], time: float
@@ -63,11 +49,3 @@ class LiveAbove:
             own_low + np.where(low < own_low, wide, narrow) * (low - own_low),
             own_high + np.where(high > own_high, wide, narrow) * (high - own_high),
         )
-
-
-def _box(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (3,) and (3,) m, the corners of what is to be in view."""
-    low, high = positions.min(axis=0), positions.max(axis=0)
-    level = np.array([1.0, 0.0, 1.0])
-    around = np.maximum(MARGIN, (LEAST_EXTENT - (high - low)) / 2) * level
-    return low - around, high + around + [0.0, ROOF, 0.0]
