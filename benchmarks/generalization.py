@@ -8,21 +8,21 @@ to Benchmark Reinforcement Learning", 2020). It adds what is not yet in the fold
 table of all that is there; with ``--seeds ''`` it only does that. Maps take up to 6 GB of memory.
 """
 
-import json
 import statistics
 import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import torch
 import typer
-from paper import FRAMES, TIME_LIMIT, numbers
-from paper_curves import QUANTILES
-from rich.console import Console
+from paper import FRAMES, TIME_LIMIT
+from paper_curves import reach_of
+from result_files import add, numbers, results_in
 
 from wildscav.training.evaluation import play_episodes
 from wildscav.training.ppo import PPO
@@ -32,7 +32,6 @@ RESULTS = Path(__file__).parent / "results" / "generalization"
 LEVELS, COUNTS = ("normal", "hard"), (1, 10, 100, 1000)
 STEPS, EPISODES, TEST_MAPS = 200_000, 100, 100
 TITLES = {"train": "maps of training", "test": "unseen maps"}
-NORMAL = 2.5  # quantile for more seeds than the table of Student's t has, on the safe side
 
 
 def settings_of(level: str, maps: int, seed: int) -> TrainingSettings:
@@ -72,8 +71,7 @@ def interval(runs: Sequence[Mapping[str, Any]], split: str, name: str) -> tuple[
     means = [statistics.fmean(run["scores"][split][name]) for run in runs]
     if len(means) == 1:
         return means[0], 0.0
-    reach = QUANTILES.get(len(means), NORMAL) * statistics.stdev(means) / len(means) ** 0.5
-    return statistics.fmean(means), reach
+    return statistics.fmean(means), reach_of(means)
 
 
 def table(results: Sequence[Any]) -> str:
@@ -132,15 +130,10 @@ def main(
 ) -> None:
     """Train what is missing, and print the table."""
     torch.set_num_threads(1)
-    out.mkdir(parents=True, exist_ok=True)
-    console = Console(stderr=True)
     runs = [(level, maps, seed) for seed in numbers(seeds) for level in levels.split(",") for maps in COUNTS]
     for level, maps, seed in runs:
-        path = out / f"{level}-{maps}-seed-{seed}.json"
-        if not path.exists():
-            console.print(path.stem)
-            path.write_text(json.dumps(trained(settings_of(level, maps, seed))) + "\n", "utf-8")
-    results = [json.loads(path.read_text("utf-8")) for path in sorted(out.glob("*.json"))]
+        add(out / f"{level}-{maps}-seed-{seed}.json", partial(trained, settings_of(level, maps, seed)))
+    results = results_in(out)
     sys.stdout.write(table(results))
     if picture is not None:
         draw(results, picture)

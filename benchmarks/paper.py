@@ -10,8 +10,8 @@ begins anew. ``wildscav train`` with the options of ``settings_of`` gives the sa
 An episode has at most 400 steps of 15 frames. Starts and targets are anywhere on the map.
 """
 
-import json
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -22,7 +22,7 @@ from measured_training import trained
 from numpy.typing import NDArray
 from paper_curves import draw
 from paper_table import table
-from rich.console import Console
+from result_files import add, numbers
 
 from wildscav.opponents import Oracle, submission
 from wildscav.training.environment import make_env, sizes_of
@@ -98,22 +98,28 @@ def agent_played(agent: SeatController, settings: TrainingSettings, frames: int)
     """
     env = make_env(settings, EPISODES, None, split="test")
     env.reset(seed=FIRST)
-    made: Any = env.arena.batch
+    batch = play_out(agent, env.arena.batch, frames)
+    return episodes_of(batch.state.agents.reached[:, 0], batch.state.matches.frame * FRAME)
+
+
+def play_out(agent: SeatController, made: Any, frames: int) -> Batch:
+    """Let an agent play all seats of matches from their start to their end, and return them.
+
+    Args:
+        agent: The agent.
+        made: The matches, which stay as they are.
+        frames: Frames of the agent's own steps.
+    """
     batch = Batch([spec.model_copy(update={"frames_per_action": frames}) for spec in made.specs], made.maps)
-    matches, seats = np.arange(EPISODES), np.zeros(EPISODES, np.int64)
+    count, per_match = len(made.specs), len(made.specs[0].seats)
+    matches, seats = np.divmod(np.arange(count * per_match), per_match)
     agent.begin(batch, matches, seats)
-    rows = np.zeros((EPISODES, 1, FIELDS), np.float32)
-    state = batch.state
-    while not state.matches.over.all():
-        going = np.flatnonzero(~state.matches.over.astype(bool))
-        rows[going, 0] = agent.act(batch, going, seats[going])
+    rows = np.zeros((count, per_match, FIELDS), np.float32)
+    while not batch.state.matches.over.all():
+        going = ~batch.state.matches.over[matches]
+        rows[matches[going], seats[going]] = agent.act(batch, matches[going], seats[going])
         batch.step(rows)
-    return episodes_of(state.agents.reached[:, 0], state.matches.frame * FRAME)
-
-
-def numbers(text: str) -> list[int]:
-    """Return integers that are separated by commas."""
-    return [int(part) for part in text.split(",") if part.strip()]
+    return batch
 
 
 def main(
@@ -124,24 +130,15 @@ def main(
 ) -> None:
     """Train what is missing, and print the table."""
     torch.set_num_threads(1)
-    out.mkdir(parents=True, exist_ok=True)
-    console = Console(stderr=True)
     for seed in numbers(seeds):
         for number in numbers(maps):
-            add(out / f"{number:03}-seed-{seed}.json", trained_on, settings_of(number, seed), console)
+            settings = settings_of(number, seed)
+            add(out / f"{number:03}-seed-{seed}.json", partial(trained_on, settings))
     for number in numbers(maps):
-        add(out / f"{number:03}-untrained.json", untrained, settings_of(number, 0), console)
+        add(out / f"{number:03}-untrained.json", partial(untrained, settings_of(number, 0)))
     sys.stdout.write(table(out))
     if picture is not None:
         draw(out, picture)
-
-
-def add(path: Path, measure: Any, settings: TrainingSettings, console: Console) -> None:
-    """Write a result, unless it is there."""
-    if path.exists():
-        return
-    console.print(path.stem)
-    path.write_text(json.dumps(measure(settings)) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """The learning curves of ``paper.py`` as a picture, from its folder of results."""
 
-import json
 import statistics
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 from baselines import wilson
 from paper_table import PAPER
+from result_files import results_in
 
 COLUMNS = 3
 EPISODES = 50  # of a point of one run
@@ -20,7 +20,7 @@ def draw(folder: Path, picture: Path) -> None:
     """Draw a curve for each map: the mean of all seeds in equal numbers of steps, and its 95 % interval."""
     from matplotlib import pyplot as plt
 
-    runs = [json.loads(path.read_text("utf-8")) for path in sorted(folder.glob("*-seed-*.json"))]
+    runs = results_in(folder, "*-seed-*.json")
     numbers = [number for number in PAPER if any(run["map"] == number for run in runs)]
     columns = max(1, min(COLUMNS, len(numbers)))
     rows = max(1, -(-len(numbers) // columns))
@@ -53,10 +53,15 @@ def draw_map(axes: Any, number: int, runs: Sequence[Any]) -> None:
     axes.set_xlim(left=0)
 
 
+def reach_of(means: Sequence[float]) -> float:
+    """Return half of the 95 % interval of the mean over seeds (Student's t)."""
+    return QUANTILES.get(len(means), NORMAL) * statistics.stdev(means) / len(means) ** 0.5
+
+
 def interval(shares: Sequence[float]) -> tuple[float, float, float]:
     """Return the mean of a point and its 95 % interval: over seeds, or of the episodes of one or two."""
     middle = statistics.fmean(shares)
     if len(shares) <= FEW:
         return middle, *wilson(middle, len(shares) * EPISODES)
-    reach = QUANTILES.get(len(shares), NORMAL) * statistics.stdev(shares) / len(shares) ** 0.5
+    reach = reach_of(shares)
     return middle, max(0.0, middle - reach), min(1.0, middle + reach)

@@ -1,12 +1,12 @@
 """The table of ``paper.py``, from its folder of results."""
 
-import json
 import statistics
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from baselines import rate
+from result_files import results_in
 
 # Success rate and episode length with its standard deviation, from the paper's table of navigation.
 PAPER = {
@@ -29,7 +29,7 @@ TITLES = {"sampled": "trained", "deterministic": "trained, greedy"}
 
 def table(folder: Path) -> str:
     """Return the rows of all maps that have results, in Markdown."""
-    runs = [json.loads(path.read_text("utf-8")) for path in sorted(folder.glob("*.json"))]
+    runs = results_in(folder)
     lines = [HEAD]
     for number in PAPER:
         here = [run for run in runs if run["map"] == number]
@@ -82,7 +82,7 @@ def spread_of(scores: Sequence[Mapping[str, Any]], name: str) -> str:
 
 def team_table(folder: Path) -> str:
     """Return the tables of gathering and capture with all results, in Markdown."""
-    runs = [json.loads(path.read_text("utf-8")) for path in sorted(folder.glob("*.json"))]
+    runs = results_in(folder)
     return "\n".join(team_rows(task, [run for run in runs if run["task"] == task]) for task in PAPER_TEAMS)
 
 

@@ -8,8 +8,8 @@ beside the paper's figures and agents without training. With ``--seeds ''`` it t
 An episode of gathering has 600 steps of 15 frames (3 minutes), and one of capture at most 400.
 """
 
-import json
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,9 +18,9 @@ import torch
 import typer
 from measured_training import trained
 from numpy.typing import NDArray
-from paper import EPISODES, FRAMES, POINT_EPISODES, RESULTS, numbers
+from paper import EPISODES, FRAMES, POINT_EPISODES, RESULTS, play_out
 from paper_table import team_table
-from rich.console import Console
+from result_files import add, numbers
 
 from wildscav.opponents import Oracle, submission
 from wildscav.training.environment import make_env, sizes_of
@@ -30,7 +30,6 @@ from wildscav.training.settings import TrainingSettings, preset_settings
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.batched import BatchedArena
 from wildscav_engine.simulation.batch import Batch
-from wildscav_engine.specs.actions import FIELDS
 
 TEAMS = RESULTS.parent / "paper-teams"
 MAP, AGENTS = 101, 4
@@ -75,7 +74,7 @@ def boxes_of(batch: Batch) -> NDArray[np.int64]:
 
 def test_env(settings: TrainingSettings, episodes: int) -> BatchedArena:
     """Return test episodes, which stay as they are when they have ended until the next step."""
-    env = BatchedArena(settings.track, episodes, autoreset_mode="NextStep", split="test", **settings.options)
+    env = make_env(settings, episodes, None, autoreset_mode="NextStep", split="test")
     env.reset(seed=FIRST)
     return env
 
@@ -111,15 +110,8 @@ def agents_played(
         episodes: E.
     """
     made: Any = test_env(settings, episodes).arena.batch
-    batch = Batch([spec.model_copy(update={"frames_per_action": frames}) for spec in made.specs], made.maps)
-    boxes = boxes_of(batch)
-    matches, seats = np.divmod(np.arange(episodes * AGENTS), AGENTS)
-    agent.begin(batch, matches, seats)
-    rows = np.zeros((episodes, AGENTS, FIELDS), np.float32)
-    while not batch.state.matches.over.all():
-        going = ~batch.state.matches.over[matches]
-        rows[matches[going], seats[going]] = agent.act(batch, matches[going], seats[going])
-        batch.step(rows)
+    boxes = boxes_of(made)
+    batch = play_out(agent, made, frames)
     return joined([numbers_of(batch, match, boxes[match]) for match in range(episodes)])
 
 
@@ -151,14 +143,10 @@ def main(
 ) -> None:
     """Train what is missing, and print the tables."""
     torch.set_num_threads(1)
-    out.mkdir(parents=True, exist_ok=True)
-    console = Console(stderr=True)
     for task in tasks.split(","):
         made = [(out / f"{task}-seed-{seed}.json", trained_team, seed) for seed in numbers(seeds)]
         for path, measure, seed in [*made, (out / f"{task}-untrained.json", untrained, 0)]:
-            if not path.exists():
-                console.print(path.stem)
-                path.write_text(json.dumps(measure(settings_of(task, seed))) + "\n", "utf-8")
+            add(path, partial(measure, settings_of(task, seed)))
     sys.stdout.write(team_table(out))
 
 

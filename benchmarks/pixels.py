@@ -8,10 +8,10 @@ direction and the distance of the target, which no picture shows. It adds what i
 results, and prints the table of all that is there; with ``--seeds ''`` it only does that.
 """
 
-import json
 import statistics
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,8 +19,7 @@ import numpy as np
 import torch
 import typer
 from baselines import rate
-from paper import numbers
-from rich.console import Console
+from result_files import add, numbers, results_in
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecNormalize
 
@@ -103,14 +102,10 @@ def main(
 ) -> None:
     """Train what is missing, and print the table."""
     torch.set_num_threads(1)
-    out.mkdir(parents=True, exist_ok=True)
     for seed in numbers(seeds):
         for place, sees in enumerate(SENSORS):
-            path = out / f"{place}-seed-{seed}.json"
-            if not path.exists():
-                Console(stderr=True).print(f"{sees}, seed {seed}")
-                path.write_text(json.dumps(trained(sees, seed)) + "\n", "utf-8")
-    sys.stdout.write(table([json.loads(path.read_text("utf-8")) for path in sorted(out.glob("*.json"))]))
+            add(out / f"{place}-seed-{seed}.json", partial(trained, sees, seed))
+    sys.stdout.write(table(results_in(out)))
 
 
 if __name__ == "__main__":
