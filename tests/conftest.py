@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 
 from hypothesis import settings
 
@@ -20,3 +21,11 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # drawn each time, so that a run tells about the code and not about luck.
 settings.register_profile("wildscav", deadline=None, derandomize=True)
 settings.load_profile("wildscav")
+
+
+def pytest_sessionfinish() -> None:
+    """Write down what was covered: pytest-xdist kills workers that take more than 10 s to end."""
+    coverage = sys.modules.get("coverage")
+    current = coverage and coverage.Coverage.current()
+    if current:
+        current.save()
