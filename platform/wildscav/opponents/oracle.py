@@ -1,5 +1,6 @@
 """An agent that knows the map and takes the shortest path to the target, to measure others by."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -7,9 +8,11 @@ from numpy.typing import NDArray
 
 from wildscav.opponents.seat_messages import Indices
 from wildscav_engine.envs import SeatController
-from wildscav_engine.maps.walk import Path, WalkGraph, find_path
+from wildscav_engine.maps.walk import Path, WalkGraph, find_path, node_near
 from wildscav_engine.maps.walk.explore import ARRIVAL
+from wildscav_engine.maps.walk.lattice import NO_EDGE
 from wildscav_engine.maps.walk.leaps import LEAP_SPEED
+from wildscav_engine.maps.walk.paths import Place
 from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, Field
 from wildscav_engine.specs.rules import FRAME
 
@@ -67,7 +70,8 @@ class PathWalker:
     """One body on its path.
 
     A body reaches a corner only to a centimetre or two. Where that holds it up, it takes the next corner,
-    and if it cannot get there either, it takes a path that keeps more distance from walls.
+    and if it cannot get there either, it takes a path that keeps more distance from walls. Where that holds
+    it up, too, there is a gap in the floor that the graph does not know: it takes a path without that edge.
     """
 
     def __init__(self, graph: WalkGraph, start: NDArray[np.float64], target: NDArray[np.float64]) -> None:
@@ -83,6 +87,7 @@ class PathWalker:
         self._follow(self.path)
 
     def _follow(self, path: Path | None) -> None:
+        self.starts = (path.start, *(leg.end for leg in path.legs)) if path else ()
         self.legs = path.legs if path else ()
         self.leg = self.still = 0
         self.jumps = bool(self.legs and self.legs[0].jump)
@@ -127,5 +132,23 @@ class PathWalker:
         end = self.legs[self.leg].end
         if np.hypot(end[0] - position[0], end[2] - position[2]) <= ARRIVAL and self.leg + 1 < len(self.legs):
             self._take_next_leg()  # it is as good as there
-        elif path := find_path(self.graph, position, self.target, straight=False):
+            return
+        self.graph = without_edge(self.graph, self.starts[self.leg], end)
+        if path := find_path(self.graph, position, self.target, straight=False):
             self._follow(path)
+
+
+def without_edge(graph: WalkGraph, start: Place, end: Place) -> WalkGraph:
+    """Return a graph without the edge between two nodes; the same where they are none, or have none.
+
+    Args:
+        graph: Of the map.
+        start: x, y, z in m, soles.
+        end: The same.
+    """
+    first, last = node_near(graph, start, leave=True), node_near(graph, end, leave=False)
+    if first is None or last not in graph.nodes.edges[first]:
+        return graph
+    edges = graph.nodes.edges.copy()
+    edges[first][edges[first] == last] = NO_EDGE
+    return replace(graph, nodes=graph.nodes._replace(edges=edges))

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from wildscav.opponents import Oracle
+from wildscav.opponents.oracle import without_edge
 from wildscav_engine.envs import SingleEnv
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
+from wildscav_engine.maps.cache import map_of
+from wildscav_engine.maps.pools import numbered_maps
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.map_spec import Country, MapConfig, MapSpec
@@ -49,6 +52,34 @@ def test_it_knows_a_hidden_target() -> None:
 def test_it_plays_no_track_without_a_target() -> None:
     with pytest.raises(ValueError, match="the oracle plays navigation and capture, not battle"):
         SingleEnv("battle", opponents=(Oracle(),), map=VILLAGE.config, time_limit=2.0)
+
+
+def test_an_edge_that_fails_is_forgotten_in_one_direction() -> None:
+    graph = map_of(VILLAGE).graph
+    node = int(np.argmax((graph.nodes.edges >= 0).all(axis=1)))
+    other = int(graph.nodes.edges[node, 0])
+    here, there = graph.positions([node, other])
+
+    less = without_edge(graph, here, there)
+
+    assert np.argwhere(less.nodes.edges != graph.nodes.edges).tolist() == [[node, 0]]
+    assert other not in less.nodes.edges[node]
+    assert without_edge(less, here, there) is less, "there is nothing left to forget"
+
+
+@pytest.mark.slow
+def test_a_gap_in_the_floor_that_the_graph_does_not_know_does_not_hold_it_up() -> None:
+    # Three places of a straight way over a rock have a floor, but not all between them.
+    spec = MatchSpec(
+        track="navigation",
+        map=numbered_maps((102,))[0].spec,
+        start=(71.0, 4.22329329, -45.0),
+        target=(-26.0, 8.8852404, -29.0),
+        time_limit=60.0,
+        frames_per_action=1,
+    )
+
+    assert played(spec).state.agents.reached[0, 0]
 
 
 @pytest.mark.slow
