@@ -23,7 +23,7 @@ Algorithm = Annotated[
     str,
     typer.Option(
         help="ppo (one file to read and to start from); sb3-ppo or a2c (Stable-Baselines3; A2C is the "
-        "synchronous form of A3C); rllib-ppo (RLlib)."
+        "synchronous form of A3C); rllib-ppo, rllib-appo or rllib-impala (RLlib)."
     ),
 ]
 Preset = Annotated[

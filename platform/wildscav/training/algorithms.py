@@ -26,6 +26,12 @@ class Algorithm:
 TUNED = Hyperparameters()
 # The paper's A3C has many workers that each play 400 steps; A2C waits for all of them before it learns.
 PAPER_A3C = replace(PAPER, learning_rate=1e-4, entropy=0.01, value=0.5, divergence=0.0)
+# The paper's table of IMPALA; what it does not name is RLlib's default. It has none of APPO, which gets the
+# same.
+PAPER_IMPALA = replace(
+    PAPER, learning_rate=5e-4, entropy=0.01, value=0.5, divergence=0.0, gradient_norm=40.0, epochs=1
+)
+PAPER_APPO = replace(PAPER_IMPALA, clip=0.4, epochs=2)
 
 ALGORITHMS: dict[str, Algorithm] = {
     "ppo": Algorithm("PPO in one file, to read and to start from", OURS, (), TUNED, PAPER),
@@ -40,4 +46,19 @@ ALGORITHMS: dict[str, Algorithm] = {
         PAPER_A3C,
     ),
     "rllib-ppo": Algorithm("PPO of RLlib", RLLIB, (), TUNED, PAPER),
+    "rllib-appo": Algorithm(
+        "APPO of RLlib, PPO that does not wait for those that play",
+        RLLIB,
+        ("minibatch", "trace"),
+        replace(TUNED, rollout=16, epochs=4),
+        PAPER_APPO,
+    ),
+    "rllib-impala": Algorithm(
+        "IMPALA of RLlib",
+        RLLIB,
+        ("minibatch", "epochs", "trace", "clip", "divergence"),
+        # Its advantages are not scaled to a deviation of 1, so the entropy weighs more than it does in PPO.
+        replace(TUNED, rollout=5, learning_rate=2e-3, entropy=3e-4),
+        PAPER_IMPALA,
+    ),
 }

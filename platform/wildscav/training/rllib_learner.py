@@ -1,28 +1,19 @@
-"""PPO of RLlib as a learner of ``wildscav train``."""
+"""The algorithms of RLlib as learners of ``wildscav train``."""
 
 import time
 from collections.abc import Mapping
 from typing import Any
 
 import torch
-from ray.rllib.algorithms.ppo import PPOConfig
 from ray.rllib.core import DEFAULT_MODULE_ID
-from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
 from torch import nn
 
 from wildscav.training.curriculum import Curriculum
 from wildscav.training.environment import mean_of
 from wildscav.training.learner_rows import LearnerRows, successes
-from wildscav.training.rllib_env import ENTRY, share_of
+from wildscav.training.rllib_config import DELAYED, config_of, figures_of
+from wildscav.training.rllib_env import share_of
 from wildscav.training.settings import TrainingSettings
-
-# What RLlib calls the figures of an update, and what they are called here.
-FIGURES = {
-    "policy_loss": "policy_loss",
-    "vf_loss": "value_loss",
-    "entropy": "entropy",
-    "mean_kl_loss": "divergence",
-}
 
 
 class RllibLearner:
@@ -41,11 +32,11 @@ class RllibLearner:
         Raises:
             UserError: The environment cannot be made, or is not one that the algorithm learns.
         """
-        self.settings, self._given = settings, settings.hyperparameters
+        self.settings = settings
         self.curriculum = Curriculum(settings.curriculum)
         self._shared = share_of(settings, settings.workers)
         self._played = LearnerRows(self._shared, self.curriculum.start_range).count  # it also checks options
-        self._rollout = self._played * max(1, settings.workers) * self._given.rollout
+        self._rollout = self._played * max(1, settings.workers) * settings.hyperparameters.rollout
         self.total = max(1, -(-settings.steps // self._rollout))
         self.steps = self._before = 0  # the latter when this process began
         self.worker_seconds = 0.0
@@ -75,41 +66,8 @@ class RllibLearner:
         return self._algorithm.learner_group.foreach_learner(lambda one: one).result_or_errors[0].get()
 
     def _build(self) -> None:
-        """Create RLlib's algorithm; its learning rate falls over the steps that are left."""
-        given, left = self._given, max(1, self.settings.steps - self.steps)
-        rate = given.learning_rate
-        now = rate * max(0.0, 1.0 - self.steps / self.settings.steps)
-        config: Any = PPOConfig()
-        config.environment(ENTRY, env_config={"settings": self._shared}, disable_env_checking=True)
-        config.env_runners(
-            num_env_runners=self.settings.workers,
-            num_envs_per_env_runner=self._played,
-            gym_env_vectorize_mode="vector_entry_point",
-            rollout_fragment_length=given.rollout,
-        )
-        config.learners(num_learners=0, num_gpus_per_learner=0)
-        config.rl_module(
-            model_config=DefaultModelConfig(
-                fcnet_hiddens=list(given.layers), fcnet_activation="tanh", vf_share_layers=False
-            )
-        )
-        config.debugging(seed=self.settings.seed, log_level="ERROR")
-        config.reporting(min_time_s_per_iteration=0, min_sample_timesteps_per_iteration=self._rollout)
-        config.training(
-            lr=[[0, now], [left, 0.0]] if given.anneal else rate,
-            gamma=given.discount,
-            train_batch_size_per_learner=self._rollout,
-            entropy_coeff=given.entropy,
-            vf_loss_coeff=given.value,
-            grad_clip=given.gradient_norm,
-            grad_clip_by="global_norm",
-            lambda_=given.trace,
-            clip_param=given.clip,
-            minibatch_size=min(given.minibatch, self._rollout),
-            num_epochs=given.epochs,
-            use_kl_loss=given.divergence > 0.0,
-            kl_coeff=given.divergence,
-        )
+        """Create RLlib's algorithm."""
+        config = config_of(self.settings, self._shared, self._played, self._rollout, self.steps)
         self._algorithm = config.build_algo()
         self._begin_stage()
 
@@ -139,11 +97,11 @@ class RllibLearner:
         self.steps = self._before + int(result["env_runners"]["num_env_steps_sampled_lifetime"])
         self.curriculum.record(successes(ended))
         learned = result.get("learners", {}).get(DEFAULT_MODULE_ID, {})
-        figures = mean_of(ended) | {
-            ours: float(learned[name]) for name, ours in FIGURES.items() if name in learned
-        }
+        figures = mean_of(ended) | figures_of(learned)
         spent = time.process_time() + self.worker_seconds - started
         figures["steps_per_cpu_second"] = (self.steps - before) / spent
+        if self.settings.algorithm in DELAYED:
+            self._synchronize()
         if self.curriculum.advance():
             self._begin_stage()
         return {**figures, "stage": float(self.curriculum.stage)}

@@ -28,6 +28,12 @@ def test_the_preset_paper_has_the_numbers_of_the_papers_table_of_a3c() -> None:
     assert (paper.learning_rate, paper.rollout, paper.entropy, paper.value) == (1e-4, 400, 0.01, 0.5)
 
 
+def test_the_preset_paper_has_the_numbers_of_the_papers_table_of_impala() -> None:
+    paper, _ = preset_settings("paper", "navigation", {}, "rllib-impala")
+    assert paper.matches * paper.rollout == 32_000
+    assert (paper.learning_rate, paper.rollout, paper.entropy, paper.value) == (5e-4, 400, 0.01, 0.5)
+
+
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_an_algorithm_has_the_hyperparameters_that_it_says(algorithm: str) -> None:
     known = ALGORITHMS[algorithm].known
