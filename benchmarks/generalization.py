@@ -15,13 +15,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import torch
 import typer
 from paper import FRAMES, TIME_LIMIT
-from paper_curves import reach_of
 from result_files import add, numbers, results_in
 
 from wildscav.training.evaluation import play_episodes
@@ -31,6 +30,8 @@ from wildscav.training.settings import TrainingSettings, preset_settings
 RESULTS = Path(__file__).parent / "results" / "generalization"
 LEVELS, COUNTS = ("normal", "hard"), (1, 10, 100, 1000)
 STEPS, EPISODES, TEST_MAPS = 200_000, 100, 100
+RESAMPLES = 2000
+SCORES = {"success": ("targets reached, %", 100.0), "spl": ("SPL", 1.0)}  # with the best value
 TITLES = {"train": "maps of training", "test": "unseen maps"}
 
 
@@ -46,7 +47,7 @@ def scores(policy: Any, settings: TrainingSettings, split: str) -> dict[str, lis
     maps = settings.options["random_maps"] if split == "train" else TEST_MAPS
     with_spl = replace(settings, options={**settings.options, "random_maps": maps, "all_metrics": True})
     names, found = play_episodes(policy, with_spl, EPISODES, split, "sampled")
-    return {name: np.round(found[:, names.index(name)], 4).tolist() for name in ("success", "spl")}
+    return {name: np.round(found[:, names.index(name)], 4).tolist() for name in SCORES}
 
 
 def trained(settings: TrainingSettings) -> dict[str, Any]:
@@ -66,12 +67,22 @@ def trained(settings: TrainingSettings) -> dict[str, Any]:
     }
 
 
-def interval(runs: Sequence[Mapping[str, Any]], split: str, name: str) -> tuple[float, float]:
-    """Return the mean over the seeds, and half of its 95 % interval (Student's t)."""
-    means = [statistics.fmean(run["scores"][split][name]) for run in runs]
-    if len(means) == 1:
-        return means[0], 0.0
-    return statistics.fmean(means), reach_of(means)
+class Mean(NamedTuple):
+    """A mean with its 95 % interval."""
+
+    middle: float
+    low: float
+    high: float
+
+
+def mean_of(runs: Sequence[Mapping[str, Any]], split: str, name: str) -> Mean:
+    """Return the mean of a score; the interval is a bootstrap of the seeds, and of the episodes of each."""
+    scores = np.array([run["scores"][split][name] for run in runs])  # (R, E)
+    random, (count, episodes) = np.random.default_rng(0), scores.shape
+    runs_drawn = random.integers(count, size=(RESAMPLES, count, 1))
+    drawn = scores[runs_drawn, random.integers(episodes, size=(RESAMPLES, count, episodes))]
+    low, high = np.percentile(drawn.mean(axis=(1, 2)), (2.5, 97.5))
+    return Mean(float(scores.mean()), float(low), float(high))
 
 
 def table(results: Sequence[Any]) -> str:
@@ -81,9 +92,9 @@ def table(results: Sequence[Any]) -> str:
     for level, maps, runs in grouped(results):
         cells = []
         for split in TITLES:
-            middle, reach = interval(runs, split, "success")
-            cells.append(f"{100.0 * middle:.1f} ± {100.0 * reach:.1f} %")
-            cells.append("{:.2f} ± {:.2f}".format(*interval(runs, split, "spl")))
+            success, spl = (mean_of(runs, split, name) for name in SCORES)
+            cells.append("{:.0f} % ({:.0f}–{:.0f})".format(*(100.0 * value for value in success)))
+            cells.append("{:.2f} ({:.2f}–{:.2f})".format(*spl))
         seconds = statistics.fmean(run["cpu_seconds"] for run in runs)
         rows.append(f"| {level} | {maps:,} | {len(runs)} | {' | '.join(cells)} | {seconds:.0f} |\n")
     return "".join(rows)
@@ -100,26 +111,33 @@ def grouped(results: Sequence[Any]) -> list[tuple[str, int, list[Any]]]:
 
 
 def draw(results: Sequence[Any], picture: Path) -> None:
-    """Draw success on maps of training and on unseen ones over the number of maps, with 95 % intervals."""
+    """Draw the scores on maps of training and on unseen ones over the number of maps, with 95 % intervals."""
     from matplotlib import pyplot as plt
 
-    figure, grid = plt.subplots(1, len(LEVELS), figsize=(7.5, 3.0), sharey=True, layout="constrained")
-    for level, axes in zip(LEVELS, grid, strict=True):
-        groups = [(maps, runs) for name, maps, runs in grouped(results) if name == level]
-        for split, title in TITLES.items():
-            points = [interval(runs, split, "success") for _, runs in groups]
-            middles, reaches = (100.0 * np.array(column) for column in zip(*points, strict=True))
-            where = [maps for maps, _ in groups]
-            axes.plot(where, middles, marker="o", markersize=4, label=title)
-            axes.fill_between(where, middles - reaches, np.minimum(middles + reaches, 100.0), alpha=0.2)
-        axes.set_xscale("log")
-        axes.set_xlabel("maps of training")
-        axes.set_title(f"level {level}", fontsize=10)
-        axes.set_ylim(0, 103)
-        axes.grid(alpha=0.3)
-    grid[0].set_ylabel("targets reached, %")
-    grid[0].legend(loc="lower right", fontsize=8, frameon=False)
+    shape = {"figsize": (7.5, 5.0), "sharex": True, "sharey": "row", "layout": "constrained"}
+    figure, grid = plt.subplots(len(SCORES), len(LEVELS), **shape)
+    for row, (name, (title, best)) in zip(grid, SCORES.items(), strict=True):
+        for level, axes in zip(LEVELS, row, strict=True):
+            _draw_score(axes, [group for group in grouped(results) if group[0] == level], name, best)
+            axes.set_ylim(0, 1.03 * best)
+            axes.grid(alpha=0.3)
+        row[0].set_ylabel(title)
+    for level, top, bottom in zip(LEVELS, grid[0], grid[-1], strict=True):
+        top.set_title(f"level {level}", fontsize=10)
+        bottom.set_xlabel("maps of training")
+    grid[0, 0].legend(loc="lower right", fontsize=8, frameon=False)
     figure.savefig(picture, dpi=110)
+
+
+def _draw_score(axes: Any, groups: Sequence[tuple[str, int, Any]], name: str, best: float) -> None:
+    """Draw a score of a level, in units of which the best is ``best``, with a line for each split."""
+    for split, title in TITLES.items():
+        means = [mean_of(runs, split, name) for _, _, runs in groups]
+        middle, low, high = (best * np.array(column) for column in zip(*means, strict=True))
+        where = [maps for _, maps, _ in groups]
+        axes.plot(where, middle, marker="o", markersize=4, label=title)
+        axes.fill_between(where, low, high, alpha=0.2)
+    axes.set_xscale("log")
 
 
 def main(
