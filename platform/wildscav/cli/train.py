@@ -67,6 +67,13 @@ EasyFirst = Annotated[
     bool,
     typer.Option("--easy-first", help="Robots among them begin at the level easy, and rise as they lose."),
 ]
+StartFrom = Annotated[
+    Path | None,
+    typer.Option(
+        help="Weights to start from: the policy.npz of another run with the same observations, actions and "
+        "layers, or of a clone."
+    ),
+]
 Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=1, max=10**12)]
 Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
 Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MOST_SEEDS)]
@@ -101,6 +108,7 @@ def train(
     opponents: Opponents = None,
     opponent_seats: OpponentSeats = None,
     easy_first: EasyFirst = False,
+    start_from: StartFrom = None,
     steps: Steps = 100_000,
     seed: Seed = 0,
     seeds: Seeds = 1,
@@ -120,7 +128,7 @@ def train(
     options = _environment(level, map_number, option)
     first = _settings(algorithm, preset, track, options, changes, curriculum, steps, seed)
     first = _opposed(first, opponents, opponent_seats, easy_first=easy_first)
-    first = _spread(first, workers, address)
+    first = _started(_spread(first, workers, address), start_from)
     runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
     _check_folders(out, submission, resume=resume)
     results = _train_all(runs, out, episodes, min(at_once, seeds), resume=resume)
@@ -215,6 +223,22 @@ def _opposed(
         raise UserError("--opponents and --option opponents=… are both given: take one", exit_code=2)
     found = read_opposition(names, settings.track, settings.options, seats, easy_first=easy_first)
     return replace(settings, opposition=found)
+
+
+def _started(settings: "TrainingSettings", path: Path | None) -> "TrainingSettings":
+    """Return the settings of a run that starts from weights, if a file is given.
+
+    Raises:
+        UserError: It is not one of weights, or the algorithm always starts from nothing.
+    """
+    from wildscav.training.algorithms import ALGORITHMS, OURS
+    from wildscav.training.start import read_start
+
+    if path is None:
+        return settings
+    if ALGORITHMS[settings.algorithm].library != OURS:
+        raise UserError(f"--start-from is for --algorithm ppo, not for {settings.algorithm}", exit_code=2)
+    return replace(settings, start=read_start(path))
 
 
 def _spread(settings: "TrainingSettings", workers: int, address: str | None) -> "TrainingSettings":

@@ -20,9 +20,11 @@ from wildscav.training.curriculum import Curriculum
 from wildscav.training.environment import APART, ROOM, make_env, mean_of, sizes_of
 from wildscav.training.self_play import SelfPlay
 from wildscav.training.settings import TrainingSettings
+from wildscav.training.start import put_layers
 from wildscav_engine.envs.batched import BatchedArena, Outcome
 
 DIVERGENCE = 0.01  # of a policy from the one before, wished for where its weight is not 0
+VALUE_FIRST = 10  # rollouts in which only the value learns, if the policy starts from another one
 
 
 class Rollout(NamedTuple):
@@ -154,6 +156,8 @@ class PPO:
         inputs, hidden = int(self.env.single_observation_space.shape[0]), self._given.layers  # type: ignore[index]
         self.policy = make_network(inputs, hidden, sum(self.choices.sizes), gain=0.01)
         self.value = make_network(inputs, hidden, 1, gain=1.0)
+        if settings.start is not None:
+            put_layers(settings.start.layers(), self.policy)
         self.opponents.begin(self.policy, self.choices.draw, self.env.single_action_space.shape or ())
         self._weights = [*self.policy.parameters(), *self.value.parameters()]
         self._adam = torch.optim.Adam(self._weights, lr=self._given.learning_rate, eps=1e-5)
@@ -276,10 +280,16 @@ class PPO:
         policy = -torch.minimum(ratio * gain, bounded * gain).mean()
         value = (self.value(seen).squeeze(-1) - wanted).square().mean()
         entropy, divergence = entropy_of(now).mean(), divergence_of(list(before), now).mean()
-        loss = policy + self._given.value * value - self._given.entropy * entropy
-        loss = loss + self._divergence * divergence if self._divergence else loss
+        loss = self._given.value * value
+        if not self._is_policy_kept:
+            loss = loss + policy - self._given.entropy * entropy + self._divergence * divergence
         figures = {"policy_loss": policy, "value_loss": value, "entropy": entropy, "divergence": divergence}
         return loss, {name: float(figure.detach()) for name, figure in figures.items()}
+
+    @property
+    def _is_policy_kept(self) -> bool:
+        """Whether only the value learns: judged by a value that knows nothing, a good policy gets worse."""
+        return self.settings.start is not None and self.rollouts < VALUE_FIRST
 
     def _adapt(self, divergence: float) -> None:
         """Weight the divergence more where it was large, and less where it was small; 0 stays 0."""

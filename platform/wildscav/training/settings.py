@@ -9,6 +9,7 @@ from wildscav.terminal.suggestions import did_you_mean
 from wildscav.training.algorithms import ALGORITHMS
 from wildscav.training.hyperparameters import Hyperparameters
 from wildscav.training.opposition import Opposition
+from wildscav.training.start import Start
 
 MODES = ("multidiscrete", "fine", "baseline")  # the action modes that can be learned
 
@@ -42,17 +43,19 @@ class TrainingSettings:
     curriculum: tuple[float, ...] = ()  # m, the start range of each stage but the last, which has none
     algorithm: str = "ppo"
     opposition: Opposition | None = None  # None: the opponents in the options
+    start: Start | None = None  # None: the policy knows nothing
     workers: int = 0  # processes of Ray that play; 0: the one that learns does. Not part of what a run is
     address: str | None = None  # of a Ray cluster; None: this machine alone. Not part of what a run is
 
     def as_json(self) -> dict[str, Any]:
         """Return the settings as values for JSON."""
         own = {**asdict(self), "curriculum": list(self.curriculum), "options": dict(self.options)}
-        for name in ("opposition", "workers", "address"):
+        for name in ("opposition", "start", "workers", "address"):
             del own[name]
         numbers = asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
         opposition = {} if self.opposition is None else {"opposition": self.opposition.as_json()}
-        return {**own, "hyperparameters": numbers, **opposition}
+        start = {} if self.start is None else {"start": self.start.as_json()}
+        return {**own, "hyperparameters": numbers, **opposition, **start}
 
 
 def preset_settings(
