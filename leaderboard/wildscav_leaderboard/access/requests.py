@@ -23,6 +23,7 @@ from wildscav_leaderboard.accounts.service import (
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, UnknownCallerError
+from wildscav_leaderboard.spectating.render_cache import RenderCache
 
 COOKIE, SECURE_COOKIE = "wildscav", "__Host-wildscav"  # the second where there is TLS
 
@@ -54,8 +55,15 @@ def reading(database: Annotated[Database, Depends(database_of)]) -> Iterator[Ses
         yield session
 
 
+async def renders_of(request: Request) -> RenderCache:
+    """Return the cache of files that are rendered from records."""
+    renders: RenderCache = request.app.state.renders
+    return renders
+
+
 CurrentSeason = Annotated[Season, Depends(season_of)]
 CurrentDatabase = Annotated[Database, Depends(database_of)]
+Renders = Annotated[RenderCache, Depends(renders_of)]
 Now = Annotated[datetime, Depends(present)]
 Reading = Annotated[Session, Depends(reading)]
 Bearer = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]

@@ -1,25 +1,31 @@
 """Routes of matches, and of what can be seen of them."""
 
-from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, KnownProgram, Now, Reading
+from wildscav_leaderboard.access.requests import (
+    AnyProgram,
+    CurrentSeason,
+    KnownProgram,
+    Now,
+    Reading,
+    Renders,
+)
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.api.submissions import shown_log
 from wildscav_leaderboard.matches.listing import MOST, list_matches
 from wildscav_leaderboard.matches.models import PLAYING, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.records import path_of_record, record_path
 from wildscav_leaderboard.matches.service import find_match
 from wildscav_leaderboard.matches.visibility import hidden_why, live_hidden_why, twin_of
 from wildscav_leaderboard.presentation.documents import REFUSALS, MatchList, MatchView
 from wildscav_leaderboard.presentation.matches import match_views
-from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
-from wildscav_leaderboard.spectating.render_cache import Progress, RenderCache
+from wildscav_leaderboard.spectating.render_cache import Progress
 from wildscav_leaderboard.spectating.responses import NO_STORE, file_response, progress_response
 from wildscav_leaderboard.submissions.listing import is_own
 from wildscav_leaderboard.submissions.models import Submission
@@ -31,15 +37,6 @@ RENDERED: dict[int | str, dict[str, Any]] = {
     503: {"description": "It could not be rendered."},
 }
 KEPT = {"Cache-Control": "public, max-age=86400, immutable"}  # a match that is over never changes
-
-
-def renders_of(request: Request) -> RenderCache:
-    """Return the cache of rendered files."""
-    renders: RenderCache = request.app.state.renders
-    return renders
-
-
-Renders = Annotated[RenderCache, Depends(renders_of)]
 
 
 @router.get("/matches")
@@ -111,7 +108,7 @@ def overview(
     found = find_match(session, match)
     twin = twin_of(session, found)
     if twin is not None and not live_hidden_why(session, found):  # its record will be of the same map
-        match, path = twin.id, _path_of_record(session, season, twin.id)
+        match, path = twin.id, path_of_record(session, season, twin.id)
     else:
         path = record_path(session, season, match, caller)
     return file_response("overview", renders.progress("overview", str(match), path, now))
@@ -135,27 +132,31 @@ def replay_file(
     return file_response("replay", renders.progress("replay", str(match), path, now))
 
 
-def record_path(session: Session, season: Season, number: int, caller: Caller | None) -> Path:
-    """Return the path of a match's record, if the caller may see it.
-
-    Raises:
-        NotFoundError: There is no such match, or its record is gone.
-        ForbiddenError: It is hidden.
-    """
-    why = hidden_why(session, find_match(session, number))
-    if why and not (caller is not None and caller.is_organizer):
-        raise ForbiddenError(why)
-    return _path_of_record(session, season, number)
+@router.get("/matches/{match}/poster.jpg", responses=RENDERED)
+def poster(
+    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+) -> Response:
+    """Return one picture of a match, at the moment that shows most."""
+    path = record_path(session, season, match, caller)
+    return file_response("poster", renders.progress("poster", str(match), path, now))
 
 
-def _path_of_record(session: Session, season: Season, number: int) -> Path:
-    result = session.get(MatchResult, number)
-    if result is None:
-        raise NotFoundError(f"match {number} has no result")
-    path = season.match_folder(number) / str(result.row["record"])
-    if not path.is_file():
-        raise NotFoundError(f"the record of match {number} is no longer in the season's files")
-    return path
+@router.get("/matches/{match}/video", responses=RENDERED)
+def video(
+    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+) -> Response:
+    """Have the video of a match rendered, and return how far it is."""
+    path = record_path(session, season, match, caller)
+    return progress_response(renders.progress("video", str(match), path, now))
+
+
+@router.get("/matches/{match}/video.mp4", responses=RENDERED)
+def video_file(
+    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+) -> Response:
+    """Return the video of a match, or the piece of it that the header Range asks for, once it is rendered."""
+    path = record_path(session, season, match, caller)
+    return file_response("video", renders.progress("video", str(match), path, now))
 
 
 @router.get("/matches/{match}/logs/{seat}", response_class=PlainTextResponse, responses=REFUSALS)

@@ -76,7 +76,7 @@ class Web(_Part):
     key: Path | None = None
     proxies: tuple[str, ...] = ()  # addresses of reverse proxies, whose X-Forwarded headers are believed
     requests_per_minute: Annotated[int, Field(ge=1, le=1_000_000)] = 600  # of one address
-    replays: Annotated[int, Field(ge=1, le=1_000_000)] = 2048  # MiB of rendered replays that are kept
+    replays: Annotated[int, Field(ge=1, le=1_000_000)] = 2048  # MiB of rendered files that are kept
     metrics_port: Annotated[int | None, Field(ge=0, le=65_535)] = None  # on this machine, for Prometheus
 
     @model_validator(mode="after")

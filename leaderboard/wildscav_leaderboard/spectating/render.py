@@ -6,6 +6,7 @@ It prints nothing but, if it fails, one line that says why.
 import gzip
 import os
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,10 +15,13 @@ from wildscav.system.worker_processes import become_worker
 from wildscav_engine.record import RecordError, read_record
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.view import ViewError, write_replay
+from wildscav_leaderboard.spectating.film import write_match_poster, write_match_video
 from wildscav_leaderboard.spectating.overview import overview_of_file
+from wildscav_leaderboard.spectating.render_cache import PROGRESS
 from wildscav_leaderboard.spectating.trails import trails_of_file
 
 NICENESS = 10  # pages are answered first
+TOLD_EVERY = 0.5  # s
 
 
 def render_trails(record: Path, target: Path) -> None:
@@ -36,10 +40,25 @@ def render_replay(record: Path, target: Path) -> None:
     write_replay(read_record(record), target)
 
 
+def render_video(record: Path, target: Path) -> None:
+    """Write the video of a match, and meanwhile how far it is."""
+    told = 0.0
+
+    def report(done: int, count: int) -> None:
+        nonlocal told
+        if time.monotonic() - told >= TOLD_EVERY:
+            told = time.monotonic()
+            write_whole(target.with_name(PROGRESS), str(100 * done // count).encode())
+
+    write_match_video(record, target, report)
+
+
 RENDERERS: dict[str, Callable[[Path, Path], None]] = {
     "trails": render_trails,
     "overview": render_overview,
     "replay": render_replay,
+    "poster": write_match_poster,
+    "video": render_video,
 }
 
 

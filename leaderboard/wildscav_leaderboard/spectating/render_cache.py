@@ -1,9 +1,10 @@
 """Files that pages show of recorded matches, rendered on first request and kept in a folder of bounded size.
 
 They are rendered in processes that do nothing else, as Rerun keeps threads for every recording that a process
-has made. What a page needs at once comes from one process, a replay from another. Of each kind, at most so
-many run at one time, together with those of other servers that share the folder: the name of the match gives
-the slot to render in, and a slot is a locked file. So two requests for one file render it once, too.
+has made. What a page needs at once comes from one process; a replay, a poster and a video come from others.
+Of each kind, at most so many run at one time, together with those of other servers that share the folder: the
+name of the match gives the slot to render in, and a slot is a locked file. So two requests for one file
+render it once, too.
 """
 
 import contextlib
@@ -36,6 +37,7 @@ TIME_LIMIT = 900.0  # s for one process
 MOST_WAITING = 200  # matches
 RETRY_AFTER = timedelta(minutes=5)  # after a failure, a file is rendered again on request
 SLOTS = ".slots"
+PROGRESS = "progress"  # name of a file beside what is rendered, with the share that is done, in percent
 
 State = Literal["waiting", "rendering", "ready", "failed"]
 
@@ -54,6 +56,8 @@ PRODUCTS = {
         Product("trails", f"trails-{TRAILS_VERSION}.json.gz", "page"),
         Product("overview", "overview-1.webp", "page"),
         Product("replay", f"replay-{version('rerun-sdk')}.rrd", "replay"),
+        Product("poster", "poster-1.jpg", "poster"),
+        Product("video", "video-1.mp4", "video"),
     )
 }
 
@@ -73,6 +77,7 @@ class Task:
     state: State = "waiting"
     detail: str = ""
     asked_at: datetime | None = None  # the first request for them
+    place: Path | None = None  # where they are being rendered
 
 
 class RenderCache:
@@ -132,6 +137,14 @@ class RenderCache:
                 task = self._begin(work, key, record, now)
             return Progress(task.state, task.detail or self._what_goes_on(task, name))
 
+    def is_kept(self, product: str, key: str) -> bool:
+        """Return whether a file is ready, without having it rendered or noting that it is used.
+
+        Raises:
+            UserError: There is no such product, or the key is none.
+        """
+        return (self.folder / self.file_name(product, key)).is_file()
+
     def file_name(self, product: str, key: str) -> str:
         """Return the name of a file in the folder.
 
@@ -162,7 +175,8 @@ class RenderCache:
 
     def _what_goes_on(self, task: Task, name: str) -> str:
         if task.state == "rendering":
-            return "The match is being rendered …"
+            share = _share_done(task)
+            return f"The match is being rendered{f': {share} %' if share else ''} …"
         ahead = sum(other.state in ("waiting", "rendering") for other in _before(self._tasks, name))
         return f"Waiting for {counted(ahead, 'other rendering')} …" if ahead else "Waiting …"
 
@@ -178,7 +192,7 @@ class RenderCache:
                     name: place / file for name, file in names.items() if not (self.folder / file).exists()
                 }
                 if wanted:
-                    task.state = "rendering"
+                    task.state, task.place = "rendering", place
                     self._render(record, wanted, lock)
                 for rendered in wanted.values():
                     self._take_in(rendered)
@@ -259,6 +273,14 @@ def _touch(path: Path) -> bool:
     except FileNotFoundError:
         return False
     return True
+
+
+def _share_done(task: Task) -> str:
+    """Return how much of a task is done in percent, if its renderer tells; else an empty text."""
+    try:
+        return "" if task.place is None else (task.place / PROGRESS).read_text("ascii")
+    except FileNotFoundError:
+        return ""
 
 
 def _is_stale(task: Task, now: datetime) -> bool:

@@ -9,12 +9,17 @@ from wildscav_leaderboard.spectating.render_cache import Progress
 STATUS = {"waiting": 202, "rendering": 202, "failed": 503}
 POLL_AFTER = "1"  # s
 NO_STORE = {"Cache-Control": "no-store"}
+# Browsers ask for a video piece by piece, and begin anew if its tag or its time changes. The time of a file
+# in the cache says when it was used last, so a constant one is told.
+LONG_AGO = "Thu, 01 Jan 1970 00:00:00 GMT"
 # A record never changes, and neither does what is rendered from it.
 KEPT = {"Cache-Control": "private, max-age=86400", "X-Content-Type-Options": "nosniff"}
 FORMS: Mapping[str, tuple[str, dict[str, str]]] = {
     "trails": ("application/json", {"Content-Encoding": "gzip"}),
     "overview": ("image/webp", {}),
     "replay": ("application/octet-stream", {}),
+    "poster": ("image/jpeg", {}),
+    "video": ("video/mp4", {}),
 }
 
 
@@ -28,7 +33,8 @@ def file_response(product: str, progress: Progress) -> Response:
     if progress.path is None:
         return progress_response(progress)
     media_type, headers = FORMS[product]
-    return FileResponse(progress.path, media_type=media_type, headers={**KEPT, **headers})
+    tag = {"ETag": f'"{progress.path.name}"', "Last-Modified": LONG_AGO}
+    return FileResponse(progress.path, media_type=media_type, headers={**KEPT, **tag, **headers})
 
 
 def progress_response(progress: Progress) -> Response:

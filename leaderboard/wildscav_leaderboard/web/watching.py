@@ -1,30 +1,47 @@
-"""The pages of matches: how they ended, from above, live, and in 3D."""
+"""The pages of matches: how they ended, from above, live, as a video, and in 3D."""
 
 import json
+from typing import Annotated
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 
 from wildscav_evaluator.output.results import metric_infos
-from wildscav_leaderboard.access.requests import AnyBrowser, Reading
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading, Renders
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING
+from wildscav_leaderboard.matches.records import record_path
 from wildscav_leaderboard.matches.service import find_match
 from wildscav_leaderboard.matches.visibility import live_hidden_why
 from wildscav_leaderboard.presentation.documents import MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
 from wildscav_leaderboard.spectating import rerun_viewer
+from wildscav_leaderboard.spectating.render_cache import Progress
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
 
 
 @router.get("/matches/{number}", response_class=HTMLResponse)
-def match(request: Request, number: int, session: Reading, caller: AnyBrowser) -> HTMLResponse:
+def match(
+    request: Request,
+    number: int,
+    session: Reading,
+    caller: AnyBrowser,
+    season: CurrentSeason,
+    renders: Renders,
+    now: Now,
+    video: Annotated[bool, Query()] = False,  # have it rendered, and show it
+) -> HTMLResponse:
     """Show a match: its result, and how it went."""
     found = find_match(session, number)
     (view,) = match_views(session, [found], caller)
     unwatched = live_hidden_why(session, found)
+    film = None
+    if view.hidden is None and renders.is_kept("video", str(number)):
+        film = Progress("ready", path=renders.folder / renders.file_name("video", str(number)))
+    elif view.hidden is None and video:
+        film = renders.progress("video", str(number), record_path(session, season, number, caller), now)
     return page(
         request,
         "match.html",
@@ -39,6 +56,8 @@ def match(request: Request, number: int, session: Reading, caller: AnyBrowser) -
         visible=view.hidden is None,
         live=found.state == PLAYING and not unwatched,
         unwatched=unwatched,
+        film=film,
+        has_poster=view.hidden is None and renders.is_kept("poster", str(number)),
     )
 
 

@@ -95,6 +95,19 @@ def test_a_match_says_how_to_watch_it_in_every_way(
 ) -> None:
     number = hostile_season.matches["ladder"]
     page = text_of(client, hostile_season, f"/matches/{number}")
-    for way in ("From above", "Watch in 3D", f"wildscav replay match-{number}.wsr"):
+    for way in ("From above", "Watch the video", "Watch in 3D", f"wildscav replay match-{number}.wsr"):
         assert way in page
     assert f"wildscav video match-{number}.wsr --follow" in page
+
+
+def test_where_the_record_is_hidden_so_are_video_and_poster(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    number = hostile_season.matches["suite"]
+    for name in ("video", "video.mp4", "poster.jpg"):
+        answer = client.get(f"/api/v1/matches/{number}/{name}")
+        assert (answer.status_code, "hidden until" in answer.json()["error"]) == (403, True)
+    page = client.get(f"/matches/{number}?video=true").text
+    assert "og:image" not in page
+    assert "<video" not in page
+    assert "Watch the video" not in page

@@ -1,0 +1,66 @@
+// The video of a match: asks for it, says how far it is, and shows it once it is rendered. Its poster is shown at once.
+
+const PAUSE = 1000; // ms between two questions
+const card = document.querySelector(".film");
+const button = card.querySelector("a.button[rel]");
+const status = card.querySelector("[role=status]");
+
+async function progressOf(address) {
+  const answer = await fetch(address).catch(() => null);
+  if (!answer) return { state: "waiting", detail: "The connection is lost; trying again …" };
+  if (answer.headers.get("content-type").startsWith("image/")) return { state: "ready" };
+  return answer.json();
+}
+
+async function untilReady(address, tell) {
+  for (;;) {
+    const { state, detail, error } = await progressOf(address);
+    if (state === "ready") return true;
+    tell(error ?? detail);
+    if (error || state === "failed") return false;
+    await new Promise((resolve) => setTimeout(resolve, PAUSE));
+  }
+}
+
+async function showPoster() {
+  if (!(await untilReady(card.dataset.poster, () => {})) || card.querySelector("video, img")) return;
+  const poster = document.createElement("img");
+  Object.assign(poster, { src: card.dataset.poster, alt: "A moment of the match", width: 1280, height: 720 });
+  card.querySelector("h3").after(poster);
+}
+
+function showVideo() {
+  const video = document.createElement("video");
+  Object.assign(video, { controls: true, playsInline: true, preload: "metadata", poster: card.dataset.poster, src: card.dataset.file });
+  card.querySelector("img")?.remove();
+  card.querySelector("h3").after(video);
+  button.href = card.dataset.file;
+  button.download = card.dataset.name;
+  button.className = "button quiet";
+  button.textContent = "Download the video";
+  status.textContent = "";
+}
+
+async function ask() {
+  button.removeEventListener("click", asked);
+  button.addEventListener("click", stay);
+  button.setAttribute("aria-disabled", "true");
+  if (await untilReady(card.dataset.progress, (text) => (status.textContent = text))) showVideo();
+  button.removeEventListener("click", stay);
+  button.removeAttribute("aria-disabled");
+}
+
+function stay(event) {
+  event.preventDefault();
+}
+
+function asked(event) {
+  event.preventDefault();
+  ask();
+}
+
+if (button) {
+  button.addEventListener("click", asked);
+  showPoster();
+  if ("asked" in card.dataset) ask();
+}

@@ -1,0 +1,139 @@
+"""The video of a match on its page: made on first request, played and downloaded in a real browser."""
+
+import time
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import httpx
+import pytest
+from fastapi import FastAPI
+from fastapi.responses import Response
+from tests.leaderboard.browsers import DESK, chromium
+from tests.leaderboard.filled_season import FilledSeason, fill_season
+from tests.leaderboard.spectating.conftest import SMALL_MAP
+from tests.leaderboard.spectating.served import served
+
+from wildscav_engine.record import write_record
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.spectating.film import LONGEST, pace_of
+from wildscav_leaderboard.spectating.render_cache import RenderCache
+from wildscav_leaderboard.spectating.responses import file_response
+
+PATIENCE = 120.0  # s, on a busy machine
+
+
+class Site(NamedTuple):
+    """A served season, all of whose matches have the record of the same two seconds."""
+
+    filled: FilledSeason
+    client: httpx.Client
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    folder = tmp_path_factory.mktemp("filmed")
+    match = Match(
+        MatchSpec(track="battle", map=SMALL_MAP, seats=("fighter", "fighter"), time_limit=2.0, seed=3)
+    )
+    match.play_out()
+    write_record(folder / "match.wsr", match, ["night-owl", "fighter"])
+    filled = fill_season(folder, record=folder / "match.wsr")
+    app = create_app(filled.season, filled.database)
+    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
+        yield Site(filled, client)
+    app.state.renders.close()
+    filled.database.close()
+
+
+@pytest.mark.slow
+def test_a_visitor_has_the_video_made_watches_it_and_finds_it_again(site: Site) -> None:
+    number = site.filled.matches["ladder"]
+    address = f"{site.client.base_url}/matches/{number}".replace("//matches", "/matches")
+    with chromium() as browser:
+        page = browser.new_page(viewport=DESK)
+        faults: list[str] = []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(address)
+        assert page.locator("video").count() == 0  # nothing is made that nobody asks for
+        page.get_by_role("link", name="Watch the video").click()
+        page.wait_for_selector("video", timeout=PATIENCE * 1000)
+        assert seconds_played(page) > 0.5
+        with page.expect_download() as started:
+            page.get_by_role("link", name="Download the video").click()
+        assert started.value.suggested_filename == f"match-{number}.mp4"
+        assert Path(started.value.path()).read_bytes()[4:8] == b"ftyp"
+        assert faults == []
+    with chromium() as browser:
+        page = browser.new_context(java_script_enabled=False).new_page()
+        page.goto(address)
+        assert page.locator("video").get_attribute("src").endswith("/video.mp4")  # without scripts, too
+
+    poster = wait_for(site.client, f"/api/v1/matches/{number}/poster.jpg")  # the browser has asked for it
+    assert poster.content[:3] == b"\xff\xd8\xff"
+    assert f"/api/v1/matches/{number}/poster.jpg" in meta_of(site.client.get(address).text, "og:image")
+
+
+def seconds_played(page: Any) -> float:
+    """Play the video of a page for some time; return how far it comes, s."""
+    played: float = page.evaluate(
+        """async () => {
+            const video = document.querySelector("video");
+            video.muted = true;
+            await video.play();
+            while (video.currentTime < 0.6 && !video.ended) await new Promise((go) => setTimeout(go, 50));
+            return video.error ? -1 : video.currentTime;
+        }"""
+    )
+    return played
+
+
+def wait_for(client: httpx.Client, path: str) -> httpx.Response:
+    end = time.monotonic() + PATIENCE
+    while (answer := client.get(path)).status_code == 202:
+        assert time.monotonic() < end
+        time.sleep(0.1)
+    assert answer.status_code == 200, answer.text
+    return answer
+
+
+def meta_of(page: str, name: str) -> str:
+    """Return the content of a page's meta tag."""
+    return page.partition(f'<meta property="{name}" content="')[2].partition('"')[0]
+
+
+def test_a_video_is_sent_in_pieces_even_while_it_is_used(tmp_path: Path) -> None:
+    """Safari plays none from a server that does not do so."""
+    with RenderCache(tmp_path) as cache:
+        (tmp_path / cache.file_name("video", "1")).write_bytes(b"0123456789")
+        app = FastAPI()
+
+        @app.get("/video.mp4")
+        def video() -> Response:
+            return file_response("video", cache.progress("video", "1", Path("gone.wsr"), datetime.now(UTC)))
+
+        with served(app) as address, httpx.Client(base_url=address) as client:
+            first = client.get("/video.mp4", headers={"Range": "bytes=0-1"})
+            time.sleep(0.01)
+            rest = {"Range": "bytes=2-", "If-Range": first.headers["etag"]}
+
+            assert first.status_code == 206
+            assert (first.content, first.headers["content-range"]) == (b"01", "bytes 0-1/10")
+            assert client.get("/video.mp4", headers=rest).content == b"23456789"
+            assert client.get("/video.mp4", headers={"Range": "bytes=10-"}).status_code == 416
+            assert client.get("/video.mp4").headers["content-type"] == "video/mp4"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "speed"),
+    [
+        (30.0, 1.0),  # in its own time
+        (LONGEST, 1.0),
+        (2.0 * LONGEST, 2.0),  # twice as fast
+    ],
+)
+def test_no_video_is_longer_than_its_bound(seconds: float, speed: float) -> None:
+    assert pace_of(seconds).speed == speed
